@@ -1,0 +1,1 @@
+"""How environmental and human feedback become one choice (Eqs. 2-5 of the paper)."""

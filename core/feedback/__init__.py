@@ -1,0 +1,1 @@
+"""Human feedback: where it comes from and which steps it is about."""

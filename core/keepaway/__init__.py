@@ -1,0 +1,1 @@
+"""Keepaway soccer: a simulator of the RoboCup subtask, in compiled kernels."""

@@ -1,0 +1,1 @@
+"""Learners: arrays in, policies out; none of them knows a game."""

@@ -1,0 +1,1 @@
+"""Recordings: schema, writer, reader, verification, importers."""

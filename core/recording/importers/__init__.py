@@ -1,0 +1,1 @@
+"""Turn other programs' logs into our recordings."""

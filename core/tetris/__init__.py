@@ -1,0 +1,1 @@
+"""Tetris: pieces, board kernels, features, primitive actions, compiled play."""

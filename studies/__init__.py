@@ -1,0 +1,1 @@
+"""Measures with core, writes files, draws. Never a screen."""

@@ -1,0 +1,1 @@
+"""The reaction-time study: protocol, fit, report."""
