@@ -1,0 +1,80 @@
+"""The contract between a domain and everything that learns in it.
+
+A domain is a pure description: it holds no state, draws no hidden randomness and reads no clock. States are
+immutable; every random outcome of an episode follows from the episode's seed.
+"""
+
+from dataclasses import dataclass
+from typing import Generic, Protocol, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+State = TypeVar("State")
+
+
+@dataclass(frozen=True, slots=True)
+class Transition(Generic[State]):
+    """What one action led to."""
+
+    next_state: State
+    reward: float
+    """Environmental reward of the step (Tetris: lines cleared; Keepaway: seconds of possession)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Choices:
+    """What an agent sees when it has to choose among n actions (n >= 1)."""
+
+    features: NDArray[np.float64]
+    """phi(s, a) of the environment's learner, shape (n, n_features)."""
+    feedback_features: NDArray[np.float64]
+    """psi(s, a) of the human reward model, shape (n, n_feedback_features)."""
+    ruled_out: NDArray[np.bool_]
+    """Actions whose value is -inf whatever the weights (a placement that ends the game), shape (n,)."""
+
+    def __post_init__(self) -> None:
+        n_actions = len(self.features)
+        if n_actions == 0:
+            raise ValueError("a decision needs at least one action; a state without actions is terminal")
+        if len(self.feedback_features) != n_actions or self.ruled_out.shape != (n_actions,):
+            raise ValueError(
+                f"need one row per action: {n_actions} rows of features, "
+                f"{len(self.feedback_features)} of feedback features, ruled_out of shape {self.ruled_out.shape}"
+            )
+
+
+class Domain(Protocol[State]):
+    """A task with episodes: the one interface that rollouts, replays and contract tests know."""
+
+    name: str
+
+    @property
+    def feature_names(self) -> tuple[str, ...]:
+        """Names of the columns of `Choices.features`."""
+        ...
+
+    @property
+    def feedback_feature_names(self) -> tuple[str, ...]:
+        """Names of the columns of `Choices.feedback_features`."""
+        ...
+
+    def initial(self, episode_seed: int) -> State:
+        """Return the first state of the episode with this seed (>= 0)."""
+        ...
+
+    def terminal(self, state: State) -> bool:
+        """Return whether the episode has ended in `state`."""
+        ...
+
+    def choices(self, state: State) -> Choices:
+        """Describe the actions of a state that is not terminal."""
+        ...
+
+    def transition(self, state: State, action: int) -> Transition[State]:
+        """Return where `action`, an index into the rows of `choices(state)`, leads. `state` stays as it was."""
+        ...
+
+    def performance(self, state: State) -> float:
+        """Return the performance measure pm of the episode up to `state`, >= 0 (Tetris: lines cleared)."""
+        ...
