@@ -8,7 +8,7 @@ import os
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -28,14 +28,13 @@ def _cache_folder() -> str:
 # Before numba is imported: it reads the variable once (and refuses to cache in a read-only installation).
 os.environ.setdefault("NUMBA_CACHE_DIR", _cache_folder())
 
-import numba  # noqa: E402
+import numba
 
 
 def kernel(function: Function) -> Function:
     """Compile `function` on its first call; released GIL, cached on disk, no fast-math."""
-    compiled: Function = numba.njit(cache=True, nogil=True)(function)
-    return compiled
+    return cast(Function, numba.njit(cache=True, nogil=True)(function))
 
 
-JIT_DISABLED: bool = bool(numba.config.DISABLE_JIT)
+JIT_DISABLED: bool = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
 """True under NUMBA_DISABLE_JIT=1, where kernels run as plain Python."""

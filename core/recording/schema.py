@@ -1,0 +1,75 @@
+"""The lines of a recording: one header, events in the order in which they happened, one end line.
+
+A recording is a text file of JSON objects, one per line. Every line ends with the field `chain`, the first 16
+hex digits of the running SHA-256 over all lines so far (without their chains): an edited, lost or exchanged
+line is noticed, and where. The format is described for readers of other languages in `recordings/README.md`.
+"""
+
+from collections.abc import Mapping
+from typing import Any, Literal
+
+import msgspec
+
+from core.episode import Event, Record
+
+FORMAT: Literal["arl-recording"] = "arl-recording"
+VERSION = 1
+
+
+class Header(Record, frozen=True, kw_only=True, omit_defaults=False, tag="header"):
+    """First line: what was run, by which program, with whom, on which terminal."""
+
+    format: Literal["arl-recording"] = FORMAT
+    version: int = VERSION
+    origin: Literal["live", "simulated", "imported"]
+    created_utc: str
+    """Wall time at the start, ISO 8601: the only wall time in the file."""
+    clock: str
+    """Name of the clock behind all `_ns` fields."""
+    clock_resolution_ns: int
+    started_ns: int
+    """That clock's time at `created_utc`."""
+    participant: str
+    """Pseudonym; never a name."""
+    root_seed: int
+    protocol: dict[str, Any]
+    """The whole configuration, see `core.protocol.Protocol`."""
+    software: dict[str, str]
+    """Versions of this program, its commit, Python and the libraries that numbers depend on."""
+    terminal: dict[str, str] = msgspec.field(default_factory=dict)
+    """Facts about the terminal: TERM, size, multiplexer, connection."""
+    departures: list[str] = msgspec.field(default_factory=list)
+    """Where this configuration departs from the paper, in words."""
+    source: dict[str, str] = msgspec.field(default_factory=dict)
+    """Where an imported recording comes from; what a resumed one continues."""
+
+    def __post_init__(self) -> None:
+        if self.version != VERSION:
+            raise ValueError(f"version {self.version} of the format; this program reads version {VERSION}")
+
+
+class End(Record, frozen=True, kw_only=True, tag="end"):
+    """Last line of a session that was closed properly."""
+
+    events: int
+    """Number of lines between the header and this one."""
+
+
+Line = Header | Event | End
+
+DURABLE = frozenset(
+    {"KeyPressed", "PressRetracted", "EpisodeEnded", "UnseenPlayed", "StopAsked", "SessionEnded", "End"}
+)
+"""Records that are forced to the disk at once; the others are on their way to it."""
+
+
+def encode(line: Line) -> bytes:
+    """Return a line as JSON, without chain and newline."""
+    return msgspec.json.encode(line)
+
+
+def to_plain(value: object) -> dict[str, Any]:
+    """Return a configuration as plain JSON types, for `Header.protocol`."""
+    plain = msgspec.to_builtins(value)
+    assert isinstance(plain, Mapping)
+    return dict(plain)
