@@ -1,0 +1,346 @@
+"""Turn the Tetris logs of Knox's TAMER program into our recordings.
+
+The format, in our words (it is the program's own, written 2009-2015): line 1 is a parameter string; then one line
+per step with eight fields separated by colons,
+
+    cells and state : - : macro action : - : reward : [{value @ t}, ...] : training : step start
+
+a blank line between episodes, and `finished` at the end. Three things must be put right:
+
+* the reward of a row belongs to the action of the row before;
+* the presses of a row were made during the step of the row before; those of a terminal row (`[]:[]:...`) are
+  written a second time on the first row of the next episode, with the identical time;
+* presses are not always in the order of their times.
+
+The times are kept as they are, pauses included. Knox's agent chose among all placements it could steer a piece to,
+so boards are recorded as they were seen (`StepTaken.observed`) rather than as our rules would make them.
+"""
+
+import bisect
+import hashlib
+import itertools
+import json
+import math
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import msgspec
+
+from core.clock import NS_PER_S, wall_time_utc
+from core.episode import EpisodeEnded, EpisodeStarted, Event, FrameShown, KeyPressed, SessionEnded, StepTaken
+from core.recording.recorder import LineWriter
+from core.recording.schema import Header
+
+ROWS, COLUMNS = 20, 10
+N_CELLS = ROWS * COLUMNS
+N_STATE = 7
+"""Integers behind the cells: block mobile, piece, rotation, x, y, columns, rows."""
+
+KEYS = {1.0: "/", -1.0: "z", 10.0: "?", -10.0: "Z"}
+"""The keys that TAMER's Tetris gave to each feedback value."""
+
+_PRESSES = re.compile(r"\[(\{[^{}]*\}(, \{[^{}]*\})*)?\]")
+_PRESS = re.compile(r"\{(-?\d+(?:\.\d+)?) @ (\d+(?:\.\d+)?)\}")
+
+
+class TamerLogError(ValueError):
+    """A line of a TAMER log cannot be understood; the message names file and line."""
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One line of the log, read but not yet put right."""
+
+    line: int
+    """Line number in the file, from 1."""
+    board: tuple[int, ...]
+    """Column bitboards, bit r = row r from the bottom; empty on a terminal row."""
+    piece: int
+    """Id of the falling piece (TAMER's ids are ours); -1 on a terminal row."""
+    reward: float
+    presses: tuple[tuple[int, float], ...]
+    """(time in ns, value) as listed on this row."""
+    training: bool
+    start_ns: int
+
+    @property
+    def terminal(self) -> bool:
+        """Whether the row only closes its episode."""
+        return self.piece < 0
+
+
+@dataclass(frozen=True, slots=True)
+class ImportReport:
+    """What was found and what was mended."""
+
+    episodes: int
+    placements: int
+    presses: int
+    duplicate_presses: int
+    """Presses that were listed a second time and dropped."""
+    out_of_order: int
+    """Presses that stood behind a later one in the file."""
+    longest_step_s: float
+    """The longest time a step was on screen: a pause in the session shows here."""
+
+
+def import_tamer_log(source: Path, target: Path, *, participant: str | None = None) -> ImportReport:
+    """Write the recording of a TAMER Tetris log.
+
+    Args:
+        source: the log.
+        target: the recording to write; must not exist.
+        participant: pseudonym for the header; the file's stem where None.
+
+    Raises:
+        TamerLogError: a line cannot be understood (file, line number and reason).
+        FileExistsError: there is a file at `target` already.
+    """
+    content = source.read_bytes()
+    parameters, episodes = read_tamer_log(source)
+    listed = [press for rows in episodes for row in rows for press in row.presses]
+    header = Header(
+        origin="imported",
+        created_utc=wall_time_utc(),
+        clock="seconds with an arbitrary zero, as logged",
+        clock_resolution_ns=1000,
+        started_ns=episodes[0][0].start_ns,
+        participant=participant or source.stem,
+        root_seed=0,
+        protocol={"domain": {"type": "tetris", "rows": ROWS, "columns": COLUMNS}},
+        software={},
+        departures=[
+            "imported: times, boards and presses are those of the source; frames are its steps",
+            "the board after the last placement of a game is not in the source",
+        ],
+        source={
+            "format": "tamer-log",
+            "file": source.name,
+            "sha256": hashlib.sha256(content).hexdigest(),
+            "parameters": parameters,
+        },
+    )
+    writer = LineWriter(target, header)
+    for event in _events(episodes):
+        writer.write(event)
+    writer.close()
+    steps = [b.start_ns - a.start_ns for rows in episodes for a, b in itertools.pairwise(rows)]
+    return ImportReport(
+        episodes=len(episodes),
+        placements=sum(not row.terminal for rows in episodes for row in rows),
+        presses=len(set(listed)),
+        duplicate_presses=len(listed) - len(set(listed)),
+        out_of_order=sum(a > b for a, b in itertools.pairwise(listed)),
+        longest_step_s=max(steps, default=0) / NS_PER_S,
+    )
+
+
+def read_tamer_log(path: Path) -> tuple[str, list[list[Row]]]:
+    """Return the parameter string and the rows of each episode, unmended.
+
+    Raises:
+        TamerLogError: a line cannot be understood, or there is no step at all.
+    """
+    lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
+    if not lines or not lines[0].startswith("("):
+        raise TamerLogError(f"{path}:1: expected TAMER's parameters in parentheses, got {_start(lines)!r}")
+    episodes: list[list[Row]] = [[]]
+    for number, line in enumerate(lines[1:], start=2):
+        if line.strip() == "finished":
+            break
+        if line.strip():
+            episodes[-1].append(_read_row(path, number, line))
+        elif episodes[-1]:
+            episodes.append([])
+    if not episodes[-1]:
+        episodes.pop()
+    if not episodes:
+        raise TamerLogError(f"{path}: the log holds no step")
+    return lines[0], episodes
+
+
+def _start(lines: list[str]) -> str:
+    return lines[0][:40] if lines else ""
+
+
+def _read_row(path: Path, number: int, line: str) -> Row:
+    try:
+        return _parse_row(number, line)
+    except ValueError as error:
+        raise TamerLogError(f"{path}:{number}: {error}; the line begins {line[:60]!r}") from None
+
+
+def _parse_row(number: int, line: str) -> Row:
+    fields = line.split(":")
+    if len(fields) != 8:
+        raise ValueError(f"expected 8 fields separated by colons, got {len(fields)}")
+    state, _, _, _, reward, presses, training, start = fields
+    if not _PRESSES.fullmatch(presses):
+        raise ValueError(f"expected presses as [{{value @ seconds}}, ...], got {presses[:60]!r}")
+    if training not in ("true", "false"):
+        raise ValueError(f"expected true or false for training, got {training!r}")
+    board, piece = _parse_state(state)
+    return Row(
+        line=number,
+        board=board,
+        piece=piece,
+        reward=float(reward),
+        presses=tuple((_nanoseconds(time), float(value)) for value, time in _PRESS.findall(presses)),
+        training=training == "true",
+        start_ns=_nanoseconds(start),
+    )
+
+
+def _parse_state(text: str) -> tuple[tuple[int, ...], int]:
+    """Return column bitboards and the piece; an empty board and -1 for a terminal row."""
+    try:
+        numbers = json.loads(text)
+    except json.JSONDecodeError:
+        raise ValueError("the first field is not a list of integers") from None
+    if numbers == []:
+        return (), -1
+    if not isinstance(numbers, list) or not all(isinstance(number, int) for number in numbers):
+        raise ValueError("the first field is not a list of integers")
+    if len(numbers) != N_CELLS + N_STATE:
+        raise ValueError(
+            f"expected {N_CELLS} cells and {N_STATE} numbers of state, got {len(numbers)} in all: "
+            "is this the log of another domain than Tetris?"
+        )
+    piece = numbers[N_CELLS + 1]
+    if not 0 <= piece < 7:
+        raise ValueError(f"expected a piece id from 0 to 6, got {piece}")
+    # Cells are row-major from the top; our bit r is row r from the bottom.
+    board = tuple(
+        sum(1 << (ROWS - 1 - row) for row in range(ROWS) if numbers[row * COLUMNS + column])
+        for column in range(COLUMNS)
+    )
+    return board, piece
+
+
+def _nanoseconds(text: str) -> int:
+    """Return a decimal number of seconds in nanoseconds, exactly."""
+    if not re.fullmatch(r"\d+(\.\d+)?", text):
+        raise ValueError(f"expected a time in seconds, got {text!r}")
+    whole, _, fraction = text.partition(".")
+    return int(whole) * NS_PER_S + int(fraction[:9].ljust(9, "0"))
+
+
+def _events(episodes: list[list[Row]]) -> Iterator[Event]:
+    """Yield the session's events, mended, in the order of their times."""
+    events = [*_outputs(episodes), *_frames_and_presses(episodes)]
+    # Ties: an episode begins before its step is decided, a step is decided before it is shown.
+    events.sort(key=lambda pair: pair[0])
+    inputs = 0
+    for _, event in events:
+        if isinstance(event, FrameShown | KeyPressed):
+            inputs += 1
+            yield event
+        else:
+            yield _with_inputs(event, inputs)
+    last_ns = events[-1][0][0]
+    yield SessionEnded(time_ns=last_ns, inputs=inputs, reason="end of the log", weights={}, digest="")
+
+
+Keyed = tuple[tuple[int, int, int], Event]
+"""An event with its place in the order: time, rank among equals, number."""
+
+
+def _with_inputs(event: Event, inputs: int) -> Event:
+    return msgspec.structs.replace(event, inputs=inputs)
+
+
+def _outputs(episodes: list[list[Row]]) -> Iterator[Keyed]:
+    step = 0
+    for episode, rows in enumerate(episodes):
+        start_ns = rows[0].start_ns
+        yield (
+            (start_ns, 2, episode),
+            EpisodeStarted(
+                episode=episode,
+                time_ns=start_ns,
+                inputs=0,
+                episode_seed=0,
+                policy=0,
+                form="source",
+                w_r=0.0,
+                w_h=1.0,
+                share=0.0,
+            ),
+        )
+        lines = 0
+        n_steps = 0
+        for row, following in zip(rows, [*rows[1:], None], strict=True):
+            if row.terminal:
+                continue
+            reward = following.reward if following is not None else 0.0
+            lines += _lines(reward)
+            yield (row.start_ns, 3, step), _step(row, following, episode, step, reward)
+            step += 1
+            n_steps += 1
+        yield (
+            (rows[-1].start_ns, 1 if rows[-1].terminal else 9, episode),
+            EpisodeEnded(
+                episode=episode,
+                time_ns=rows[-1].start_ns,
+                inputs=0,
+                performance=float(lines),
+                steps=n_steps,
+                ended="termination" if rows[-1].terminal else "truncation",
+                agreed=0,
+                agreed_worst=0,
+                w_h=1.0,
+                digest="",
+            ),
+        )
+
+
+def _lines(reward: float) -> int:
+    """Return the lines behind TAMER's reward, 2^(n-1) for n >= 1 lines at once."""
+    return int(math.log2(reward)) + 1 if reward > 0 else 0
+
+
+def _step(row: Row, following: Row | None, episode: int, step: int, reward: float) -> StepTaken:
+    observed = {"before": list(row.board)}
+    if following is not None and not following.terminal:
+        observed["after"] = list(following.board)
+    return StepTaken(
+        episode=episode,
+        step=step,
+        time_ns=row.start_ns,
+        inputs=0,
+        action=-1,
+        environment_action=-1,
+        human_action=-1,
+        detail={"piece": row.piece},
+        reward=reward,
+        observed=observed,
+    )
+
+
+def _frames_and_presses(episodes: list[list[Row]]) -> Iterator[Keyed]:
+    rows = [row for episode in episodes for row in episode]
+    steps = itertools.accumulate(rows, lambda step, row: step + (not row.terminal), initial=-1)
+    shown = [
+        FrameShown(frame=frame, step=-1 if row.terminal else step, flushed_ns=row.start_ns)
+        for frame, (row, step) in enumerate(zip(rows, itertools.islice(steps, 1, None), strict=True))
+    ]
+    for record in shown:
+        yield (record.flushed_ns, 4, record.frame), record
+    starts = [record.flushed_ns for record in shown]
+    listed = {press for row in rows for press in row.presses}
+    for number, (time_ns, value) in enumerate(sorted(listed)):
+        frame = bisect.bisect_right(starts, time_ns) - 1
+        yield (
+            (time_ns, 5, number),
+            KeyPressed(
+                press=number,
+                time_ns=time_ns,
+                key=KEYS.get(value, f"{value:+g}"),
+                value=value,
+                frame=frame,
+                step=shown[frame].step if frame >= 0 else -1,
+                verdict="accepted" if frame < 0 or rows[frame].training else "not-playing",
+            ),
+        )
