@@ -1,0 +1,296 @@
+"""Tetris by the paper's four primitive actions, with gravity: what moves a piece can make, and what they reach.
+
+A board is a tuple of columns from the left; bit r of a column is the cell in row r from the bottom. Positions are
+those of a shape's box: its lowest row and its leftmost column. The rules, where the paper is silent:
+
+* A piece enters lying flat, in the middle, with its highest row in the board's highest row. Where the pile is in
+  the way it enters as many rows higher as it takes: there is room above the board, and entering never ends a game.
+* In each tick the agent makes at most one primitive, then the piece falls by one row; a piece that cannot fall
+  stays where it is for good. `DROP` lets it fall all the way at once.
+* A turn is clockwise (one orientation back in `core.tetris.pieces`, which counts counter-clockwise). It keeps the
+  lowest row and the middle of the box; beside a wall the piece is pushed inside. A blocked primitive does nothing.
+"""
+
+from collections.abc import Iterator, Sequence
+from enum import StrEnum
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from core.tetris.pieces import ORIENTATION_ROWS, SHAPE_BOTTOMS, SHAPE_COLUMNS, SHAPE_WIDTHS, shape_index
+
+Board = tuple[int, ...]
+"""Column bitboards from the left."""
+
+
+class Primitive(StrEnum):
+    """The paper's primitive actions of Tetris."""
+
+    LEFT = "left"
+    RIGHT = "right"
+    ROTATE = "rotate"
+    DROP = "drop"
+
+
+Plan = tuple[Primitive | None, ...]
+"""One entry per tick; None waits."""
+
+
+class _Shape(msgspec.Struct, frozen=True):
+    """One orientation of one piece as plain numbers."""
+
+    width: int
+    height: int
+    masks: tuple[int, ...]
+    """Cells per column, bit 0 = lowest row of the shape."""
+    bottoms: tuple[int, ...]
+    """Row of the lowest cell per column."""
+
+
+def _shape(piece: int, orientation: int) -> _Shape:
+    index = shape_index(piece, orientation)
+    width = int(SHAPE_WIDTHS[index])
+    return _Shape(
+        width=width,
+        height=len(ORIENTATION_ROWS[piece][orientation]),
+        masks=tuple(SHAPE_COLUMNS[index, :width].tolist()),
+        bottoms=tuple(SHAPE_BOTTOMS[index, :width].tolist()),
+    )
+
+
+_SHAPES: tuple[tuple[_Shape, ...], ...] = tuple(
+    tuple(_shape(piece, orientation) for orientation in range(len(orientations)))
+    for piece, orientations in enumerate(ORIENTATION_ROWS)
+)
+
+
+class FallingPiece(msgspec.Struct, frozen=True, array_like=True):
+    """A piece in the air: which, how it is turned, and where its box is."""
+
+    piece: int
+    """Id, 0..6."""
+    orientation: int
+    row: int
+    """Row of the lowest cells, 0 = the floor; may lie above the board."""
+    column: int
+    """Leftmost column."""
+
+    @property
+    def width(self) -> int:
+        """Columns covered."""
+        return _SHAPES[self.piece][self.orientation].width
+
+    @property
+    def height(self) -> int:
+        """Rows covered."""
+        return _SHAPES[self.piece][self.orientation].height
+
+    def cells(self) -> Iterator[tuple[int, int]]:
+        """Yield the four cells as (row from the bottom, column)."""
+        for level, bits in enumerate(ORIENTATION_ROWS[self.piece][self.orientation]):
+            for offset in range(self.width):
+                if bits >> offset & 1:
+                    yield self.row + level, self.column + offset
+
+
+class Settled(msgspec.Struct, frozen=True):
+    """What a piece left behind when it came to rest."""
+
+    board: Board
+    cleared: tuple[int, ...]
+    """Rows that were full and are gone, in the numbering before they went, ascending."""
+    over: bool
+    """The game has ended: the pile is higher than the board."""
+
+
+def fits(board: Board, falling: FallingPiece) -> bool:
+    """Return whether the piece lies between the walls, on or above the floor, and overlaps nothing."""
+    shape = _SHAPES[falling.piece][falling.orientation]
+    column, row = falling.column, falling.row
+    if row < 0 or column < 0 or column + shape.width > len(board):
+        return False
+    return not any(board[column + offset] >> row & mask for offset, mask in enumerate(shape.masks))
+
+
+def flattest(piece: int) -> int:
+    """Return the orientation a piece enters in: the lowest one, and of those the broadest at the bottom."""
+    rows = ORIENTATION_ROWS[piece]
+    return min(
+        range(len(rows)), key=lambda orientation: (len(rows[orientation]), -rows[orientation][0].bit_count())
+    )
+
+
+def spawn(board: Board, piece: int, rows: int) -> FallingPiece:
+    """Return where `piece` enters a board of `rows` rows (see the module's first lines)."""
+    orientation = flattest(piece)
+    shape = _SHAPES[piece][orientation]
+    column = (len(board) - shape.width) // 2
+    row = rows - shape.height
+    while not fits(board, entering := FallingPiece(piece, orientation, row, column)):
+        row += 1
+    return entering
+
+
+def landing_row(board: Board, piece: int, orientation: int, column: int) -> int:
+    """Return the row in which the piece comes to rest when it falls straight down from above the pile."""
+    shape = _SHAPES[piece][orientation]
+    return max(board[column + offset].bit_length() - bottom for offset, bottom in enumerate(shape.bottoms))
+
+
+def rest_row(board: Board, falling: FallingPiece) -> int:
+    """Return the row in which the piece comes to rest when it falls straight down from where it is."""
+    shape = _SHAPES[falling.piece][falling.orientation]
+    return max(
+        (board[falling.column + offset] & ((1 << (falling.row + bottom)) - 1)).bit_length() - bottom
+        for offset, bottom in enumerate(shape.bottoms)
+    )
+
+
+def at_rest(board: Board, falling: FallingPiece) -> FallingPiece:
+    """Return the piece where it comes to rest straight below."""
+    return FallingPiece(falling.piece, falling.orientation, rest_row(board, falling), falling.column)
+
+
+def moved(board: Board, falling: FallingPiece, primitive: Primitive) -> FallingPiece:
+    """Return the piece after one primitive; the same piece where the way is blocked."""
+    if primitive is Primitive.DROP:
+        return at_rest(board, falling)
+    if primitive is Primitive.ROTATE:
+        target = _turned(falling, len(board))
+    else:
+        step = -1 if primitive is Primitive.LEFT else 1
+        target = FallingPiece(falling.piece, falling.orientation, falling.row, falling.column + step)
+    return target if fits(board, target) else falling
+
+
+def _turned(falling: FallingPiece, columns: int) -> FallingPiece:
+    orientations = _SHAPES[falling.piece]
+    orientation = (falling.orientation - 1) % len(orientations)
+    width = orientations[orientation].width
+    # int() cuts towards zero, so that turning back and forth does not wander sideways.
+    column = falling.column + int((falling.width - width) / 2)
+    return FallingPiece(falling.piece, orientation, falling.row, max(0, min(column, columns - width)))
+
+
+def fallen(board: Board, falling: FallingPiece) -> FallingPiece:
+    """Return the piece one row lower; the same piece where it cannot fall."""
+    lower = FallingPiece(falling.piece, falling.orientation, falling.row - 1, falling.column)
+    return lower if fits(board, lower) else falling
+
+
+def flight(board: Board, falling: FallingPiece, plan: Plan) -> tuple[FallingPiece, ...]:
+    """Return where the piece is at the start and after each tick of `plan`.
+
+    Raises:
+        ValueError: the piece came to rest before the plan's end, or is still in the air after it.
+    """
+    path = [falling]
+    for tick, primitive in enumerate(plan, start=1):
+        after = falling if primitive is None else moved(board, falling, primitive)
+        falling = fallen(board, after)
+        path.append(falling)
+        if falling is after:
+            if tick < len(plan):
+                raise ValueError(f"the piece rests after tick {tick} of a plan of {len(plan)} ticks: {plan}")
+            return tuple(path)
+    raise ValueError(
+        f"the piece is still in the air after the plan's {len(plan)} ticks; end it with a drop: {plan}"
+    )
+
+
+def reachable_placements(board: Board, piece: int, rows: int) -> dict[tuple[int, int], Plan]:
+    """Return a shortest plan for each (orientation, leftmost column) that primitives can bring about.
+
+    A placement counts only where the piece ends up in the row it would reach falling straight down from above: the
+    placement that the agent's learner had in mind. Breadth first over ticks; a turn is preferred to a move, a move
+    to waiting. An entry of the plan is made in each tick, then the piece falls by one row.
+
+    Args:
+        board: column bitboards.
+        piece: id of the piece that enters, 0..6.
+        rows: height of the board.
+    """
+    wanted = {
+        (orientation, column): landing_row(board, piece, orientation, column)
+        for orientation, shape in enumerate(_SHAPES[piece])
+        for column in range(len(board) - shape.width + 1)
+    }
+    plans: dict[tuple[int, int], Plan] = {}
+    layer: dict[FallingPiece, Plan] = {spawn(board, piece, rows): ()}
+    while layer and len(plans) < len(wanted):
+        next_layer: dict[FallingPiece, Plan] = {}
+        for falling, plan in layer.items():
+            place = (falling.orientation, falling.column)
+            if place not in plans and rest_row(board, falling) == wanted[place]:
+                plans[place] = (*plan, Primitive.DROP)
+            for primitive, after in _steps(board, falling):
+                lower = fallen(board, after)
+                if lower is not after:
+                    next_layer.setdefault(lower, (*plan, primitive))
+                elif after.row == wanted[place := (after.orientation, after.column)]:
+                    plans.setdefault(place, (*plan, primitive))
+        layer = next_layer
+    return plans
+
+
+def _steps(board: Board, falling: FallingPiece) -> Iterator[tuple[Primitive | None, FallingPiece]]:
+    """Yield each primitive but the drop that changes anything, with its result before gravity; then waiting."""
+    for primitive in (Primitive.ROTATE, Primitive.LEFT, Primitive.RIGHT):
+        after = moved(board, falling, primitive)
+        if after != falling:
+            yield primitive, after
+    yield None, falling
+
+
+def reachable_mask(
+    board: Board, piece: int, placements: NDArray[np.int64] | Sequence[Sequence[int]], rows: int
+) -> NDArray[np.bool_]:
+    """Return which placements primitives can bring about.
+
+    Args:
+        board: column bitboards.
+        piece: id of the piece that enters.
+        placements: (orientation, leftmost column), shape (n, 2).
+        rows: height of the board.
+
+    Returns:
+        Shape (n,).
+    """
+    plans = reachable_placements(board, piece, rows)
+    wanted = np.asarray(placements, dtype=np.int64).reshape(-1, 2).tolist()
+    return np.array([(orientation, column) in plans for orientation, column in wanted], dtype=np.bool_)
+
+
+def settle(board: Board, falling: FallingPiece, rows: int, *, clear_on_overflow: bool = False) -> Settled:
+    """Fix the piece where it is and take full rows away.
+
+    Args:
+        board: column bitboards; the piece must fit.
+        falling: the piece at rest.
+        rows: height of the board. The game is over when a cell is left at or above it.
+        clear_on_overflow: take full rows away also when the piece sticks out above the board
+            (the reference's option of this name).
+
+    Raises:
+        ValueError: the piece overlaps the pile or lies outside the walls.
+    """
+    if not fits(board, falling):
+        raise ValueError(f"{falling} does not fit on the board {board}")
+    columns = list(board)
+    for offset, mask in enumerate(_SHAPES[falling.piece][falling.orientation].masks):
+        columns[falling.column + offset] |= mask << falling.row
+    cleared: tuple[int, ...] = ()
+    if clear_on_overflow or falling.row + falling.height <= rows:
+        full = (1 << (falling.row + falling.height)) - 1
+        for bits in columns:
+            full &= bits
+        cleared = tuple(row for row in range(full.bit_length()) if full >> row & 1)
+    after = tuple(_without_rows(bits, cleared) for bits in columns)
+    return Settled(board=after, cleared=cleared, over=any(bits >> rows for bits in after))
+
+
+def _without_rows(bits: int, gone: tuple[int, ...]) -> int:
+    for row in reversed(gone):
+        bits = (bits >> (row + 1) << row) | (bits & ((1 << row) - 1))
+    return bits
