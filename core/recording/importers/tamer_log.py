@@ -41,8 +41,9 @@ N_STATE = 7
 KEYS = {1.0: "/", -1.0: "z", 10.0: "?", -10.0: "Z"}
 """The keys that TAMER's Tetris gave to each feedback value."""
 
-_PRESSES = re.compile(r"\[(\{[^{}]*\}(, \{[^{}]*\})*)?\]")
-_PRESS = re.compile(r"\{(-?\d+(?:\.\d+)?) @ (\d+(?:\.\d+)?)\}")
+_ONE_PRESS = r"\{-?\d+(?:\.\d+)? @ \d+(?:\.\d+)?\}"
+_PRESSES = re.compile(rf"\[({_ONE_PRESS}(, {_ONE_PRESS})*)?\]")
+_PRESS = re.compile(r"\{(\S+) @ (\S+?)\}")
 
 
 class TamerLogError(ValueError):
@@ -263,7 +264,7 @@ def _outputs(episodes: list[list[Row]]) -> Iterator[Keyed]:
                 inputs=0,
                 episode_seed=0,
                 policy=0,
-                form="source",
+                form=-1,
                 w_r=0.0,
                 w_h=1.0,
                 share=0.0,
