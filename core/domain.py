@@ -78,3 +78,7 @@ class Domain(Protocol[State]):
     def performance(self, state: State) -> float:
         """Return the performance measure pm of the episode up to `state`, >= 0 (Tetris: lines cleared)."""
         ...
+
+    def detail(self, state: State, action: int) -> dict[str, int]:
+        """Return `action` in the domain's words (Tetris: piece, orientation, column), for recordings."""
+        ...

@@ -112,8 +112,8 @@ class EpisodeStarted(Record, frozen=True, kw_only=True, tag="episode-started"):
     episode_seed: int
     policy: int
     """Which of the environment learner's policies is played."""
-    form: str
-    """How R and H are combined in this episode (the scheme's name)."""
+    form: int
+    """How R and H are combined in this episode (a form of `core.combination.config`); -1 in imported ones."""
     w_r: float
     w_h: float
     share: float

@@ -1,0 +1,251 @@
+"""The one loop in which an agent meets a domain: live, simulated and replayed sessions all run it."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any, Literal, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.clock import Clock
+from core.combination.agent import EpisodePolicy
+from core.domain import Choices, Domain
+from core.episode import (
+    CreditGiven,
+    EpisodeEnded,
+    EpisodeStarted,
+    FrameShown,
+    Input,
+    KeyPressed,
+    Output,
+    PressRetracted,
+    ScreenCleared,
+    StepTaken,
+    StopAsked,
+)
+
+
+class Decision(Protocol):
+    """What an agent decided, and what each of its two sources would have."""
+
+    @property
+    def action(self) -> int:
+        """Index of the chosen action."""
+        ...
+
+    @property
+    def environment_action(self) -> int:
+        """What the environment policy alone would have chosen."""
+        ...
+
+    @property
+    def human_action(self) -> int:
+        """What the human policy alone would have chosen; -1 while there is none."""
+        ...
+
+    @property
+    def human_worst_action(self) -> int:
+        """What the human policy likes least; -1 while there is none."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Played:
+    """What came of one episode: the agent learns from this, whether anybody watched or not."""
+
+    performance: float
+    """The domain's performance measure, >= 0."""
+    steps: int
+    agreed: int
+    """Steps at which environment and human policy chose the same action."""
+    agreed_worst: int
+    """Steps at which the environment policy chose the human policy's worst action."""
+    ended: Literal["termination", "truncation"]
+
+
+class FeedbackSource(Protocol):
+    """Where inputs come from: a live screen, a recording, or a simulated participant."""
+
+    def during(self, step: int) -> Iterable[Input]:
+        """Return, in order, the inputs that have arrived since the last call.
+
+        Called when a watched step's time on screen is over; `step` is -1 between episodes.
+        """
+        ...
+
+
+class Agent(Protocol):
+    """What the loop asks of an agent."""
+
+    w_h: float
+
+    def begin_episode(self, episode: int, *, exploring: bool) -> EpisodePolicy:
+        """Return the policy of the next episode: a new one to evaluate, or one of the best so far."""
+        ...
+
+    def choose(self, choices: Choices, policy: EpisodePolicy, *, step: int) -> Decision:
+        """Decide step number `step` of the episode."""
+        ...
+
+    def learn_from_domain(self, policy: EpisodePolicy, played: Played) -> None:
+        """Take in how an episode with `policy` went."""
+        ...
+
+    def step_shown(self, step: int, features: NDArray[np.float64], time_ns: int) -> None:
+        """Note that a watched step with these feedback features, shape (G,), came on screen."""
+        ...
+
+    def step_hidden(self, time_ns: int) -> None:
+        """Note that the step on screen went off it."""
+        ...
+
+    def learn_from_press(self, press: int, time_ns: int, value: float) -> CreditGiven:
+        """Learn from an accepted press; return how it was shared out."""
+        ...
+
+    def retract(self, press: int) -> None:
+        """Forget a press as if it had never been made."""
+        ...
+
+    def export(self) -> dict[str, list[float]]:
+        """Return all weight vectors by name."""
+        ...
+
+    def digest(self) -> str:
+        """Return a fingerprint of everything learned, hex."""
+        ...
+
+
+class Audience:
+    """Brings the inputs to the agent: which step was on screen when, and what the participant said of it.
+
+    Keeps the feedback features of watched steps from when they are decided until their frame has been shown.
+    """
+
+    def __init__(self, agent: Agent, feedback: FeedbackSource) -> None:
+        self.inputs = 0
+        """How many inputs have been taken in."""
+        self.stop_asked: StopAsked | None = None
+        self._agent = agent
+        self._feedback = feedback
+        self._features: dict[int, NDArray[np.float64]] = {}
+        self._on_screen = -1
+
+    def expect(self, step: int, features: NDArray[np.float64]) -> None:
+        """Announce a watched step whose frames may come; earlier ones than the last two are forgotten."""
+        self._features[step] = features
+        for old in [known for known in self._features if known < step - 1]:
+            del self._features[old]
+
+    def attend(self, step: int) -> Iterator[CreditGiven]:
+        """Take in all that has arrived; yield how each press was credited."""
+        for item in self._feedback.during(step):
+            self.inputs += 1
+            yield from self._take(item)
+
+    def _take(self, item: Input) -> Iterator[CreditGiven]:
+        match item:
+            case FrameShown(step=step, flushed_ns=time_ns):
+                self._screen_shows(step, time_ns)
+            case ScreenCleared(time_ns=time_ns):
+                self._screen_shows(-1, time_ns)
+            case KeyPressed(verdict="accepted", press=press, time_ns=time_ns, value=value):
+                assert value is not None, "an accepted press means something"
+                yield self._agent.learn_from_press(press, time_ns, value)
+            case PressRetracted(press=press):
+                self._agent.retract(press)
+            case StopAsked():
+                self.stop_asked = item
+            case _:
+                pass  # a refused press, a cue, the end of a pause: recorded, nothing to learn
+
+    def _screen_shows(self, step: int, time_ns: int) -> None:
+        if step == self._on_screen:
+            return
+        if self._on_screen >= 0:
+            self._agent.step_hidden(time_ns)
+        if step >= 0:
+            self._agent.step_shown(step, self._features[step], time_ns)
+        self._on_screen = step
+
+
+@dataclass(frozen=True, slots=True)
+class EpisodePlan:
+    """What is fixed before a watched episode begins."""
+
+    episode: int
+    episode_seed: int
+    policy: EpisodePolicy
+    first_step: int
+    """Number of the episode's first step among all watched steps of the session."""
+    max_steps: int
+
+
+def play_episode(
+    domain: Domain[Any],
+    agent: Agent,
+    audience: Audience,
+    clock: Clock,
+    plan: EpisodePlan,
+) -> Iterator[Output]:
+    """Play one watched episode; yield its outputs in the order in which they happen.
+
+    When a `StepTaken` has been yielded, whoever consumes this shows the step, and asks for the next output when
+    the step's time on screen is over: then what the participant did meanwhile is taken in.
+    """
+    yield EpisodeStarted(
+        episode=plan.episode,
+        time_ns=clock.now_ns(),
+        inputs=audience.inputs,
+        episode_seed=plan.episode_seed,
+        policy=plan.policy.policy_id,
+        form=plan.policy.weights.form,
+        w_r=plan.policy.weights.w_r,
+        w_h=plan.policy.weights.w_h,
+        share=plan.policy.weights.share,
+    )
+    state = domain.initial(plan.episode_seed)
+    steps = agreed = agreed_worst = 0
+    while not domain.terminal(state) and steps < plan.max_steps and audience.stop_asked is None:
+        choices = domain.choices(state)
+        decision = agent.choose(choices, plan.policy, step=steps)
+        transition = domain.transition(state, decision.action)
+        audience.expect(plan.first_step + steps, choices.feedback_features[decision.action])
+        agreed += decision.environment_action == decision.human_action
+        agreed_worst += decision.environment_action == decision.human_worst_action
+        yield StepTaken(
+            episode=plan.episode,
+            step=plan.first_step + steps,
+            time_ns=clock.now_ns(),
+            inputs=audience.inputs,
+            action=decision.action,
+            environment_action=decision.environment_action,
+            human_action=decision.human_action,
+            detail=domain.detail(state, decision.action),
+            reward=transition.reward,
+        )
+        yield from audience.attend(plan.first_step + steps)
+        state = transition.next_state
+        steps += 1
+    played = Played(
+        performance=domain.performance(state),
+        steps=steps,
+        agreed=agreed,
+        agreed_worst=agreed_worst,
+        ended="termination" if domain.terminal(state) else "truncation",
+    )
+    agent.learn_from_domain(plan.policy, played)
+    yield EpisodeEnded(
+        episode=plan.episode,
+        time_ns=clock.now_ns(),
+        inputs=audience.inputs,
+        performance=played.performance,
+        steps=steps,
+        ended=played.ended,
+        agreed=agreed,
+        agreed_worst=agreed_worst,
+        w_h=agent.w_h,
+        digest=agent.digest(),
+    )
+    # Late presses on the last step, made while the final board was shown.
+    yield from audience.attend(-1)

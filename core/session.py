@@ -1,0 +1,121 @@
+"""A session: watched episodes, and unseen ones between them, in one deterministic order.
+
+Everything that is not in its inputs follows from the protocol and the root seed, so a recording replays exactly.
+"""
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import msgspec
+
+from core.clock import Clock
+from core.combination.agent import EpisodePolicy
+from core.domain import Domain
+from core.episode import Output, SessionEnded, StepTaken, UnseenPlayed
+from core.rollout import Agent, Audience, EpisodePlan, FeedbackSource, Played, play_episode
+from core.streams import stream_seed
+
+
+class SessionConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How many episodes there are, who sees them, and how long they may last."""
+
+    episodes: int = 10
+    """Watched episodes."""
+    unseen_before: int = 0
+    """Unseen episodes before the first watched one: 0 shows the agent as it begins."""
+    unseen_between: int = 100
+    """Unseen episodes between two watched ones; 100 are one iteration of the cross-entropy method."""
+    watched_steps: int = 60
+    """A watched episode is truncated after this many steps (a good policy would play for hours)."""
+    unseen_steps: int = 5000
+    """An unseen episode is truncated after this many steps."""
+
+    def __post_init__(self) -> None:
+        for name in ("episodes", "watched_steps", "unseen_steps"):
+            if getattr(self, name) < 1:
+                raise ValueError(f"{name} is >= 1, got {getattr(self, name)}")
+        for name in ("unseen_before", "unseen_between"):
+            if getattr(self, name) < 0:
+                raise ValueError(f"{name} is >= 0, got {getattr(self, name)}")
+
+
+Player = Callable[[EpisodePolicy, int, int], Played]
+"""Plays one unseen episode: (policy, episode seed, most steps) -> what came of it."""
+
+
+class Session:
+    """Runs the episodes of one sitting; a generator of outputs, fed through a `FeedbackSource`."""
+
+    def __init__(
+        self, domain: Domain[Any], agent: Agent, player: Player, config: SessionConfig, *, root_seed: int
+    ) -> None:
+        self.domain = domain
+        self.agent = agent
+        self.config = config
+        self._player = player
+        self._root_seed = root_seed
+        self._next_episode = 0
+        self._next_step = 0
+
+    def run(self, feedback: FeedbackSource, clock: Clock) -> Iterator[Output]:
+        """Yield the session's outputs.
+
+        The consumer sets the pace: after a `StepTaken` it shows the step, after an `EpisodeEnded` the final
+        board, and comes back for more when that has been on screen for long enough.
+        """
+        audience = Audience(self.agent, feedback)
+        for watched in range(self.config.episodes):
+            unseen = self.config.unseen_between if watched else self.config.unseen_before
+            if unseen:
+                yield self._play_unseen(unseen, audience, clock)
+                yield from audience.attend(-1)
+            if audience.stop_asked is None:
+                yield from self._play_watched(audience, clock)
+            if audience.stop_asked is not None:
+                break
+        yield SessionEnded(
+            time_ns=clock.now_ns(),
+            inputs=audience.inputs,
+            reason="finished" if audience.stop_asked is None else audience.stop_asked.reason,
+            weights=self.agent.export(),
+            digest=self.agent.digest(),
+        )
+
+    def _play_watched(self, audience: Audience, clock: Clock) -> Iterator[Output]:
+        plan = EpisodePlan(
+            episode=self._next_episode,
+            episode_seed=stream_seed(self._root_seed, "episode", self._next_episode),
+            policy=self.agent.begin_episode(self._next_episode, exploring=False),
+            first_step=self._next_step,
+            max_steps=self.config.watched_steps,
+        )
+        self._next_episode += 1
+        for output in play_episode(self.domain, self.agent, audience, clock, plan):
+            if isinstance(output, StepTaken):
+                self._next_step = output.step + 1
+            yield output
+
+    def _play_unseen(self, count: int, audience: Audience, clock: Clock) -> UnseenPlayed:
+        first = self._next_episode
+        policies: list[int] = []
+        outcomes: list[Played] = []
+        for _ in range(count):
+            policy = self.agent.begin_episode(self._next_episode, exploring=True)
+            seed = stream_seed(self._root_seed, "episode", self._next_episode)
+            played = self._player(policy, seed, self.config.unseen_steps)
+            self.agent.learn_from_domain(policy, played)
+            policies.append(policy.policy_id)
+            outcomes.append(played)
+            self._next_episode += 1
+        return UnseenPlayed(
+            first_episode=first,
+            time_ns=clock.now_ns(),
+            inputs=audience.inputs,
+            policies=policies,
+            performances=[played.performance for played in outcomes],
+            steps=[played.steps for played in outcomes],
+            agreed=[played.agreed for played in outcomes],
+            agreed_worst=[played.agreed_worst for played in outcomes],
+            w_h=self.agent.w_h,
+            digest=self.agent.digest(),
+        )
