@@ -1,0 +1,277 @@
+"""From what was on screen and what was pressed to the samples a human reward model learns from."""
+
+import math
+from bisect import bisect_left, bisect_right
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.clock import NS_PER_S
+from core.feedback.credit import STILL_SHOWN_NS, CurrentStep, PreviousStep, credit
+from core.feedback.samples import CreditConfig, MassAccount, PressCredit, Sample
+
+__all__ = ["CreditAssigner", "CreditConfig", "MassAccount", "PressCredit", "Sample"]
+
+LATENESS_NS = 200_000_000
+"""A press may be reported this long after it happened (terminal, queues) and still find its step open."""
+
+Answer = TypeVar("Answer")
+
+
+class CreditAssigner:
+    """Follows a session and keeps the list of samples it has given so far.
+
+    Call the methods in the order of events. Steps have numbers that never fall; a step may be covered and shown
+    again; between steps there may be gaps.
+    """
+
+    def __init__(self, config: CreditConfig) -> None:
+        self.config = config
+        self._ledger = _Ledger(config)
+        # Everything that happened, so that a press can be taken out of the past: (press or None, what to do).
+        self._log: list[tuple[int | None, Callable[[_Ledger], object]]] = []
+        self._known: set[int] = set()
+        self._taken = 0
+
+    @property
+    def samples(self) -> Sequence[Sample]:
+        """All samples so far, in the order in which a model is to see them."""
+        return self._ledger.samples
+
+    @property
+    def account(self) -> MassAccount:
+        """Where the mass of all presses went."""
+        return self._ledger.account
+
+    def take(self) -> Sequence[Sample]:
+        """Return the samples that are new since the last call."""
+        new = self._ledger.samples[self._taken :]
+        self._taken = len(self._ledger.samples)
+        return new
+
+    def step_shown(self, step: int, shown_ns: int, features: NDArray[np.float64]) -> None:
+        """Note that a step came on screen, or came back after it had been covered.
+
+        Args:
+            step: its number, >= that of every step before.
+            shown_ns: when; whatever was on screen until then is hidden by it.
+            features: psi(s, a) of the step, shape (G,).
+        """
+        features = np.array(features, dtype=np.float64)
+        features.flags.writeable = False
+        self._do(None, lambda ledger: ledger.step_shown(step, shown_ns, features))
+
+    def step_hidden(self, step: int, hidden_ns: int) -> None:
+        """Note that a step left the screen with nothing in its place: a pause, the end of an episode."""
+        self._do(None, lambda ledger: ledger.step_hidden(step, hidden_ns))
+
+    def press(self, press: int, time_ns: int, value: float) -> PressCredit:
+        """Share out a press.
+
+        Args:
+            press: its number; no other press has the same.
+            time_ns: when.
+            value: what it says, > 0 good, < 0 bad.
+        """
+        if press in self._known:
+            raise ValueError(f"press {press} was given already")
+        given = self._do(press, lambda ledger: ledger.press(press, time_ns, value))
+        self._known.add(press)
+        return given
+
+    def retract(self, press: int) -> None:
+        """Take a press back: `samples` and `account` become those of a session without it.
+
+        Afterwards a model has to be fitted to all `samples` again; `take` goes on from their end.
+        """
+        kept = [(known, event) for known, event in self._log if known != press]
+        if len(kept) == len(self._log):
+            raise ValueError(f"press {press} cannot be retracted: it was never given, or retracted before")
+        self._log = kept
+        self._ledger = _Ledger(self.config)
+        for _, event in kept:
+            event(self._ledger)
+        self._taken = len(self._ledger.samples)
+
+    def finish(self, now_ns: int) -> None:
+        """Give out the samples of all steps: the session is over, and no press can come any more."""
+        self._do(None, lambda ledger: ledger.finish(now_ns))
+
+    def _do(self, press: int | None, event: "Callable[[_Ledger], Answer]") -> Answer:
+        answer = event(self._ledger)
+        self._log.append((press, event))  # only what succeeded can be repeated
+        return answer
+
+
+@dataclass(frozen=True, slots=True)
+class _Press:
+    time_ns: int
+    value: float
+    opener: int
+    """First press of its burst."""
+
+
+class _Ledger:
+    """The state behind `CreditAssigner`; takes events in order and forgets none of their effects."""
+
+    def __init__(self, config: CreditConfig) -> None:
+        self.samples: list[Sample] = []
+        self.account = MassAccount()
+        self._config = config
+        # One entry per interval on screen; all three ascend.
+        self._shown_ns: list[int] = []
+        self._hidden_ns: list[int] = []
+        self._interval_steps: list[int] = []
+        # One entry per step, in order.
+        self._steps: list[int] = []
+        self._features: dict[int, NDArray[np.float64]] = {}
+        self._labels: dict[int, float] = {}
+        self._presses: dict[int, list[int]] = {}
+        self._n_final = 0
+        self._last_press: _Press | None = None
+        self._finished = False
+
+    def step_shown(self, step: int, shown_ns: int, features: NDArray[np.float64]) -> None:
+        self._check_open()
+        if self._shown_ns:
+            last = self._interval_steps[-1]
+            if step == last and self._hidden_ns[-1] == STILL_SHOWN_NS:
+                return  # a new frame of the same step
+            earliest_ns = self._shown_ns[-1]
+            if self._hidden_ns[-1] != STILL_SHOWN_NS:
+                earliest_ns = self._hidden_ns[-1]
+            if step < last or shown_ns < earliest_ns:
+                raise ValueError(
+                    f"step {step} shown at {shown_ns} ns comes after step {last}, on screen until {earliest_ns} ns: "
+                    f"steps and times must not go back"
+                )
+            if self._hidden_ns[-1] == STILL_SHOWN_NS:
+                self._hidden_ns[-1] = shown_ns
+        if step not in self._features:
+            self._steps.append(step)
+            self._features[step] = features
+            self._labels[step] = 0.0
+            self._presses[step] = []
+        self._shown_ns.append(shown_ns)
+        self._hidden_ns.append(STILL_SHOWN_NS)
+        self._interval_steps.append(step)
+        self._give_out_final_steps(shown_ns)
+
+    def step_hidden(self, step: int, hidden_ns: int) -> None:
+        self._check_open()
+        if step not in self._features:
+            raise ValueError(f"step {step} was never shown, so it cannot be hidden")
+        if self._interval_steps[-1] == step and self._hidden_ns[-1] == STILL_SHOWN_NS:
+            if hidden_ns < self._shown_ns[-1]:
+                raise ValueError(
+                    f"step {step} hidden at {hidden_ns} ns, before it was shown at {self._shown_ns[-1]}"
+                )
+            self._hidden_ns[-1] = hidden_ns
+        self._give_out_final_steps(hidden_ns)
+
+    def press(self, press: int, time_ns: int, value: float) -> PressCredit:
+        self._check_open()
+        if not (math.isfinite(value) and value != 0):
+            raise ValueError(f"press {press}: a value is > 0 (good) or < 0 (bad), got {value}")
+        opener = self._opener(press, time_ns, value)
+        self._last_press = _Press(time_ns, value, opener)
+        given = (
+            PressCredit(press, merged_into=opener)
+            if opener != press
+            else self._share_out(press, time_ns, value)
+        )
+        self.account = self.account.plus(given)
+        self._give_out_final_steps(time_ns)
+        return given
+
+    def finish(self, now_ns: int) -> None:
+        if not self._finished and self._shown_ns and self._hidden_ns[-1] == STILL_SHOWN_NS:
+            self._hidden_ns[-1] = max(now_ns, self._shown_ns[-1])
+        self._finished = True
+        self._give_out_final_steps(now_ns)
+
+    def _check_open(self) -> None:
+        if self._finished:
+            raise ValueError("the session was finished: no step or press can follow")
+
+    def _opener(self, press: int, time_ns: int, value: float) -> int:
+        """Return the first press of the burst to which this one belongs; itself if it opens one."""
+        last = self._last_press
+        window_ns = round(self._config.merge_within_s * NS_PER_S)
+        if last is None or window_ns == 0 or value != last.value or time_ns - last.time_ns > window_ns:
+            return press
+        return last.opener
+
+    def _share_out(self, press: int, time_ns: int, value: float) -> PressCredit:
+        first = self._first_relevant_interval(time_ns)
+        result = credit(
+            time_ns,
+            np.array(self._shown_ns[first:], dtype=np.int64),
+            np.array(self._hidden_ns[first:], dtype=np.int64),
+            self._config.delay,
+            steps=np.array(self._interval_steps[first:], dtype=np.int64),
+        )
+        by_step: dict[int, float] = {}
+        for step, share in zip(self._interval_steps[first:], result.shares.tolist(), strict=True):
+            if share > 0:
+                by_step[step] = by_step.get(step, 0.0) + share
+        too_late = 0.0
+        if self._config.scheme == "aggregate":
+            for step in [step for step in by_step if self._is_given_out(step)]:
+                too_late += by_step.pop(step)
+        for step, share in by_step.items():
+            self._give(press, step, value, share)
+        return PressCredit(
+            press, tuple(by_step), tuple(by_step.values()), result.before_first, result.in_gaps, too_late
+        )
+
+    def _give(self, press: int, step: int, value: float, share: float) -> None:
+        if self._config.scheme == "individual":
+            self.samples.append(Sample(self._features[step], value, min(share, 1.0), step, (press,)))
+        else:
+            self._labels[step] += value * share
+            self._presses[step].append(press)
+
+    def _first_relevant_interval(self, press_ns: int) -> int:
+        """Return the first interval that can matter; what lies before it is beyond the delay's reach."""
+        match self._config.delay:
+            case PreviousStep() | CurrentStep():
+                on_screen = bisect_right(self._shown_ns, press_ns) - 1
+                if on_screen < 0:
+                    return 0
+                first_of_step = bisect_left(self._interval_steps, self._interval_steps[on_screen])
+                return max(first_of_step - 1, 0)
+            case density:
+                horizon_ns = math.ceil(density.horizon_s * NS_PER_S) + 1
+                return max(bisect_right(self._shown_ns, press_ns - horizon_ns) - 1, 0)
+
+    def _give_out_final_steps(self, now_ns: int) -> None:
+        """Give out the aggregate sample of each step that can receive no more credit."""
+        if self._config.scheme == "individual":
+            return
+        while self._n_final < len(self._steps) and self._is_final(self._n_final, now_ns):
+            step = self._steps[self._n_final]
+            presses = tuple(self._presses[step])
+            if presses or self._config.silence == "zero-label":
+                self.samples.append(Sample(self._features[step], self._labels[step], 1.0, step, presses))
+            self._n_final += 1
+
+    def _is_given_out(self, step: int) -> bool:
+        return self._n_final > 0 and step <= self._steps[self._n_final - 1]
+
+    def _is_final(self, index: int, now_ns: int) -> bool:
+        if self._finished:
+            return True
+        # A step can come back on screen until the next one has been shown.
+        successors = 2 if isinstance(self._config.delay, PreviousStep) else 1
+        if index + successors >= len(self._steps):
+            return False
+        interval = bisect_left(self._interval_steps, self._steps[index + successors])
+        if isinstance(self._config.delay, PreviousStep | CurrentStep):
+            closed_ns = self._shown_ns[interval]
+        else:
+            closed_ns = self._hidden_ns[interval - 1] + math.ceil(self._config.delay.horizon_s * NS_PER_S)
+        return now_ns > closed_ns + LATENESS_NS

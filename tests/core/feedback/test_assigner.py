@@ -1,0 +1,306 @@
+"""From a session's events to samples: schemes, silence, bursts, pauses, retraction."""
+
+from collections.abc import Callable
+
+import msgspec
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from core.clock import NS_PER_S
+from core.feedback.assigner import CreditAssigner, CreditConfig, Sample
+from core.feedback.credit import CurrentStep, GammaDelay, PreviousStep, UniformDelay
+
+
+def features(step: int) -> NDArray[np.float64]:
+    return np.array([float(step), 1.0])
+
+
+def ns(time_s: float) -> int:
+    return round(time_s * NS_PER_S)
+
+
+def told(samples: "list[Sample] | tuple[Sample, ...]") -> list[tuple[int, float, float, tuple[int, ...]]]:
+    return [(sample.step, sample.label, sample.weight, sample.presses) for sample in samples]
+
+
+def session(config: CreditConfig, *, steps: int = 4, step_s: float = 1.0) -> CreditAssigner:
+    """Steps 0, 1, ... of one second each, the last still on screen."""
+    assigner = CreditAssigner(config)
+    for step in range(steps):
+        assigner.step_shown(step, ns(step * step_s), features(step))
+    return assigner
+
+
+def test_individual_scheme_gives_one_sample_per_press_and_step_with_the_share_as_weight() -> None:
+    assigner = session(CreditConfig(delay=UniformDelay(0.2, 0.8)))
+    # Press at 3.4: window [2.6, 3.2]; step 2 has 0.4/0.6, step 3 0.2/0.6.
+    given = assigner.press(0, ns(3.4), -1.0)
+    assert given.steps == (2, 3)
+    assert given.shares == pytest.approx((2 / 3, 1 / 3))
+    [(step_a, label_a, weight_a, by_a), (step_b, label_b, weight_b, by_b)] = told(list(assigner.samples))
+    assert (step_a, label_a, by_a) == (2, -1.0, (0,))
+    assert (step_b, label_b, by_b) == (3, -1.0, (0,))
+    assert (weight_a, weight_b) == pytest.approx((2 / 3, 1 / 3))
+    assert assigner.samples[0].features.tolist() == [2.0, 1.0]
+
+
+def test_aggregate_scheme_gives_one_sample_per_step_with_the_summed_label() -> None:
+    assigner = session(CreditConfig(delay=UniformDelay(0.2, 0.8), scheme="aggregate"))
+    assigner.press(0, ns(3.4), -1.0)  # 2/3 to step 2, 1/3 to step 3
+    assigner.press(1, ns(3.6), 1.0)  # window [2.8, 3.4]: 1/3 to step 2, 2/3 to step 3
+    assert not assigner.samples
+    assigner.finish(ns(4))
+    # step 2: -2/3 + 1/3, step 3: -1/3 + 2/3; steps 0 and 1 stay silent
+    assert [(sample.step, sample.weight, sample.presses) for sample in assigner.samples] == [
+        (2, 1.0, (0, 1)),
+        (3, 1.0, (0, 1)),
+    ]
+    assert [sample.label for sample in assigner.samples] == pytest.approx([-1 / 3, 1 / 3])
+
+
+def test_ten_presses_add_up_in_the_aggregate_scheme() -> None:
+    assigner = session(CreditConfig(scheme="aggregate"))
+    for press in range(10):
+        assigner.press(press, ns(3.1) + press, 1.0)
+    assigner.finish(ns(4))
+    assert [(sample.step, sample.label) for sample in assigner.samples] == [(2, 10.0)]
+
+
+def test_silence_is_a_zero_label_where_that_is_asked_for() -> None:
+    assigner = session(CreditConfig(scheme="aggregate", silence="zero-label"))
+    assigner.press(0, ns(2.5), 1.0)  # previous step: 1
+    assigner.finish(ns(9))
+    assert told(list(assigner.samples)) == [
+        (0, 0.0, 1.0, ()),
+        (1, 1.0, 1.0, (0,)),
+        (2, 0.0, 1.0, ()),
+        (3, 0.0, 1.0, ()),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("delay", "at_s", "given_out"),
+    [
+        # A step is given out once no press can reach it: previous step, when two steps have followed.
+        (PreviousStep(), 3.1, 1),
+        (PreviousStep(), 3.3, 2),
+        (CurrentStep(), 3.1, 2),
+        (CurrentStep(), 3.3, 3),
+        # Uniform up to 0.8 s: step 2 ended at 3.0.
+        (UniformDelay(), 3.9, 2),
+        (UniformDelay(), 4.1, 3),
+    ],
+)
+def test_aggregate_samples_are_given_out_when_no_press_can_reach_them(
+    delay: PreviousStep | CurrentStep | UniformDelay, at_s: float, given_out: int
+) -> None:
+    assigner = session(CreditConfig(delay=delay, scheme="aggregate", silence="zero-label"))
+    assigner.step_hidden(3, ns(at_s))
+    assert len(assigner.samples) == given_out
+
+
+def test_a_press_between_episodes_goes_back_to_the_step_that_was_on_screen() -> None:
+    for delay in (UniformDelay(), PreviousStep()):
+        assigner = session(CreditConfig(delay=delay))
+        assigner.step_hidden(3, ns(4))
+        given = assigner.press(0, ns(4.3), 1.0)
+        assert given.steps == (3,)
+    # Uniform: window [3.5, 4.1], of which [4.0, 4.1] showed nothing.
+    assigner = session(CreditConfig(delay=UniformDelay()))
+    assigner.step_hidden(3, ns(4))
+    assert assigner.press(0, ns(4.3), 1.0).in_gaps == pytest.approx(0.1 / 0.6)
+
+
+def test_a_covered_step_gets_nothing_for_the_time_it_was_covered() -> None:
+    assigner = session(CreditConfig(delay=UniformDelay(0.0, 1.0)))
+    assigner.step_hidden(3, ns(3.5))
+    assigner.step_shown(3, ns(3.7), features(3))
+    given = assigner.press(0, ns(4), 1.0)
+    assert given.steps == (3,)
+    assert given.shares == pytest.approx((0.8,))
+    assert given.in_gaps == pytest.approx(0.2)
+    assert len(assigner.samples) == 1
+
+
+def test_the_account_holds_every_press() -> None:
+    assigner = session(CreditConfig(delay=UniformDelay()))
+    assigner.press(0, ns(0.5), 1.0)  # window [-0.3, 0.3]: half before the first step
+    assigner.step_hidden(3, ns(4))
+    assigner.press(1, ns(4.5), 1.0)  # window [3.7, 4.3]: half after the last step
+    account = assigner.account
+    assert account.presses == 2
+    assert account.before_first == pytest.approx(0.5)
+    assert account.in_gaps == pytest.approx(0.5)
+    assert account.credited == pytest.approx(1.0)
+
+
+def test_a_press_reported_far_too_late_is_accounted_for_and_changes_no_sample_given_out() -> None:
+    assigner = session(CreditConfig(scheme="aggregate", silence="zero-label"))
+    assigner.step_shown(4, ns(9), features(4))
+    assert [sample.step for sample in assigner.samples] == [0, 1]
+    late = assigner.press(0, ns(2.5), 1.0)  # speaks of step 1
+    assert late.too_late == 1.0
+    assert assigner.account.too_late == 1.0
+    assert [sample.label for sample in assigner.samples] == [0.0, 0.0]
+
+
+def test_a_burst_counts_as_its_first_press() -> None:
+    assigner = session(CreditConfig(merge_within_s=0.3))
+    assert assigner.press(0, ns(3.0), 1.0).merged_into is None
+    assert assigner.press(1, ns(3.2), 1.0).merged_into == 0
+    assert assigner.press(2, ns(3.45), 1.0).merged_into == 0  # 0.25 s after the press before
+    assert assigner.press(3, ns(3.5), -1.0).merged_into is None  # another value
+    assert assigner.press(4, ns(3.6), 1.0).merged_into is None  # the press before said something else
+    assert [sample.presses for sample in assigner.samples] == [(0,), (3,), (4,)]
+    assert (assigner.account.presses, assigner.account.merged) == (3, 2)
+
+
+def test_every_press_counts_by_default() -> None:
+    assigner = session(CreditConfig())
+    for press in range(3):
+        assigner.press(press, ns(3.0) + press, 1.0)
+    assert len(assigner.samples) == 3
+
+
+def test_retracting_the_first_press_of_a_burst_makes_the_second_one_count() -> None:
+    assigner = session(CreditConfig(merge_within_s=0.3))
+    assigner.press(0, ns(3.0), 1.0)
+    assigner.press(1, ns(3.2), 1.0)
+    assigner.retract(0)
+    assert [sample.presses for sample in assigner.samples] == [(1,)]
+
+
+def test_take_gives_each_sample_once() -> None:
+    assigner = session(CreditConfig())
+    assigner.press(0, ns(3.1), 1.0)
+    assert [sample.presses for sample in assigner.take()] == [(0,)]
+    assert not assigner.take()
+    assigner.press(1, ns(3.2), 1.0)
+    assert [sample.presses for sample in assigner.take()] == [(1,)]
+    assigner.retract(0)
+    assert not assigner.take()
+    assert [sample.presses for sample in assigner.samples] == [(1,)]
+
+
+Event = Callable[[CreditAssigner], object]
+
+
+@st.composite
+def configs(draw: st.DrawFn) -> CreditConfig:
+    scheme = draw(st.sampled_from(["individual", "aggregate"]))
+    return CreditConfig(
+        delay=draw(
+            st.sampled_from([PreviousStep(), CurrentStep(), UniformDelay(), GammaDelay(), GammaDelay(2, 1)])
+        ),
+        scheme=scheme,
+        silence=draw(st.sampled_from(["no-update", "zero-label"])) if scheme == "aggregate" else "no-update",
+        merge_within_s=draw(st.sampled_from([0.0, 0.4])),
+    )
+
+
+@st.composite
+def sessions(draw: st.DrawFn) -> list[tuple[int | None, Event]]:
+    """Steps, pauses and presses in order of time, and the end."""
+    events: list[tuple[int | None, Event]] = []
+    now, step, press = 0, -1, 0
+    for kind in draw(st.lists(st.sampled_from("sshppp"), max_size=40)):
+        now += draw(st.integers(0, 1500)) * 1_000_000
+        if kind == "s":
+            step += 1
+            events.append((None, lambda a, s=step, t=now: a.step_shown(s, t, features(s))))
+        elif kind == "h" and step >= 0:
+            events.append((None, lambda a, s=step, t=now: a.step_hidden(s, t)))
+        elif kind == "p":
+            value = draw(st.sampled_from([1.0, -1.0]))
+            events.append((press, lambda a, p=press, t=now, v=value: a.press(p, t, v)))
+            press += 1
+    if draw(st.booleans()):
+        events.append((None, lambda a, t=now + 1: a.finish(t)))
+    return events
+
+
+@given(configs(), sessions(), st.data())
+def test_a_retracted_press_leaves_no_trace(
+    config: CreditConfig, events: list[tuple[int | None, Event]], data: st.DataObject
+) -> None:
+    presses = [press for press, _ in events if press is not None]
+    retracted = set(data.draw(st.lists(st.sampled_from(presses), unique=True))) if presses else set()
+    with_it, without_it = CreditAssigner(config), CreditAssigner(config)
+    for press, event in events:
+        event(with_it)
+        if press not in retracted:
+            event(without_it)
+        if press in retracted and data.draw(st.booleans(), label="retracted at once"):
+            with_it.retract(press)
+            retracted.discard(press)
+    for press in retracted:
+        with_it.retract(press)
+    assert told(list(with_it.samples)) == told(list(without_it.samples))
+    assert with_it.account == without_it.account
+
+
+@given(configs(), sessions())
+def test_all_mass_of_a_session_is_in_its_account(
+    config: CreditConfig, events: list[tuple[int | None, Event]]
+) -> None:
+    assigner = CreditAssigner(config)
+    for _, event in events:
+        event(assigner)
+    account = assigner.account
+    mass = account.credited + account.before_first + account.in_gaps + account.too_late
+    assert mass == pytest.approx(account.presses, abs=1e-9)
+    if config.scheme == "individual":
+        assert sum(sample.weight for sample in assigner.samples) == pytest.approx(account.credited, abs=1e-9)
+
+
+@given(sessions())
+def test_both_schemes_share_the_same_mass(events: list[tuple[int | None, Event]]) -> None:
+    """Sum of weight * label is the same, whether presses stay apart or are added up per step."""
+    sums = []
+    for scheme in ("individual", "aggregate"):
+        assigner = CreditAssigner(CreditConfig(delay=UniformDelay(), scheme=scheme))  # type: ignore[arg-type]
+        for _, event in events:
+            event(assigner)
+        try:
+            assigner.finish(10**15)
+        except ValueError:
+            raise AssertionError("finishing twice is allowed") from None
+        sums.append(sum(sample.weight * sample.label for sample in assigner.samples))
+    assert sums[0] == pytest.approx(sums[1], abs=1e-9)
+
+
+def test_the_configuration_survives_a_recordings_header() -> None:
+    config = CreditConfig(delay=GammaDelay(3.0, 0.2, 0.1), scheme="aggregate", silence="zero-label")
+    assert msgspec.json.decode(msgspec.json.encode(config), type=CreditConfig) == config
+    assert msgspec.toml.decode(b'[delay]\ntype = "uniform"\nlow_s = 0.1', type=CreditConfig) == CreditConfig(
+        delay=UniformDelay(low_s=0.1)
+    )
+
+
+def test_what_cannot_be_is_refused_with_the_reason() -> None:
+    with pytest.raises(ValueError, match="needs scheme='aggregate'"):
+        CreditConfig(silence="zero-label")
+    with pytest.raises(ValueError, match="merge_within_s"):
+        CreditConfig(merge_within_s=-1)
+    assigner = session(CreditConfig())
+    with pytest.raises(ValueError, match="must not go back"):
+        assigner.step_shown(2, ns(5), features(2))
+    with pytest.raises(ValueError, match="must not go back"):
+        assigner.step_shown(4, ns(2), features(4))
+    with pytest.raises(ValueError, match="never shown"):
+        assigner.step_hidden(9, ns(5))
+    with pytest.raises(ValueError, match="before it was shown"):
+        assigner.step_hidden(3, ns(2))
+    with pytest.raises(ValueError, match="got 0"):
+        assigner.press(0, ns(3), 0.0)
+    assigner.press(1, ns(3), 1.0)
+    with pytest.raises(ValueError, match="given already"):
+        assigner.press(1, ns(3), 1.0)
+    with pytest.raises(ValueError, match="cannot be retracted"):
+        assigner.retract(7)
+    assigner.finish(ns(5))
+    with pytest.raises(ValueError, match="was finished"):
+        assigner.press(2, ns(6), 1.0)
