@@ -1,0 +1,56 @@
+"""One participant's reaction times as the fits take them: seconds, checked once."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+MIN_RESPONSES = 5
+"""Fewer responses than this are not fitted: three parameters need at least that many."""
+
+
+class FitError(ValueError):
+    """These reaction times cannot be fitted; the message says why and what to do."""
+
+
+def _empty() -> NDArray[np.float64]:
+    return np.empty(0)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sample:
+    """Reaction times of one participant in one condition."""
+
+    observed_s: NDArray[np.float64]
+    """Times of the responses, seconds, shape (n,), n >= 5, > 0, not all equal; kept sorted."""
+    censored_s: NDArray[np.float64] = field(default_factory=_empty)
+    """For each trial without a response, how long it waited: the time lies above. Seconds, shape (m,), > 0."""
+
+    def __post_init__(self) -> None:
+        for name in ("observed_s", "censored_s"):
+            values = np.sort(np.ascontiguousarray(getattr(self, name), dtype=np.float64))
+            if values.ndim != 1:
+                raise FitError(f"{name} must be one-dimensional, got shape {values.shape}")
+            if not (np.isfinite(values).all() and (values > 0.0).all()):
+                raise FitError(
+                    f"{name} must be finite and > 0 s: exclude missing, zero and negative times first"
+                )
+            object.__setattr__(self, name, values)
+        if self.observed_s.size < MIN_RESPONSES:
+            raise FitError(
+                f"{self.observed_s.size} usable responses, need at least {MIN_RESPONSES}: "
+                "run more trials or look at what the exclusion policy took out"
+            )
+        low, high = self.observed_s[0], self.observed_s[-1]
+        if high - low <= 1e-9 * high:
+            raise FitError(f"all {self.observed_s.size} times equal {low:g} s: a density needs some spread")
+
+    @property
+    def n(self) -> int:
+        """Trials, with and without a response."""
+        return self.observed_s.size + self.censored_s.size
+
+
+def sample(observed_s: ArrayLike, censored_s: ArrayLike = ()) -> Sample:
+    """Return a checked `Sample` from anything array-like, in seconds."""
+    return Sample(np.asarray(observed_s, dtype=np.float64), np.asarray(censored_s, dtype=np.float64))
