@@ -61,7 +61,6 @@ class CreditAssigner:
             features: psi(s, a) of the step, shape (G,).
         """
         features = np.array(features, dtype=np.float64)
-        features.flags.writeable = False
         self._do(None, lambda ledger: ledger.step_shown(step, shown_ns, features))
 
     def step_hidden(self, step: int, hidden_ns: int) -> None:

@@ -1,0 +1,47 @@
+"""Settings of the human reward model. Nothing here needs compiled code: see `core.learners.human_reward`."""
+
+import math
+
+import msgspec
+
+
+class SgdModel(msgspec.Struct, frozen=True, tag="sgd"):
+    """Linear model by incremental gradient descent from zero, as in TAMER (Knox & Stone 2009)."""
+
+    step_size: float = 0.000005 / 47
+    """Step size, > 0: TAMER's for Tetris (its code divides 0.000005 by its 46 features and the bias)."""
+    intercept: bool = True
+    """Learn a bias beside the weights (TAMER does; it says nothing about which action is better)."""
+    standardise: bool = False
+    """Standardise inputs by mean and sd of the samples so far, this one included (TAMER: raw inputs). Weights
+    live in standardised units and are exported by the statistics of the moment."""
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.step_size) and self.step_size > 0):
+            raise ValueError(f"step_size is > 0, got {self.step_size}")
+
+
+class RidgeModel(msgspec.Struct, frozen=True, tag="ridge"):
+    """Linear model by regularised least squares over all samples so far.
+
+    It minimises sum_i weight_i (label_i - intercept - v . z_i)^2 + l2 |v|^2, z_i being the inputs of sample i,
+    and does not depend on the order of the samples, but for rounding.
+    """
+
+    l2: float = 1.0
+    """Penalty, > 0: as strong as one unit of sample weight per standardised input. (Our choice.)"""
+    intercept: bool = True
+    """Fit an unpenalised intercept, so that a participant who mostly praises does not praise what every step
+    has in common. Without it inputs are not centred."""
+    standardise: bool = True
+    """Divide each input by its sd (without intercept: its root mean square) over the samples so far."""
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.l2) and self.l2 > 0):
+            raise ValueError(
+                f"l2 is > 0, got {self.l2}: without it a few samples do not determine the weights"
+            )
+
+
+HumanModelConfig = SgdModel | RidgeModel
+"""Any human reward model; msgspec decodes it by its tag, the field "type"."""
