@@ -127,6 +127,7 @@ def style_sheet(widget: str) -> str:
 
 
 def _rules(widget: str, palette: Palette) -> Iterator[str]:
+    yield f"{widget}.-{palette.name} {{ background: {palette.empty}; }}"
     start = f"{widget}.-{palette.name} > .block--"
     yield f"{start}empty {{ background: {palette.empty}; color: {_grey(palette)}; }}"
     yield f"{start}stripe {{ background: {palette.stripe}; color: {_grey(palette)}; }}"

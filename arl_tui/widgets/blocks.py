@@ -23,6 +23,8 @@ class BlockWidget(Widget, inherit_bindings=False, can_focus=False):
     COMPONENT_CLASSES: ClassVar[set[str]] = component_classes()
     DEFAULT_CSS: ClassVar[str] = style_sheet("BlockWidget")
     ALLOW_SELECT: ClassVar[bool] = False
+    STRIPED: ClassVar[bool] = True
+    """Whether every other column has a slightly different background."""
 
     def __init__(
         self, *, palette: Palette = STANDARD, id: str | None = None, classes: str | None = None
@@ -61,8 +63,11 @@ class BlockWidget(Widget, inherit_bindings=False, can_focus=False):
         return strip
 
     def _segments(self, codes: bytes) -> Iterator[Segment]:
-        # An empty cell's look depends on its column: odd columns are striped.
-        keyed = [-1 - column % 2 if code == EMPTY else code for column, code in enumerate(codes)]
+        # An empty cell's look depends on its column.
+        keyed = [
+            -1 - (column % 2 if self.STRIPED else 0) if code == EMPTY else code
+            for column, code in enumerate(codes)
+        ]
         for key, run in groupby(keyed):
             text, style = self._look(key)
             yield Segment(text * len(list(run)), style)

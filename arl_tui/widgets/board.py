@@ -17,7 +17,7 @@ class TetrisBoard(BlockWidget):
     Two cells per block: a board of 20 x 10 takes 22 lines and 22 columns with its border.
     """
 
-    COMPONENT_CLASSES: ClassVar[set[str]] = {"board--cover", "board--cover-text"}
+    COMPONENT_CLASSES: ClassVar[set[str]] = {"board--cover"}
     DEFAULT_CSS: ClassVar[str] = """
     TetrisBoard {
         width: auto;
@@ -25,8 +25,7 @@ class TetrisBoard(BlockWidget):
         border: round $foreground 40%;
         border-title-align: center;
     }
-    TetrisBoard > .board--cover { background: $surface; }
-    TetrisBoard > .board--cover-text { background: $surface; color: $foreground; text-style: bold; }
+    TetrisBoard > .board--cover { background: $surface; color: $foreground; text-style: bold; }
     """
 
     def __init__(
@@ -48,6 +47,7 @@ class TetrisBoard(BlockWidget):
         """Number of the newest frame of which at least one row has been drawn."""
         self._codes = bytes(rows * columns)
         self._cover_text: tuple[str, ...] = ()
+        self._cover_whole = True
 
     def get_content_width(self, container: Size, viewport: Size) -> int:
         """Return the board's width in cells."""
@@ -78,7 +78,7 @@ class TetrisBoard(BlockWidget):
         before, after = self._codes, snapshot.codes()
         self._codes = after
         self.frame = frame
-        if self._cover_text or before == after:
+        if (self._cover_text and self._cover_whole) or before == after:
             return False
         width = self.columns
         changed = [
@@ -89,9 +89,15 @@ class TetrisBoard(BlockWidget):
         self.refresh(*changed)
         return True
 
-    def cover(self, text: str) -> None:
-        """Hide the game behind a text of a few short lines, until `uncover`."""
+    def cover(self, text: str, *, whole: bool = True) -> None:
+        """Write a few short lines over the game, until `uncover`.
+
+        Args:
+            text: lines; what is longer than the board is wide is cut off.
+            whole: hide the whole board, so that there is nothing to judge; otherwise only a band around the text.
+        """
         self._cover_text = tuple(text.splitlines()) or ("",)
+        self._cover_whole = whole
         self.refresh()
 
     def uncover(self) -> None:
@@ -101,22 +107,28 @@ class TetrisBoard(BlockWidget):
 
     @property
     def covered(self) -> bool:
-        """Whether the game is hidden."""
+        """Whether something is written over the game."""
         return bool(self._cover_text)
 
     def render_line(self, y: int) -> Strip:
         """Return one line of the widget's content."""
         if y >= self.rows:
             return Strip.blank(self.size.width)
-        if self._cover_text:
-            return self._cover_line(y)
+        line = y - (self.rows - len(self._cover_text)) // 2
+        if self._cover_text and (self._cover_whole or -1 <= line <= len(self._cover_text)):
+            return self._cover_line(line)
         self.drawn_frame = self.frame
         return self.strip(self._codes[y * self.columns : (y + 1) * self.columns])
 
-    def _cover_line(self, y: int) -> Strip:
+    def _cover_line(self, line: int) -> Strip:
         width = self.columns * CELLS_PER_BLOCK
-        line = y - (self.rows - len(self._cover_text)) // 2
-        if 0 <= line < len(self._cover_text):
-            text = self._cover_text[line][:width].center(width)
-            return Strip([Segment(text, self.get_component_rich_style("board--cover-text"))], width)
-        return Strip.blank(width, self.get_component_rich_style("board--cover"))
+        text = self._cover_text[line][:width] if 0 <= line < len(self._cover_text) else ""
+        style = self.get_component_rich_style("board--cover")
+        left = (width - len(text)) // 2
+        return Strip(
+            [
+                Segment(" " * left, style),
+                Segment(text, style),
+                Segment(" " * (width - left - len(text)), style),
+            ]
+        )

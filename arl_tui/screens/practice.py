@@ -1,0 +1,237 @@
+"""Practice: a person plays the agent's game with the agent's primitives. Nothing is recorded or learned."""
+
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+from textual.app import App, ComposeResult
+from textual.binding import Binding, BindingType
+from textual.containers import Horizontal, Vertical
+from textual.screen import Screen
+from textual.timer import Timer
+from textual.widgets import Static
+
+from arl_tui.palette import STANDARD, Palette, palette_for
+from arl_tui.widgets.board import TetrisBoard
+from arl_tui.widgets.next_piece import NextPiece
+from arl_tui.widgets.stats import Figures, StatsPanel
+from core.clock import Clock, MonotonicClock
+from core.tetris.game import Primitive
+from core.tetris.practice import Practice
+
+POLL_S = 1 / 30
+"""How often the clock is looked at, seconds."""
+
+KEYS_HELP = """\
+  [b]← →[/b] or [b]h l[/b]    move
+   [b]↑[/b]  or  [b]r[/b]     turn clockwise
+   [b]↓[/b]  or [b]space[/b]  drop
+
+  [b]p[/b] pause   [b]n[/b] new game   [b]q[/b] quit
+
+  You play the game that the agent
+  plays. Full rows vanish. Do not
+  let the pile reach the top."""
+
+
+@dataclass
+class Gravity:
+    """How many rows a piece has to fall by now: counted by the clock, so that a late timer loses nothing."""
+
+    interval_ns: int
+    clock: Clock
+    _running_since_ns: int | None = field(default=None, init=False)
+    _paid_ns: int = field(default=0, init=False)
+
+    def __post_init__(self) -> None:
+        if self.interval_ns <= 0:
+            raise ValueError(f"gravity acts every interval_ns > 0 nanoseconds, got {self.interval_ns}")
+
+    @property
+    def running(self) -> bool:
+        """Whether time counts."""
+        return self._running_since_ns is not None
+
+    def start(self) -> None:
+        """Let time count from now on; what was left of an interval at the stop is kept."""
+        if self._running_since_ns is None:
+            self._running_since_ns = self.clock.now_ns() - self._paid_ns
+
+    def stop(self) -> None:
+        """Let time not count."""
+        if self._running_since_ns is not None:
+            self._paid_ns = self.clock.now_ns() - self._running_since_ns
+            self._running_since_ns = None
+
+    def restart(self) -> None:
+        """Begin a whole interval: a new piece hangs as long as any other."""
+        self._paid_ns = 0
+        if self._running_since_ns is not None:
+            self._running_since_ns = self.clock.now_ns()
+
+    def due(self) -> int:
+        """Return how many rows have come due since the last call."""
+        if self._running_since_ns is None:
+            return 0
+        rows, _ = divmod(self.clock.now_ns() - self._running_since_ns, self.interval_ns)
+        self._running_since_ns += rows * self.interval_ns
+        return rows
+
+
+class PracticeScreen(Screen[None], inherit_bindings=False):
+    """The board, the next piece, the figures, and the keys."""
+
+    BINDING_GROUP_TITLE = "Practice"
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("left,h,a", "act('left')", "left", id="practice.left", tooltip="Move the piece left"),
+        Binding("right,l,d", "act('right')", "right", id="practice.right", tooltip="Move the piece right"),
+        Binding("up,r,w", "act('rotate')", "turn", id="practice.rotate", tooltip="Turn the piece clockwise"),
+        Binding("down,space,s", "act('drop')", "drop", id="practice.drop", tooltip="Drop the piece"),
+        Binding("p", "pause", "pause", id="practice.pause", tooltip="Stop the game, or go on"),
+        Binding("n", "new", "new game", id="practice.new", tooltip="Begin a new game"),
+        Binding("q", "quit_practice", "quit", id="practice.quit", tooltip="Leave practice"),
+    ]
+    AUTO_FOCUS = None
+    ALLOW_SELECT = False
+    DEFAULT_CSS = """
+    PracticeScreen { align: center middle; background: $background; }
+    PracticeScreen > Horizontal { width: auto; height: auto; }
+    PracticeScreen Vertical { width: 36; height: auto; margin-left: 2; }
+    PracticeScreen NextPiece { width: 100%; }
+    PracticeScreen #keys { padding: 1 0 0 0; width: 100%; height: 10; color: $foreground 80%; }
+    """
+
+    def __init__(
+        self,
+        *,
+        seed: int = 0,
+        rows: int = 20,
+        columns: int = 10,
+        fall_s: float = 0.6,
+        palette: Palette = STANDARD,
+        clock: Clock | None = None,
+    ) -> None:
+        """Prepare a game.
+
+        Args:
+            seed: of the first game's pieces, >= 0; each new game takes the next one.
+            rows: height of the board.
+            columns: width of the board.
+            fall_s: a piece falls by a row in this time, seconds, > 0.
+            palette: colours.
+            clock: of gravity; the machine's by default.
+        """
+        super().__init__()
+        self.game = Practice(seed, rows=rows, columns=columns)
+        """The rules; the screen only shows them."""
+        self._seed = seed
+        self._size_of_board = (rows, columns)
+        self._gravity = Gravity(round(fall_s * 1e9), clock or MonotonicClock())
+        self._board = TetrisBoard(rows, columns, palette=palette)
+        self._next = NextPiece(palette=palette)
+        self._stats = StatsPanel("Practice", lines_high=2)
+        self._poll: Timer | None = None
+
+    def compose(self) -> ComposeResult:
+        """Lay out the board on the left, everything else on the right."""
+        with Horizontal():
+            yield self._board
+            with Vertical():
+                yield self._next
+                yield self._stats
+                yield Static(KEYS_HELP, id="keys")
+
+    def on_mount(self) -> None:
+        """Show the game and let time count."""
+        self._draw()
+        self._gravity.start()
+        self._poll = self.set_interval(POLL_S, self.fall)
+
+    def fall(self) -> None:
+        """Let gravity act as often as the clock says."""
+        rows = self._gravity.due()
+        for _ in range(rows):
+            self.game.step(None)
+        if rows:
+            self._draw()
+
+    def action_act(self, primitive: str) -> None:
+        """Make one primitive."""
+        if self._board.covered:
+            return
+        pieces = self.game.pieces
+        self.game.step(Primitive(primitive))
+        if self.game.pieces != pieces:
+            self._gravity.restart()
+        self._draw()
+
+    def action_pause(self) -> None:
+        """Cover the board and stop the clock, or go on."""
+        if self.game.over:
+            return
+        if self._gravity.running:
+            self._gravity.stop()
+            self._board.cover("PAUSE\n\npress p to go on")
+        else:
+            self._board.uncover()
+            self._gravity.start()
+
+    def action_new(self) -> None:
+        """Begin a new game with other pieces."""
+        self._seed += 1
+        rows, columns = self._size_of_board
+        self.game = Practice(self._seed, rows=rows, columns=columns)
+        self._board.uncover()
+        self._gravity.restart()
+        self._gravity.start()
+        self._draw()
+
+    def action_quit_practice(self) -> None:
+        """Leave."""
+        self.dismiss()
+
+    def _draw(self) -> None:
+        picture = self.game.picture()
+        self._board.show(picture)
+        self._next.show(picture.counts.next_piece)
+        self._stats.show(Figures(lines=picture.counts.lines, pieces=picture.counts.pieces))
+        if picture.over and not self._board.covered:
+            self._gravity.stop()
+            rows = "1 row" if picture.counts.lines == 1 else f"{picture.counts.lines} rows"
+            self._board.cover(f"GAME OVER\n{rows} cleared\n\nn new game  q quit", whole=False)
+
+
+class PracticeApp(App[int], inherit_bindings=False):
+    """Practice on its own; its result is how many rows the last game has cleared."""
+
+    TITLE = "arl practice"
+    ENABLE_COMMAND_PALETTE = False
+    ALLOW_SELECT = False
+
+    def __init__(
+        self,
+        *,
+        seed: int = 0,
+        rows: int = 20,
+        columns: int = 10,
+        fall_s: float = 0.6,
+        palette: str = STANDARD.name,
+        clock: Clock | None = None,
+    ) -> None:
+        """Prepare a game; the arguments are those of PracticeScreen, the palette by name.
+
+        Raises:
+            ValueError: there is no such palette, or the board is too small.
+        """
+        super().__init__()
+        self.practice = PracticeScreen(
+            seed=seed,
+            rows=rows,
+            columns=columns,
+            fall_s=fall_s,
+            palette=palette_for(palette, self.console.color_system),
+            clock=clock,
+        )
+
+    def on_mount(self) -> None:
+        """Open the game, and close with it."""
+        self.push_screen(self.practice, callback=lambda _result: self.exit(self.practice.game.lines))

@@ -1,0 +1,208 @@
+"""Confirms each key press at once, and says how many are left."""
+
+from collections.abc import Iterable
+from typing import ClassVar
+
+from rich.segment import Segment
+from rich.style import Style
+from textual.geometry import Size
+from textual.strip import Strip
+from textual.timer import Timer
+from textual.widget import Widget
+
+from arl_tui.widgets.big_letters import LINES, big
+from core.episode import KeyPressed, PressRetracted
+from core.keys import KeyConfig
+
+HOLD_S = 1.5
+"""How long a word stays, seconds."""
+MOST_PIPS = 12
+"""More presses than this are counted in figures only."""
+
+_REFUSALS = {
+    "no-presses-left": "No presses left in this game: not counted",
+    "covered": "The game is covered: not counted",
+    "not-playing": "No game on screen: not counted",
+    "other": "This key has no meaning here",
+}
+
+
+class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
+    """A word in big letters, a note, the presses left, a request, and the keys.
+
+    It decides nothing: it shows the records that `core.keys.PressGate` makes of key presses.
+    """
+
+    COMPONENT_CLASSES: ClassVar[set[str]] = {
+        "feedback--good",
+        "feedback--bad",
+        "feedback--back",
+        "feedback--idle",
+        "feedback--note",
+        "feedback--pip",
+        "feedback--spent",
+        "feedback--cue",
+        "feedback--key",
+        "feedback--label",
+    }
+    DEFAULT_CSS: ClassVar[str] = """
+    FeedbackBar {
+        width: 1fr;
+        height: auto;
+        border: round $foreground 40%;
+    }
+    FeedbackBar > .feedback--good { background: #1f7a4d; color: #ffffff; text-style: bold; }
+    FeedbackBar > .feedback--bad { background: #b3372f; color: #ffffff; text-style: bold; }
+    FeedbackBar > .feedback--back { background: #7a6a1f; color: #ffffff; text-style: bold; }
+    FeedbackBar > .feedback--idle { color: $foreground 45%; }
+    FeedbackBar > .feedback--note { color: $foreground; }
+    FeedbackBar > .feedback--pip { color: $accent; text-style: bold; }
+    FeedbackBar > .feedback--spent { color: $foreground 40%; }
+    FeedbackBar > .feedback--cue { background: #e0a100; color: #000000; text-style: bold; }
+    FeedbackBar > .feedback--key { color: $accent; text-style: bold; }
+    FeedbackBar > .feedback--label { color: $foreground 80%; }
+    """
+    ALLOW_SELECT: ClassVar[bool] = False
+    LINES_HIGH: ClassVar[int] = LINES + 7
+
+    def __init__(
+        self, keys: KeyConfig, *, hold_s: float = HOLD_S, id: str | None = None, classes: str | None = None
+    ) -> None:
+        """Show the keys and a full budget.
+
+        Args:
+            keys: which key means what, and how many presses an episode has.
+            hold_s: how long a word stays, seconds; 0 keeps it until the next.
+            id: Textual's name of the widget.
+            classes: Textual's style classes.
+        """
+        super().__init__(id=id, classes=classes)
+        self.border_title = "Your feedback"
+        self.keys = keys
+        self.presses_left = keys.max_presses_per_episode
+        """Presses that still count in this episode."""
+        self.wrong_asked = False
+        """Whether one deliberately wrong press is asked for."""
+        self.word = ""
+        """What stands in big letters: GOOD, BAD, TAKEN BACK, or nothing."""
+        self.note = ""
+        """What stands below it."""
+        self._kind = "idle"
+        self._hold_s = hold_s
+        self._timer: Timer | None = None
+
+    def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
+        """Return the height, which never changes."""
+        return self.LINES_HIGH
+
+    def begin_episode(self, presses_left: int) -> None:
+        """Clear the bar and show a new budget."""
+        self.presses_left = presses_left
+        self._say("", "idle", "")
+
+    def show_press(self, press: KeyPressed, presses_left: int) -> None:
+        """Confirm an accepted press, or say why one does not count; a held key's repeats change nothing."""
+        self.presses_left = presses_left
+        by = " by the simulated participant" if press.source == "simulated" else ""
+        if press.verdict == "accepted":
+            assert press.value is not None, f"an accepted press has a value: {press}"
+            good = press.value > 0
+            self._say("GOOD" if good else "BAD", "good" if good else "bad", f"Counted{by}")
+        elif press.verdict != "repeat" and press.key != self.keys.retract:
+            self._say("", "idle", _REFUSALS[press.verdict])
+
+    def show_retraction(self, retraction: PressRetracted, presses_left: int) -> None:
+        """Say that a press does not count after all."""
+        self.presses_left = presses_left
+        if retraction.reason == "auto-repeat":
+            self._say(self.word, self._kind, "A key that is held down counts once")
+        else:
+            self._say("TAKEN BACK", "back", "Your last press does not count")
+
+    def ask_wrong(self, asked: bool) -> None:
+        """Ask for one deliberately wrong press, or stop asking."""
+        if asked != self.wrong_asked:
+            self.wrong_asked = asked
+            self.refresh()
+
+    def _say(self, word: str, kind: str, note: str) -> None:
+        self.word, self._kind, self.note = word, kind, note
+        if self._timer is not None:
+            self._timer.stop()
+            self._timer = None
+        if (word or note) and self._hold_s > 0:
+            self._timer = self.set_timer(self._hold_s, self._fade)
+        self.refresh()
+
+    def _fade(self) -> None:
+        self._timer = None
+        self.word, self._kind, self.note = "", "idle", ""
+        self.refresh()
+
+    def render_line(self, y: int) -> Strip:
+        """Return one line: the word (3), note, space, presses left, space, request, space, keys."""
+        if y < LINES:
+            return self._word_line(y)
+        line = y - LINES
+        if line == 0:
+            return self._line([("note", self.note)])
+        if line == 2:
+            return self._line(self._budget())
+        if line == 4 and self.wrong_asked:
+            return self._filled("cue", "Just once, on purpose: press the WRONG key")
+        if line == 6:
+            return self._line(self._key_names())
+        return self._line([])
+
+    def _word_line(self, y: int) -> Strip:
+        width = self.size.width
+        if not self.word:
+            waiting = (
+                "watch, and say what you think"
+                if self.presses_left
+                else "watch: no presses left in this game"
+            )
+            return self._filled("idle", waiting if y == 1 else "")
+        lines = big(self.word)
+        if len(lines[0]) > width:
+            return self._filled(self._kind, self.word if y == 1 else "")
+        return self._filled(self._kind, lines[y])
+
+    def _budget(self) -> list[tuple[str, str]]:
+        most = self.keys.max_presses_per_episode
+        left = f"{self.presses_left} of {most} presses left"
+        if most > MOST_PIPS:
+            return [("label", left)]
+        return [
+            ("pip", "● " * self.presses_left),
+            ("spent", "○ " * (most - self.presses_left)),
+            ("label", f" {left}"),
+        ]
+
+    def _key_names(self) -> list[tuple[str, str]]:
+        names = ((self.keys.good, "good"), (self.keys.bad, "bad"), (self.keys.retract, "take back"))
+        parts: list[tuple[str, str]] = []
+        for key, name in names:
+            parts += [("key", f" {key} "), ("label", f"{name}    ")]
+        return parts
+
+    def _line(self, parts: Iterable[tuple[str, str]]) -> Strip:
+        """Return a line of styled parts, centred."""
+        segments = [Segment(text, self._style(name)) for name, text in parts if text.strip()]
+        strip = Strip(segments)
+        left = max(0, (self.size.width - strip.cell_length) // 2)
+        return Strip([Segment(" " * left, self.rich_style), *segments]).adjust_cell_length(
+            self.size.width, self.rich_style
+        )
+
+    def _filled(self, name: str, text: str) -> Strip:
+        """Return a line in one style from edge to edge, its text centred."""
+        width = self.size.width
+        style = self._style(name)
+        strip = Strip([Segment(text[:width], style)])
+        left = (width - strip.cell_length) // 2
+        right = width - strip.cell_length - left
+        return Strip([Segment(" " * left, style), *strip, Segment(" " * right, style)], width)
+
+    def _style(self, name: str) -> Style:
+        return self.get_component_rich_style(f"feedback--{name}")
