@@ -146,7 +146,9 @@ def _descend(
     """Quasi-Newton steps to the bottom of `loss`."""
     found = optimize.minimize(loss, start, method="L-BFGS-B", bounds=bounds, options={"ftol": 1e-11})
     if not found.fun < 1e11:
-        raise FitError("the likelihood with time-outs is not finite: look for time-outs far above every response")
+        raise FitError(
+            "the likelihood with time-outs is not finite: look for time-outs far above every response"
+        )
     return np.asarray(found.x), float(found.fun)
 
 
@@ -154,18 +156,23 @@ def _fit_gamma(family: Family, sample: Sample) -> tuple[Array, float]:
     out = np.empty(3)
     no_table = np.zeros(gamma_profile.TABLE_SIZE)
     total = gamma_profile.profile(
-        sample.observed_s, sample.censored_s, family.shifted, gamma_profile.FREE, 0.0, family.bound, no_table, out
+        sample.observed_s,
+        sample.censored_s,
+        family.shifted,
+        gamma_profile.FREE,
+        0.0,
+        family.bound,
+        no_table,
+        out,
     )
     return out[: len(family.parameters)], float(total)
 
 
 def _fit_ex_gaussian(sample: Sample) -> tuple[Array, float]:
-    from studies.reaction_time.families import SMALLEST_WIDTH_S
-
     waited, counts = np.unique(sample.censored_s, return_counts=True)
     everything = np.concatenate([sample.observed_s, sample.censored_s])
     mean, sd = float(everything.mean()), float(everything.std())
-    widths = (math.log(SMALLEST_WIDTH_S), math.log(10.0 * float(np.ptp(everything)) + 1.0))
+    widths = (math.log(kernels.SMALLEST_WIDTH_S), math.log(10.0 * float(np.ptp(everything)) + 1.0))
 
     def loss(theta: Array) -> float:
         mu, sigma, tau = float(theta[0]), math.exp(theta[1]), math.exp(theta[2])
@@ -177,7 +184,9 @@ def _fit_ex_gaussian(sample: Sample) -> tuple[Array, float]:
     for share in (0.05, 0.5, 0.95):
         tau, sigma = sd * math.sqrt(share), sd * math.sqrt(1.0 - share)
         tops.append(
-            _descend(loss, np.array([mean - tau, math.log(sigma), math.log(tau)]), [(None, None), widths, widths])
+            _descend(
+                loss, np.array([mean - tau, math.log(sigma), math.log(tau)]), [(None, None), widths, widths]
+            )
         )
     theta, value = min(tops, key=lambda top: top[1])
     return np.array([theta[0], math.exp(theta[1]), math.exp(theta[2])]), -value

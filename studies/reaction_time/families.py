@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 from scipy import optimize, stats
 
 from studies.reaction_time import kernels
+from studies.reaction_time.censored import fit_censored
+from studies.reaction_time.kernels import SMALLEST_WIDTH_S
 from studies.reaction_time.sample import Sample
 
 Array = NDArray[np.float64]
-SMALLEST_WIDTH_S = 1e-4
-"""Least sigma and tau of the ex-Gaussian: a tenth of a millisecond."""
 _BOUND_TOLERANCE = 1e-6
 
 
@@ -150,8 +150,6 @@ def fit_family(family: Family, sample: Sample) -> FamilyFit:
         FitError: where a censored fit does not converge.
     """
     if sample.censored_s.size:
-        from studies.reaction_time.censored import fit_censored
-
         values, total = fit_censored(family, sample)
     else:
         values, total = fit_observed(family, sample.observed_s)

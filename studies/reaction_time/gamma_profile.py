@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.compiled import kernel
-from studies.reaction_time.kernels import _GOLDEN, _GOLDEN_STEPS, gamma_shape, gap_grid, log_moments
+from studies.reaction_time.kernels import GOLDEN, GOLDEN_STEPS, gamma_shape, gap_grid, log_moments
 
 FREE, SHAPE, SCALE, OFFSET, MEAN, SD, QUANTILE = 0, 1, 2, 3, 4, 5, 6
 
@@ -55,9 +55,7 @@ def _value(
     n: int, mean: float, s: float, waits: NDArray[np.float64], offset: float, k: float, scale: float
 ) -> float:
     """Log-likelihood from the sufficient statistics of x - offset, plus the waits' log survival."""
-    total = n * (
-        (k - 1.0) * (math.log(mean) - s) - mean / scale - k * math.log(scale) - math.lgamma(k)
-    )
+    total = n * ((k - 1.0) * (math.log(mean) - s) - mean / scale - k * math.log(scale) - math.lgamma(k))
     for wait in waits:
         total += log_gamma_survival(k, (wait - offset) / scale)
     return total
@@ -122,17 +120,17 @@ def _golden_along(
 ) -> tuple[float, float]:
     """Return (t, log-likelihood) at the top of `_along` between low and high, ends included."""
     a, b = low, high
-    c, d = b - _GOLDEN * (b - a), a + _GOLDEN * (b - a)
+    c, d = b - GOLDEN * (b - a), a + GOLDEN * (b - a)
     at_c = _along(c, which, value, n, mean, s, waits, offset, table)
     at_d = _along(d, which, value, n, mean, s, waits, offset, table)
-    while b - a > 1e-7:
+    while b - a > 1e-5:
         if at_c > at_d:
             b, d, at_d = d, c, at_c
-            c = b - _GOLDEN * (b - a)
+            c = b - GOLDEN * (b - a)
             at_c = _along(c, which, value, n, mean, s, waits, offset, table)
         else:
             a, c, at_c = c, d, at_d
-            d = a + _GOLDEN * (b - a)
+            d = a + GOLDEN * (b - a)
             at_d = _along(d, which, value, n, mean, s, waits, offset, table)
     best_t, best = (c, at_c) if at_c > at_d else (d, at_d)
     for edge in (low, high):
@@ -273,17 +271,17 @@ def profile(
             best, best_j = at_j, j
     best_offset = low - gaps[best_j]
     a, b = math.log(gaps[max(best_j - 1, 0)]), math.log(gaps[min(best_j + 1, GRID - 1)])
-    c, d = b - _GOLDEN * (b - a), a + _GOLDEN * (b - a)
+    c, d = b - GOLDEN * (b - a), a + GOLDEN * (b - a)
     at_c = _at_offset(x, waits, low - math.exp(c), which, value, shape_min, table, out)
     at_d = _at_offset(x, waits, low - math.exp(d), which, value, shape_min, table, out)
-    for _ in range(_GOLDEN_STEPS):
+    for _ in range(GOLDEN_STEPS):
         if at_c > at_d:
             b, d, at_d = d, c, at_c
-            c = b - _GOLDEN * (b - a)
+            c = b - GOLDEN * (b - a)
             at_c = _at_offset(x, waits, low - math.exp(c), which, value, shape_min, table, out)
         else:
             a, c, at_c = c, d, at_d
-            d = a + _GOLDEN * (b - a)
+            d = a + GOLDEN * (b - a)
             at_d = _at_offset(x, waits, low - math.exp(d), which, value, shape_min, table, out)
     if max(at_c, at_d) > best:
         best_offset = low - math.exp(c if at_c > at_d else d)

@@ -21,9 +21,12 @@ SHIFTED_SHAPE_MIN = 1.0
 SHIFTED_SIGMA_MAX = 2.0
 """Log-sd of the shifted log-normal, for the same reason; responses stay far below it (about 0.2 to 0.8)."""
 
+SMALLEST_WIDTH_S = 1e-4
+"""Least sigma and tau of the ex-Gaussian: a tenth of a millisecond."""
+
 _GRID = 40
-_GOLDEN_STEPS = 36
-_GOLDEN = 0.6180339887498949
+GOLDEN_STEPS = 36
+GOLDEN = 0.6180339887498949
 _LOG_2PI = 1.8378770664093453
 
 
@@ -243,17 +246,17 @@ def fit_shifted(x: NDArray[np.float64], family: int, bound: float, out: NDArray[
             continue
         a = math.log(gaps[max(j - 1, 0)])
         b = math.log(gaps[min(j + 1, _GRID - 1)])
-        c, d = b - _GOLDEN * (b - a), a + _GOLDEN * (b - a)
+        c, d = b - GOLDEN * (b - a), a + GOLDEN * (b - a)
         at_c = fit_at_offset(x, low - math.exp(c), family, bound, pair)
         at_d = fit_at_offset(x, low - math.exp(d), family, bound, pair)
-        for _ in range(_GOLDEN_STEPS):
+        for _ in range(GOLDEN_STEPS):
             if at_c > at_d:
                 b, d, at_d = d, c, at_c
-                c = b - _GOLDEN * (b - a)
+                c = b - GOLDEN * (b - a)
                 at_c = fit_at_offset(x, low - math.exp(c), family, bound, pair)
             else:
                 a, c, at_c = c, d, at_d
-                d = a + _GOLDEN * (b - a)
+                d = a + GOLDEN * (b - a)
                 at_d = fit_at_offset(x, low - math.exp(d), family, bound, pair)
         if max(at_c, at_d) > best:
             best = max(at_c, at_d)
