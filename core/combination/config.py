@@ -1,7 +1,7 @@
-"""Settings of the combination schemes and the weights they give to an episode (Eqs. 2 and 3).
+"""Settings of combination: schemes and the weights they give to an episode (Eqs. 2 and 3), and trust (Eqs. 4, 5).
 
 Nothing here needs compiled code, so a protocol can be read without it; the decision itself is in
-`core.combination.schemes`.
+`core.combination.schemes`, trust in `core.combination.trust`.
 """
 
 import math
@@ -9,6 +9,9 @@ from dataclasses import dataclass
 from typing import Literal
 
 import msgspec
+
+from core.feedback.samples import CreditConfig
+from core.learners.human_config import HumanModelConfig, RidgeModel
 
 Scale = Literal["standardised", "raw"]
 
@@ -18,6 +21,9 @@ EXPONENTIAL = 1
 """Form: argmax w_r R (1 + H^w_h), H mapped to [0, 1] and R shifted to >= 0 (section 3.1)."""
 LINEAR_RAW = 2
 """Form: argmax w_r R + w_h H of the values as they come (Eq. 3 to the letter)."""
+
+FORM_NAMES: dict[int, str] = {LINEAR: "linear", EXPONENTIAL: "exponential", LINEAR_RAW: "linear, raw values"}
+"""Names of the forms, for reports."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,8 +40,8 @@ class EpisodeWeights:
     """Probability, per decision, of taking the human model's best action instead, in [0, 1]."""
 
     def __post_init__(self) -> None:
-        if self.form not in (LINEAR, EXPONENTIAL, LINEAR_RAW):
-            raise ValueError(f"form is {LINEAR}, {EXPONENTIAL} or {LINEAR_RAW}, got {self.form}")
+        if self.form not in FORM_NAMES:
+            raise ValueError(f"form is one of {FORM_NAMES}, got {self.form}")
         if not (math.isfinite(self.w_r) and self.w_r >= 0 and math.isfinite(self.w_h)):
             raise ValueError(f"w_r is finite and >= 0, w_h finite; got w_r={self.w_r}, w_h={self.w_h}")
         if not 0 <= self.share <= 1:
@@ -168,6 +174,94 @@ SCHEMES: dict[str, type[Scheme]] = {
 """Every scheme by its tag: the one registry."""
 
 
+MatchKind = Literal["rate", "chance-corrected", "signed"]
+"""Degree of match: fraction of equal choices; the same above chance; best minus worst (`docs/decisions`)."""
+
+
+class Equation4(msgspec.Struct, frozen=True, tag="equation-4"):
+    """w_h is the performance-weighted mean match of the top policies (Eq. 4)."""
+
+    match: MatchKind = "rate"
+    """m_i: the paper counts equal choices; a rate keeps w_h in [0, 1]."""
+    measured: Literal["as-played", "window"] = "as-played"
+    """m_i from the last episode in which policy i was played, or anew from recent decisions."""
+    chance: float | None = None
+    """Agreement of unrelated policies, in [0, 1), where `match` is chance-corrected; None: estimated from
+    recent decisions by random policies."""
+
+    def __post_init__(self) -> None:
+        if self.chance is not None and not 0 <= self.chance < 1:
+            raise ValueError(f"chance is an agreement rate in [0, 1), got {self.chance}")
+
+
+class Equation5(msgspec.Struct, frozen=True, tag="equation-5"):
+    """w_h moves from episode to episode, weighted by performance (Eq. 5)."""
+
+    match: Literal["rate", "signed"] = "rate"
+    """m^k of the episode's policy, as in `Equation4`."""
+    cumulative: bool = False
+    """Weigh the past by the performance of all compared episodes so far; as printed, by the last one's."""
+
+
+class Signed(msgspec.Struct, frozen=True, tag="signed"):
+    """Eq. 4 over recent episodes with the signed match, less its standard errors (ours; `docs/decisions`).
+
+    w = sum pm_i a_i / sum pm_i, se = sd(a) sqrt(sum pm_i^2) / sum pm_i, w_h = gain sign(w) max(0, |w| - c se).
+    """
+
+    episodes: int = 200
+    """How many recent compared episodes count."""
+    gain: float = 2.0
+    """Factor that brings a good participant near the environment's weight."""
+    standard_errors: float = 2.0
+    """c: what is not this many standard errors from 0 is taken for 0."""
+    minimum_episodes: int = 10
+    """With fewer episodes w_h = 0: their standard deviation says nothing."""
+
+    def __post_init__(self) -> None:
+        if not 2 <= self.minimum_episodes <= self.episodes:
+            raise ValueError(
+                f"need 2 <= minimum_episodes <= episodes, got {self.minimum_episodes} and {self.episodes}"
+            )
+        if not (math.isfinite(self.gain) and self.gain > 0 and self.standard_errors >= 0):
+            raise ValueError(f"need gain > 0 and standard_errors >= 0: {self.gain}, {self.standard_errors}")
+
+
+class FixedWeight(msgspec.Struct, frozen=True, tag="fixed"):
+    """Trust that no evidence changes: takes bootstrap learning out, for comparisons."""
+
+    w_h: float = 1.0
+    """As much say as the environment, both being standardised. (Our choice.)"""
+
+    def __post_init__(self) -> None:
+        if not math.isfinite(self.w_h):
+            raise ValueError(f"w_h is finite, got {self.w_h}")
+
+
+TrustRule = Equation4 | Equation5 | Signed | FixedWeight
+"""How w_h follows from performance and match; msgspec decodes it by its tag, the field "type"."""
+
+
+class BootstrapConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Bootstrap learning (section 3.1)."""
+
+    trust: TrustRule = Equation4()
+    """How w_h follows from performance and match (the paper's first equation for it)."""
+    top_policies: int = 10
+    """N, the number of policies kept. (The paper does not say; as many as the elite of one CE iteration.)"""
+    symmetric: bool = True
+    """A policy's selection probability rises with its match to the human policy, scaled by w_h: the agent
+    "alternately assumes the policy based on each feedback mechanism to be ground truth"."""
+    window_decisions: int = 200
+    """Recent decisions kept for measuring matches anew. (Our choice.)"""
+
+    def __post_init__(self) -> None:
+        if self.top_policies < 1 or self.window_decisions < 1:
+            raise ValueError(
+                f"top_policies and window_decisions are >= 1: {self.top_policies}, {self.window_decisions}"
+            )
+
+
 def _linear_form(scale: Scale) -> int:
     return LINEAR if scale == "standardised" else LINEAR_RAW
 
@@ -184,3 +278,16 @@ def _annealed(beta_0: float, decay: float, episode: int) -> float:
     if episode < 0:
         raise ValueError(f"episodes count from 0, got {episode}")
     return beta_0 * decay**episode
+
+
+class AgentConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Everything that decides how an agent combines its two sources."""
+
+    scheme: Scheme = Linear()
+    """f(R, H) of Eq. 2; linear, Eq. 3, is the paper's choice."""
+    bootstrap: BootstrapConfig = BootstrapConfig()
+    """Trust and the top policies."""
+    credit: CreditConfig = CreditConfig()
+    """How presses become samples."""
+    human_model: HumanModelConfig = RidgeModel()
+    """How samples become H. (The paper does not say; least squares make most of a few presses.)"""

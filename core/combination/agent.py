@@ -1,0 +1,284 @@
+"""The agent of augmented reinforcement learning: an environment learner and a human model, and whom it trusts."""
+
+import hashlib
+from dataclasses import dataclass
+from typing import Literal, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.combination.bootstrap_learning import BootstrapLearning, EpisodeReport
+from core.combination.config import ENVIRONMENT_WEIGHTS, AgentConfig, EpisodeWeights, HumanOnly
+from core.combination.human_learner import HumanLearner
+from core.combination.schemes import best_action, choose, takes_control, worst_action
+from core.combination.trust import Comparison
+from core.combination.window import DecisionWindow, Values
+from core.domain import Choices
+from core.episode import CreditGiven
+from core.fixed_point import exact_weights
+from core.learners.contract import EnvironmentLearner
+from core.learners.linear import action_values
+from core.streams import stream, stream_seed
+
+
+def exact_values(rows: NDArray[np.float64], weights: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return rows (n, F) times weights (F,) on the grid of `core.fixed_point`: as a compiled player has them."""
+    return action_values(rows, exact_weights(weights))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class EpisodePolicy:
+    """What is played in one episode."""
+
+    policy_id: int
+    theta: NDArray[np.float64]
+    """Weights of the environment policy, shape (F,)."""
+    human_weights: NDArray[np.float64]
+    """v of the human model when the episode began, shape (G,); zeros while nothing is known."""
+    weights: EpisodeWeights
+    """How the two are combined."""
+    share_seed: int
+    """Seed of `takes_control` (control sharing), in [0, 2**62)."""
+    exploring: bool
+    """The learner proposed this policy and waits for its performance."""
+
+    @property
+    def human_known(self) -> bool:
+        """Whether there is a human policy: if not, nothing is compared with it."""
+        return bool(self.human_weights.any())
+
+
+@dataclass(frozen=True, slots=True)
+class Decision:
+    """What the agent decided, and what each of its sources would have."""
+
+    action: int
+    environment_action: int
+    human_action: int
+    """The human policy's best action; -1 while there is none."""
+    human_worst_action: int
+    """The human policy's worst action; -1 while there is none."""
+
+
+class Outcome(Protocol):
+    """How an episode went (`core.rollout.Played`)."""
+
+    @property
+    def performance(self) -> float:
+        """Performance measure, >= 0."""
+        ...
+
+    @property
+    def steps(self) -> int:
+        """Number of decisions."""
+        ...
+
+    @property
+    def agreed(self) -> int:
+        """Decisions at which environment and human policy chose the same action."""
+        ...
+
+    @property
+    def agreed_worst(self) -> int:
+        """Decisions at which the environment policy chose the human policy's worst action."""
+        ...
+
+    @property
+    def ended(self) -> Literal["termination", "truncation"]:
+        """Whether the episode came to its end."""
+        ...
+
+
+class ArlAgent:
+    """Chooses actions by environment and human (Fig. 1), and learns from both.
+
+    The agent "initially assumes the absence of human feedback" (section 3.1): until the human model knows
+    something, the environment policy is played alone, w_h is 0 and nothing is compared. (`HumanOnly` alone does
+    not wait: without an environment it has nothing else to go by.)
+    """
+
+    def __init__(
+        self,
+        learner: EnvironmentLearner,
+        config: AgentConfig,
+        *,
+        n_feedback_features: int,
+        root_seed: int,
+        environment_values: Values | None = None,
+        human_values: Values | None = None,
+    ) -> None:
+        """Begin without human feedback.
+
+        Args:
+            learner: proposes policies and hears how they did.
+            config: scheme, trust, credit, human model.
+            n_feedback_features: G, length of psi(s, a).
+            root_seed: of the session; streams "policy", "share" and "chance".
+            environment_values: R of each action from feature rows (n, F) and theta (F,). Default: `exact_values`.
+            human_values: H of each action from feature rows (n, G) and v (G,); a constant does not matter.
+                Default: `exact_values`.
+        """
+        environment_values = environment_values or exact_values
+        human_values = human_values or exact_values
+        self.config = config
+        self.human = HumanLearner(config.credit, config.human_model, n_feedback_features)
+        self.window = DecisionWindow(config.bootstrap.window_decisions, environment_values, human_values)
+        self.bootstrap = BootstrapLearning(config.bootstrap, self.window, root_seed=root_seed)
+        self._learner = learner
+        self._root_seed = root_seed
+        self._environment_values = environment_values
+        self._human_values = human_values
+        # Comparison of the episode being watched: (decisions, agreed, agreed_worst).
+        self._watched = (0, 0, 0)
+
+    @property
+    def w_h(self) -> float:
+        """Weight of the human by bootstrap learning; 0 while the human model knows nothing."""
+        return self.bootstrap.w_h if self.human.knows_something else 0.0
+
+    def begin_episode(self, episode: int, *, exploring: bool) -> EpisodePolicy:
+        """Return the policy of an episode.
+
+        Args:
+            episode: number of the episode in the session, >= 0; all its random choices follow from it.
+            exploring: play the learner's next proposal; otherwise one of the top policies, drawn by
+                performance (and match), or a proposal while there is none.
+        """
+        self._watched = (0, 0, 0)
+        share_seed = stream_seed(self._root_seed, "share", episode) >> 1
+        ranked = self.bootstrap.ranked
+        if exploring or not ranked:
+            candidate = self._learner.propose()
+            policy_id, theta = candidate.policy_id, candidate.weights
+        else:
+            drawn = self.bootstrap.draw(self._known_weights(), rng=stream(self._root_seed, "policy", episode))
+            policy_id, theta = drawn.policy_id, drawn.theta
+        return EpisodePolicy(
+            policy_id=policy_id,
+            theta=theta,
+            human_weights=self.human.weights,
+            weights=self._weights(episode),
+            share_seed=share_seed,
+            exploring=exploring or not ranked,
+        )
+
+    def choose(self, choices: Choices, policy: EpisodePolicy, *, step: int) -> Decision:
+        """Decide one step of a watched episode, with the human model as it is now.
+
+        Args:
+            choices: the actions.
+            policy: from `begin_episode`; its scheme's weights hold for the whole episode.
+            step: number of the decision in the episode, from 0.
+        """
+        n = len(choices.ruled_out)
+        self.window.remember(choices)
+        env_values = self._environment_values(choices.features, policy.theta)
+        environment_action = best_action(env_values, choices.ruled_out, n)
+        if not self.human.knows_something:
+            return Decision(
+                self._choose(env_values, np.zeros(n), choices, policy), environment_action, -1, -1
+            )
+        human_values = self._human_values(choices.feedback_features, self.human.weights)
+        human_action = best_action(human_values, choices.ruled_out, n)
+        human_worst_action = worst_action(human_values, choices.ruled_out, n)
+        decisions, agreed, agreed_worst = self._watched
+        self._watched = (
+            decisions + 1,
+            agreed + (environment_action == human_action),
+            agreed_worst + (environment_action == human_worst_action),
+        )
+        if takes_control(policy.share_seed, step, policy.weights.share):
+            action = human_action
+        else:
+            action = self._choose(env_values, human_values, choices, policy)
+        return Decision(action, environment_action, human_action, human_worst_action)
+
+    def learn_from_domain(self, policy: EpisodePolicy, played: Outcome) -> None:
+        """Take in how an episode went: the learner hears of its proposal, policies are ranked, w_h is revised.
+
+        Args:
+            policy: from `begin_episode`.
+            played: the outcome. Where this agent made the decisions itself (`choose`), its own count of
+                agreements is used, which leaves out decisions before the first press.
+        """
+        decisions, agreed, agreed_worst = self._watched
+        if decisions == 0 and policy.human_known:
+            decisions, agreed, agreed_worst = played.steps, played.agreed, played.agreed_worst
+        self._watched = (0, 0, 0)
+        if policy.exploring:
+            self._learner.report(policy.policy_id, played.performance)
+        self.bootstrap.record(
+            EpisodeReport(
+                policy_id=policy.policy_id,
+                theta=policy.theta,
+                performance=played.performance,
+                truncated=played.ended == "truncation",
+                comparison=Comparison(decisions, agreed, agreed_worst) if decisions else None,
+            ),
+            self._known_weights(),
+        )
+
+    def step_shown(self, step: int, features: NDArray[np.float64], time_ns: int) -> None:
+        """Note that a watched step with feedback features psi, shape (G,), came on screen."""
+        self.human.step_shown(step, features, time_ns)
+
+    def step_hidden(self, time_ns: int) -> None:
+        """Note that the step on screen went off it."""
+        self.human.step_hidden(time_ns)
+
+    def learn_from_press(self, press: int, time_ns: int, value: float) -> CreditGiven:
+        """Learn from a press, value > 0 good, < 0 bad; return how it was shared out."""
+        given = self.human.press(press, time_ns, value)
+        return CreditGiven(
+            press=press,
+            steps=list(given.steps),
+            shares=list(given.shares),
+            before_first=given.before_first,
+            in_gaps=given.in_gaps,
+        )
+
+    def retract(self, press: int) -> None:
+        """Forget a press as if it had never been made."""
+        self.human.retract(press)
+
+    def export(self) -> dict[str, list[float]]:
+        """Return the weight vectors by name: the human model's, and those of the top policies, best first."""
+        vectors = {"human": self.human.weights.tolist(), "w_h": [self.w_h]}
+        for place, policy in enumerate(self.bootstrap.ranked):
+            vectors[f"policy-{place}"] = policy.theta.tolist()
+        return vectors
+
+    def digest(self) -> str:
+        """Return SHA-256 over everything learned, hex: learner, top policies, human model, w_h."""
+        parts = (self._learner.state_digest(), self.bootstrap.state_bytes(), self.human.state_bytes())
+        digest = hashlib.sha256()
+        for part in parts:
+            digest.update(len(part).to_bytes(8, "little"))
+            digest.update(part)
+        return digest.hexdigest()
+
+    def _known_weights(self) -> NDArray[np.float64] | None:
+        return self.human.weights if self.human.knows_something else None
+
+    def _weights(self, episode: int) -> EpisodeWeights:
+        if not self.human.knows_something and not isinstance(self.config.scheme, HumanOnly):
+            return ENVIRONMENT_WEIGHTS
+        return self.config.scheme.weights(self.w_h, episode)
+
+    def _choose(
+        self,
+        env_values: NDArray[np.float64],
+        human_values: NDArray[np.float64],
+        choices: Choices,
+        policy: EpisodePolicy,
+    ) -> int:
+        weights = policy.weights
+        return choose(
+            env_values,
+            human_values,
+            choices.ruled_out,
+            len(env_values),
+            weights.form,
+            weights.w_r,
+            weights.w_h,
+        )

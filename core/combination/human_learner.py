@@ -1,0 +1,86 @@
+"""One source of human feedback: its presses, the credit they get, and the model learned from them."""
+
+import struct
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.feedback.assigner import CreditAssigner
+from core.feedback.samples import CreditConfig, MassAccount, PressCredit
+from core.learners.human_config import HumanModelConfig
+from core.learners.human_reward import HumanRewardModel
+
+
+class HumanLearner:
+    """Keeps assigner and model in step: after every call the model has seen exactly the assigner's samples."""
+
+    def __init__(self, credit: CreditConfig, model: HumanModelConfig, n_features: int) -> None:
+        self._assigner = CreditAssigner(credit)
+        self._model = HumanRewardModel(model, n_features)
+        self._on_screen = -1
+
+    @property
+    def model(self) -> HumanRewardModel:
+        """The model behind `weights`."""
+        return self._model
+
+    @property
+    def account(self) -> MassAccount:
+        """Where the mass of all presses went."""
+        return self._assigner.account
+
+    @property
+    def knows_something(self) -> bool:
+        """Whether the model prefers any action to another."""
+        return self._model.knows_something
+
+    @property
+    def weights(self) -> NDArray[np.float64]:
+        """v, shape (G,), in the features' own units; zeros while nothing is known."""
+        return self._model.weights
+
+    def step_shown(self, step: int, features: NDArray[np.float64], time_ns: int) -> None:
+        """Note that a step came on screen; features psi(s, a), shape (G,)."""
+        self._assigner.step_shown(step, time_ns, features)
+        self._on_screen = step
+        self._learn()
+
+    def step_hidden(self, time_ns: int) -> None:
+        """Note that the step on screen, if there is one, went off it."""
+        if self._on_screen >= 0:
+            self._assigner.step_hidden(self._on_screen, time_ns)
+            self._on_screen = -1
+            self._learn()
+
+    def press(self, press: int, time_ns: int, value: float) -> PressCredit:
+        """Share a press out and learn from it."""
+        given = self._assigner.press(press, time_ns, value)
+        self._learn()
+        return given
+
+    def retract(self, press: int) -> None:
+        """Make the model one that never saw the press."""
+        self._assigner.retract(press)
+        self._model.fit(self._assigner.samples)
+
+    def finish(self, time_ns: int) -> None:
+        """Learn from the steps that still waited for presses: the session is over."""
+        self._assigner.finish(time_ns)
+        self._learn()
+
+    def state_bytes(self) -> bytes:
+        """Return all that decides about what is learned later, for fingerprints."""
+        account = self.account
+        return self._model.state_bytes() + struct.pack(
+            "<qqdddd",
+            account.presses,
+            account.merged,
+            account.credited,
+            account.before_first,
+            account.in_gaps,
+            account.too_late,
+        )
+
+    def _learn(self) -> None:
+        for sample in self._assigner.take():
+            self._model.add(sample)

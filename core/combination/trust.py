@@ -1,0 +1,156 @@
+"""How far the human is trusted: degree of match and w_h (section 3.1, Eqs. 4 and 5), as pure functions.
+
+All sums are rounded once (`math.fsum`), so they do not depend on the order of policies or episodes.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from core.combination.config import MatchKind
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """Choices of an environment policy held against those of the human policy."""
+
+    decisions: int
+    """How many decisions were compared, >= 1."""
+    agreed: int
+    """At how many the environment policy chose the human policy's best action."""
+    agreed_worst: int
+    """At how many it chose the human policy's worst action."""
+
+    def __post_init__(self) -> None:
+        if not (self.decisions >= 1 and min(self.agreed, self.agreed_worst) >= 0):
+            raise ValueError(f"a comparison needs decisions and counts >= 0: {self}")
+        if max(self.agreed, self.agreed_worst) > self.decisions:
+            raise ValueError(f"more agreements than decisions: {self}")
+
+    @property
+    def rate(self) -> float:
+        """Fraction of equal choices, in [0, 1]."""
+        return self.agreed / self.decisions
+
+    @property
+    def signed(self) -> float:
+        """Fraction of the human's best minus fraction of the human's worst actions, in [-1, 1]."""
+        return (self.agreed - self.agreed_worst) / self.decisions
+
+
+def degree_of_match(comparison: Comparison, kind: MatchKind, chance: float = 0.0) -> float:
+    """Return m_i.
+
+    Args:
+        comparison: counts.
+        kind: rate in [0, 1]; chance-corrected max(0, (rate - chance) / (1 - chance)); signed in [-1, 1].
+        chance: agreement rate of unrelated policies, in [0, 1).
+    """
+    if kind == "signed":
+        return comparison.signed
+    if kind == "rate":
+        return comparison.rate
+    return max(0.0, (comparison.rate - chance) / (1.0 - chance))
+
+
+def human_weight(performance: Sequence[float], match: Sequence[float]) -> float:
+    """Return the performance-weighted mean degree of match, w_h (Eq. 4).
+
+    Args:
+        performance: pm_i of the compared top policies, >= 0.
+        match: m_i of the same policies.
+
+    Returns:
+        w_h within the range of the m_i; their plain mean until some pm_i > 0 (0/0 in Eq. 4); 0 without any policy.
+    """
+    _check_performance(performance, match)
+    if not match:
+        return 0.0
+    total = math.fsum(performance)
+    if total == 0:
+        return math.fsum(match) / len(match)
+    return math.fsum(pm * m for pm, m in zip(performance, match, strict=True)) / total
+
+
+def next_human_weight(pm_before: float, w_before: float, pm_now: float, match_now: float) -> float:
+    """Return w_h^k = (pm^{k-1} w_h^{k-1} + pm^k m^k) / (pm^{k-1} + pm^k) (Eq. 5).
+
+    Args:
+        pm_before: performance of the episode before, >= 0.
+        w_before: w_h after it.
+        pm_now: performance of this episode, >= 0.
+        match_now: degree of match of this episode's policy.
+
+    Returns:
+        A value between `w_before` and `match_now`; their plain mean where both performances are 0.
+    """
+    return human_weight([pm_before, pm_now], [w_before, match_now])
+
+
+def signed_human_weight(
+    performance: Sequence[float], agreement: Sequence[float], *, gain: float, standard_errors: float
+) -> float:
+    """Return gain * sign(w) * max(0, |w| - standard_errors * se), w being Eq. 4 over episodes.
+
+    se = sd(a) sqrt(sum pm_i^2) / sum pm_i is the standard error of w for independent a_i. Episodes count alike
+    until some performance is > 0.
+
+    Args:
+        performance: pm_i of recent episodes, >= 0, at least 2 of them.
+        agreement: signed match a_i of the same episodes, in [-1, 1].
+        gain: > 0.
+        standard_errors: >= 0.
+
+    Returns:
+        w_h in [-gain, gain]; negative for a participant who means the opposite.
+    """
+    if len(agreement) < 2:
+        raise ValueError(f"a standard error needs at least 2 episodes, got {len(agreement)}")
+    w = human_weight(performance, agreement)
+    mean = math.fsum(agreement) / len(agreement)
+    sd = math.sqrt(math.fsum((a - mean) ** 2 for a in agreement) / (len(agreement) - 1))
+    total = math.fsum(performance)
+    if total > 0:
+        spread = math.sqrt(math.fsum(pm * pm for pm in performance)) / total
+    else:
+        spread = 1 / math.sqrt(len(agreement))
+    return gain * math.copysign(max(0.0, abs(w) - standard_errors * sd * spread), w)
+
+
+def selection_probabilities(
+    performance: Sequence[float], match: Sequence[float | None], w_h: float
+) -> list[float]:
+    """Return the probability of each top policy being played (section 3.1), symmetric update included.
+
+    p_i is proportional to pm_i max(0, 1 + w_h m_i): to the performance where the human is not trusted (w_h = 0),
+    and the higher, the more a policy matches a trusted human, or opposes a distrusted one.
+
+    Args:
+        performance: pm_i, >= 0, at least one policy.
+        match: m_i, or None for a policy never compared: it gets the mean match of the others.
+        w_h: human weight.
+
+    Returns:
+        Probabilities that sum to 1. Policies count alike until some pm_i > 0.
+    """
+    _check_performance(performance, match)
+    if not performance:
+        raise ValueError("there is no policy to select")
+    known = [m for m in match if m is not None]
+    usual = math.fsum(known) / len(known) if known else 0.0
+    factors = [max(0.0, 1.0 + w_h * (usual if m is None else m)) for m in match]
+    if not any(performance):
+        performance = [1.0] * len(factors)
+    scores = [pm * factor for pm, factor in zip(performance, factors, strict=True)]
+    total = math.fsum(scores)
+    if total == 0:
+        # Everything good is distrusted entirely: performance alone decides.
+        scores, total = list(performance), math.fsum(performance)
+    return [score / total for score in scores]
+
+
+def _check_performance(performance: Sequence[float], match: Sequence[float | None]) -> None:
+    if len(performance) != len(match):
+        raise ValueError(f"need one match per performance, got {len(match)} and {len(performance)}")
+    if any(not (pm >= 0 and math.isfinite(pm)) for pm in performance):
+        raise ValueError(f"performance is finite and >= 0, got {list(performance)}")

@@ -1,0 +1,102 @@
+"""Recent decisions, kept so that policies can be compared with the human policy of now."""
+
+from collections import deque
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.combination.schemes import best_action, worst_action
+from core.combination.trust import Comparison
+from core.compiled import kernel
+from core.domain import Choices
+
+Values = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
+"""Values of actions: (feature rows (n, F), weights (F,)) -> (n,)."""
+
+N_RANDOM_POLICIES = 20
+"""Random policies behind an estimate of chance agreement."""
+
+
+@kernel
+def count_agreement(
+    env_values: NDArray[np.float64],
+    human_values: NDArray[np.float64],
+    ruled_out: NDArray[np.bool_],
+    starts: NDArray[np.int64],
+) -> tuple[int, int]:
+    """Count decisions at which the environment's choice is the human's best, and its worst, action.
+
+    Args:
+        env_values: values of all actions of all decisions, one decision after the other, shape (R,).
+        human_values: likewise.
+        ruled_out: likewise.
+        starts: first row of each decision and, last, R, shape (D + 1,).
+    """
+    agreed = 0
+    agreed_worst = 0
+    for decision in range(starts.shape[0] - 1):
+        low, high = starts[decision], starts[decision + 1]
+        n = high - low
+        chosen = best_action(env_values[low:high], ruled_out[low:high], n)
+        if chosen == best_action(human_values[low:high], ruled_out[low:high], n):
+            agreed += 1
+        if chosen == worst_action(human_values[low:high], ruled_out[low:high], n):
+            agreed_worst += 1
+    return agreed, agreed_worst
+
+
+class DecisionWindow:
+    """The last decisions, whoever made them: a sample of states in which to compare policies."""
+
+    def __init__(self, capacity: int, environment_values: Values, human_values: Values) -> None:
+        self._decisions: deque[Choices] = deque(maxlen=capacity)
+        self._environment_values = environment_values
+        self._human_values = human_values
+        self._stacked: (
+            tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_], NDArray[np.int64]] | None
+        )
+        self._stacked = None
+
+    def __len__(self) -> int:
+        return len(self._decisions)
+
+    def remember(self, choices: Choices) -> None:
+        """Keep a decision; the oldest one goes when the window is full."""
+        self._decisions.append(choices)
+        self._stacked = None
+
+    def compare(self, theta: NDArray[np.float64], human_weights: NDArray[np.float64]) -> Comparison:
+        """Hold an environment policy against the human policy in all decisions kept (at least one)."""
+        rows, feedback_rows, ruled_out, starts = self._rows()
+        agreed, agreed_worst = count_agreement(
+            self._environment_values(rows, theta),
+            self._human_values(feedback_rows, human_weights),
+            ruled_out,
+            starts,
+        )
+        return Comparison(len(self._decisions), agreed, agreed_worst)
+
+    def chance(self, human_weights: NDArray[np.float64], *, rng: np.random.Generator) -> float:
+        """Return the mean agreement rate of policies with standard normal weights: unrelated ones."""
+        n_features = self._rows()[0].shape[1]
+        rates = [
+            self.compare(rng.standard_normal(size=(n_features,)), human_weights).rate
+            for _ in range(N_RANDOM_POLICIES)
+        ]
+        return sum(rates) / len(rates)
+
+    def _rows(
+        self,
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_], NDArray[np.int64]]:
+        if not self._decisions:
+            raise ValueError("no decision has been remembered yet")
+        if self._stacked is None:
+            sizes = [len(choices.ruled_out) for choices in self._decisions]
+            self._stacked = (
+                np.concatenate([choices.features for choices in self._decisions]),
+                np.concatenate([choices.feedback_features for choices in self._decisions]),
+                np.concatenate([choices.ruled_out for choices in self._decisions]),
+                np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64),
+            )
+        return self._stacked
