@@ -61,6 +61,7 @@ COLOUR_BLIND = Palette(
     # Okabe & Ito 2002, "Color Universal Design"; grey for the unknown.
     colours=("#56b4e9", "#f0e442", "#cc79a7", "#d55e00", "#009e73", "#0072b2", "#e69f00", "#999999"),
     textures=TEXTURES,
+    settled=0.08,
 )
 
 HIGH_CONTRAST = Palette(
