@@ -83,6 +83,7 @@ SIXTEEN = Palette(
     empty="#000000",
     stripe="#000000",
     settled=0.0,
+    ink=1.0,
 )
 
 PALETTES: dict[str, Palette] = {
@@ -90,19 +91,20 @@ PALETTES: dict[str, Palette] = {
 }
 
 
-def palette_for(wanted: str, system: ColorSystem | str | None) -> Palette:
+def palette_for(wanted: str, system: ColorSystem | str | None, *, no_color: bool = False) -> Palette:
     """Return the palette called `wanted`, or what a poorer terminal can show of it.
 
     Args:
         wanted: a key of PALETTES.
         system: the console's colour system (`App.console.color_system`): "truecolor", "256", "standard", None.
+        no_color: the participant has asked for no colours (`App.no_color`, from the environment variable NO_COLOR).
 
     Raises:
         ValueError: there is no such palette.
     """
     if wanted not in PALETTES:
         raise ValueError(f"there is no palette {wanted!r}: choose one of {', '.join(PALETTES)}")
-    if system is None:
+    if system is None or no_color:
         return HIGH_CONTRAST
     if (
         system in ("standard", "windows", ColorSystem.STANDARD, ColorSystem.WINDOWS)

@@ -177,7 +177,7 @@ class PracticeScreen(Screen[None], inherit_bindings=False):
 
     def action_new(self) -> None:
         """Begin a new game with other pieces."""
-        self._seed += 1
+        self._seed = (self._seed + 1) % (1 << 63)
         rows, columns = self._size_of_board
         self.game = Practice(self._seed, rows=rows, columns=columns)
         self._board.uncover()
@@ -228,7 +228,7 @@ class PracticeApp(App[int], inherit_bindings=False):
             rows=rows,
             columns=columns,
             fall_s=fall_s,
-            palette=palette_for(palette, self.console.color_system),
+            palette=palette_for(palette, self.console.color_system, no_color=self.no_color),
             clock=clock,
         )
 

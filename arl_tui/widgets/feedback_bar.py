@@ -16,8 +16,6 @@ from core.keys import KeyConfig
 
 HOLD_S = 1.5
 """How long a word stays, seconds."""
-MOST_PIPS = 12
-"""More presses than this are counted in figures only."""
 
 _REFUSALS = {
     "no-presses-left": "No presses left in this game: not counted",
@@ -171,7 +169,7 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
     def _budget(self) -> list[tuple[str, str]]:
         most = self.keys.max_presses_per_episode
         left = f"{self.presses_left} of {most} presses left"
-        if most > MOST_PIPS:
+        if 2 * most + len(left) + 1 > self.size.width:
             return [("label", left)]
         return [
             ("pip", "● " * self.presses_left),

@@ -16,7 +16,8 @@ MS = 1_000_000
 def _true_colour(monkeypatch: pytest.MonkeyPatch) -> None:
     """Pictures must not depend on the terminal that the tests are run in."""
     monkeypatch.setattr(
-        "arl_tui.screens.practice.palette_for", lambda name, _system: palette_for(name, "truecolor")
+        "arl_tui.screens.practice.palette_for",
+        lambda name, *_system, **_no_color: palette_for(name, "truecolor"),
     )
 
 

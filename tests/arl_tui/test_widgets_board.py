@@ -277,5 +277,6 @@ def test_a_poorer_terminal_gets_a_palette_it_can_show():
     assert palette_for("standard", "standard") is SIXTEEN
     assert palette_for("high-contrast", "standard") is HIGH_CONTRAST
     assert palette_for("standard", None) is HIGH_CONTRAST
+    assert palette_for("standard", "truecolor", no_color=True) is HIGH_CONTRAST
     with pytest.raises(ValueError, match=r"no palette 'pink': choose one of standard, colour-blind"):
         palette_for("pink", "truecolor")

@@ -19,16 +19,18 @@ SECOND = 1_000_000_000
 
 
 class OneWidget(App[None]):
-    """One widget in a box of 56 cells."""
+    """One widget in a box."""
 
-    CSS = "Vertical { width: 56; height: 22; }"
+    CSS = "Vertical { height: 22; }"
 
-    def __init__(self, widget: Widget) -> None:
+    def __init__(self, widget: Widget, width: int = 56) -> None:
         super().__init__()
         self.widget = widget
+        self.width = width
 
     def compose(self) -> ComposeResult:
-        with Vertical():
+        with Vertical() as box:
+            box.styles.width = self.width
             yield self.widget
 
 
@@ -164,6 +166,18 @@ async def test_nothing_moves_whatever_is_said():
             await pilot.pause()
             assert bar.region == region
             assert {len(line) for line in texts(bar)} == {bar.size.width}
+
+
+async def test_where_there_is_little_room_words_are_small_and_presses_are_counted_in_figures():
+    bar = FeedbackBar(KeyConfig(max_presses_per_episode=20), hold_s=0)
+    app = OneWidget(bar, width=44)
+    async with app.run_test():
+        participant = Participant(bar)
+        participant.press("j")
+        assert texts(bar)[0].strip() == big("GOOD")[0].strip()
+        participant.press("u")
+        assert [line.strip() for line in texts(bar)[:3]] == ["", "TAKEN BACK", ""]
+        assert texts(bar)[5].strip() == "20 of 20 presses left"
 
 
 async def test_a_simulated_press_is_called_one():
