@@ -16,7 +16,8 @@ from core.feedback.samples import CreditConfig, MassAccount, PressCredit, Sample
 __all__ = ["CreditAssigner", "CreditConfig", "MassAccount", "PressCredit", "Sample"]
 
 LATENESS_NS = 200_000_000
-"""A press may be reported this long after it happened (terminal, queues) and still find its step open."""
+"""A report may come this long after what it reports (terminal, queues): a press still finds its step open, and
+frames whose times cross by less are put in order."""
 
 Answer = TypeVar("Answer")
 
@@ -136,18 +137,14 @@ class _Ledger:
     def step_shown(self, step: int, shown_ns: int, features: NDArray[np.float64]) -> None:
         self._check_open()
         if self._shown_ns:
-            last = self._interval_steps[-1]
-            if step == last and self._hidden_ns[-1] == STILL_SHOWN_NS:
+            last, still_shown = self._interval_steps[-1], self._hidden_ns[-1] == STILL_SHOWN_NS
+            if step == last and still_shown:
                 return  # a new frame of the same step
-            earliest_ns = self._shown_ns[-1]
-            if self._hidden_ns[-1] != STILL_SHOWN_NS:
-                earliest_ns = self._hidden_ns[-1]
-            if step < last or shown_ns < earliest_ns:
-                raise ValueError(
-                    f"step {step} shown at {shown_ns} ns comes after step {last}, on screen until {earliest_ns} ns: "
-                    f"steps and times must not go back"
-                )
-            if self._hidden_ns[-1] == STILL_SHOWN_NS:
+            if step < last:
+                raise ValueError(f"step {step} is shown after step {last}: steps must not go back")
+            earliest_ns = self._shown_ns[-1] if still_shown else self._hidden_ns[-1]
+            shown_ns = _not_before(earliest_ns, shown_ns, f"step {step} shown")
+            if still_shown:
                 self._hidden_ns[-1] = shown_ns
         if step not in self._features:
             self._steps.append(step)
@@ -164,10 +161,7 @@ class _Ledger:
         if step not in self._features:
             raise ValueError(f"step {step} was never shown, so it cannot be hidden")
         if self._interval_steps[-1] == step and self._hidden_ns[-1] == STILL_SHOWN_NS:
-            if hidden_ns < self._shown_ns[-1]:
-                raise ValueError(
-                    f"step {step} hidden at {hidden_ns} ns, before it was shown at {self._shown_ns[-1]}"
-                )
+            hidden_ns = _not_before(self._shown_ns[-1], hidden_ns, f"step {step} hidden")
             self._hidden_ns[-1] = hidden_ns
         self._give_out_final_steps(hidden_ns)
 
@@ -274,3 +268,12 @@ class _Ledger:
         else:
             closed_ns = self._hidden_ns[interval - 1] + math.ceil(self._config.delay.horizon_s * NS_PER_S)
         return now_ns > closed_ns + LATENESS_NS
+
+
+def _not_before(earliest_ns: int, time_ns: int, what: str) -> int:
+    """Return the time, or `earliest_ns` where two reports of the screen crossed on their way."""
+    if time_ns < earliest_ns - LATENESS_NS:
+        raise ValueError(
+            f"{what} at {time_ns} ns, but the screen is known until {earliest_ns} ns: times must not go back"
+        )
+    return max(time_ns, earliest_ns)

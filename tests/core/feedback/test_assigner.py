@@ -272,6 +272,15 @@ def test_both_schemes_share_the_same_mass(events: list[tuple[int | None, Event]]
     assert sums[0] == pytest.approx(sums[1], abs=1e-9)
 
 
+def test_reports_of_the_screen_may_cross_by_a_little() -> None:
+    assigner = session(CreditConfig(delay=UniformDelay()))
+    assigner.step_hidden(3, ns(4))
+    assigner.step_shown(4, ns(3.9), features(4))  # known to be hidden until 4.0: shown from there on
+    given = assigner.press(0, ns(4.5), 1.0)  # window [3.7, 4.3]
+    assert given.shares == pytest.approx((0.5, 0.5))
+    assert given.in_gaps == pytest.approx(0.0, abs=1e-12)
+
+
 def test_the_configuration_survives_a_recordings_header() -> None:
     config = CreditConfig(delay=GammaDelay(3.0, 0.2, 0.1), scheme="aggregate", silence="zero-label")
     assert msgspec.json.decode(msgspec.json.encode(config), type=CreditConfig) == config
@@ -292,7 +301,7 @@ def test_what_cannot_be_is_refused_with_the_reason() -> None:
         assigner.step_shown(4, ns(2), features(4))
     with pytest.raises(ValueError, match="never shown"):
         assigner.step_hidden(9, ns(5))
-    with pytest.raises(ValueError, match="before it was shown"):
+    with pytest.raises(ValueError, match="must not go back"):
         assigner.step_hidden(3, ns(2))
     with pytest.raises(ValueError, match="got 0"):
         assigner.press(0, ns(3), 0.0)

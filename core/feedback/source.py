@@ -1,0 +1,124 @@
+"""A simulated participant in front of a simulated screen: a source of inputs like a live session's.
+
+Inputs come through the same `PressGate` as real keys, so that budgets, repeats and records are the same.
+"""
+
+import heapq
+from collections.abc import Callable
+from typing import Generic, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.clock import ManualClock
+from core.domain import Domain
+from core.episode import EpisodeEnded, EpisodeStarted, FrameShown, Input, Output, StepTaken
+from core.feedback.trainers import IntendedPress, SimulatedTrainer
+from core.keys import PressGate
+
+State = TypeVar("State")
+
+Oracle = Callable[[State], NDArray[np.float64]]
+"""Values of all actions in a state, by somebody who knows the game; -inf for a fatal one."""
+
+
+class SimulatedParticipant(Generic[State]):
+    """Watches a session at a fixed pace and presses keys; a `core.rollout.FeedbackSource`.
+
+    Whoever consumes the session's outputs hands each of them to `watch` before asking for the next one::
+
+        for output in session.run(participant, clock):
+            record(output)
+            for item in participant.watch(output):
+                record(item)
+    """
+
+    def __init__(
+        self,
+        domain: Domain[State],
+        oracle: Oracle[State],
+        trainer: SimulatedTrainer,
+        gate: PressGate,
+        clock: ManualClock,
+        *,
+        step_ns: int,
+        pause_ns: int,
+    ) -> None:
+        """Sit down.
+
+        Args:
+            domain: what is played; its states follow from the outputs.
+            oracle: by which the trainer judges.
+            trainer: decides what is pressed and when.
+            gate: decides which presses count.
+            clock: the session's clock; it is moved on while steps are on screen.
+            step_ns: how long each step stays on screen, > 0.
+            pause_ns: how long the final picture of an episode stays, >= 0.
+        """
+        if step_ns <= 0 or pause_ns < 0:
+            raise ValueError(f"need step_ns > 0 and pause_ns >= 0, got {step_ns} and {pause_ns}")
+        self._domain = domain
+        self._oracle = oracle
+        self._trainer = trainer
+        self._gate = gate
+        self._clock = clock
+        self._step_ns = step_ns
+        self._pause_ns = pause_ns
+        self._state: State | None = None
+        self._frame = -1
+        self._arrived: list[Input] = []
+        # Presses to come; the counter keeps those of equal times in order.
+        self._due: list[tuple[int, int, IntendedPress]] = []
+        self._planned = 0
+
+    def during(self, step: int) -> list[Input]:
+        """Return the inputs since the last call."""
+        arrived, self._arrived = self._arrived, []
+        return arrived
+
+    def watch(self, output: Output) -> list[Input]:
+        """Look at an output for as long as it is shown; return what was shown and pressed meanwhile."""
+        before = len(self._arrived)
+        match output:
+            case EpisodeStarted(episode=episode, episode_seed=episode_seed):
+                self._state = self._domain.initial(episode_seed)
+                self._trainer.begin_episode(episode)
+                self._gate.episode_started()
+            case StepTaken(step=step, action=action):
+                self._show(step)
+                self._plan(step, action)
+                self._wait(self._step_ns)
+            case EpisodeEnded():
+                self._show(-1)
+                self._wait(self._pause_ns)
+            case _:
+                pass  # nothing to see
+        return self._arrived[before:]
+
+    def _show(self, step: int) -> None:
+        self._frame += 1
+        self._gate.frame, self._gate.step = self._frame, step
+        self._arrived.append(FrameShown(frame=self._frame, step=step, flushed_ns=self._clock.now_ns()))
+
+    def _plan(self, step: int, action: int) -> None:
+        assert self._state is not None, "an episode starts before its first step"
+        now_ns = self._clock.now_ns()
+        presses = self._trainer.watch(
+            step, self._oracle(self._state), action, shown_ns=now_ns, hidden_ns=now_ns + self._step_ns
+        )
+        for press in presses:
+            heapq.heappush(self._due, (press.time_ns, self._planned, press))
+            self._planned += 1
+        self._state = self._domain.transition(self._state, action).next_state
+
+    def _wait(self, duration_ns: int) -> None:
+        """Let time go by, and press what is due."""
+        until_ns = self._clock.now_ns() + duration_ns
+        while self._due and self._due[0][0] <= until_ns:
+            time_ns, _, press = heapq.heappop(self._due)
+            self._clock.advance_to_ns(time_ns)
+            key = self._gate.config.good if press.value > 0 else self._gate.config.bad
+            self._gate.wrong_asked = press.deliberate
+            self._arrived.extend(self._gate.press(key, self._clock.now_ns(), source="simulated"))
+            self._gate.wrong_asked = False
+        self._clock.advance_to_ns(until_ns)
