@@ -1,0 +1,201 @@
+"""The command `arl`. Each command imports what it needs when it runs, so that `arl --help` answers at once."""
+
+from pathlib import Path
+
+import click
+
+from arl_tui.recordings import DEFAULT_FOLDER
+
+FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
+FOLDER = click.Path(file_okay=False, path_type=Path)
+GAMES = click.Choice(["tetris"])
+
+seed_option = click.option(
+    "--seed", type=click.IntRange(0, 2**63 - 1), help="Root seed; a new one by default."
+)
+recordings_option = click.option(
+    "--recordings", type=FOLDER, default=DEFAULT_FOLDER, show_default=True, help="Where recordings are kept."
+)
+protocol_option = click.option(
+    "--protocol", type=FILE, help="TOML file with everything that is to be set; defaults without it."
+)
+
+
+def _pseudonym(_context: click.Context, _parameter: click.Parameter, value: str) -> str:
+    if not value or len(value) > 32 or not all(letter.isalnum() or letter in "-_" for letter in value):
+        raise click.BadParameter(
+            f"{value!r}: a code of up to 32 letters, digits, '-' or '_', such as P01 - never a name"
+        )
+    return value
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+@click.version_option(package_name="arl-tui", prog_name="arl")
+def main() -> None:
+    """Agents that learn from their environment and from a few unreliable key presses.
+
+    Watch one play and tell it what you think of it (play), see how that goes without any effort (demo), and ask
+    what other ways of learning would have made of the same session (replay).
+    """
+
+
+@main.command()
+@click.argument("game", type=GAMES, default="tetris")
+@protocol_option
+@click.option(
+    "--participant", callback=_pseudonym, default="P00", show_default=True, help="Code of the participant."
+)
+@seed_option
+@click.option("--episodes", type=click.IntRange(1), help="How many games are watched.")
+@recordings_option
+def play(
+    game: str,
+    protocol: Path | None,
+    participant: str,
+    seed: int | None,
+    episodes: int | None,
+    recordings: Path,
+) -> None:
+    """Watch an agent learn GAME, and tell it by key presses what you think of it."""
+    from arl_tui.commands.play import play_session
+
+    play_session(
+        game, protocol=protocol, participant=participant, seed=seed, episodes=episodes, recordings=recordings
+    )
+
+
+@main.command()
+@click.argument("game", type=GAMES, default="tetris")
+@seed_option
+@recordings_option
+def demo(game: str, seed: int | None, recordings: Path) -> None:
+    """Show the whole path in about a minute: watch, press, record, replay, summary.
+
+    A simulated participant presses keys; you may press, too. Without a terminal the same happens unseen.
+    """
+    from arl_tui.commands.demo import run_demo
+
+    run_demo(game, seed=seed, recordings=recordings)
+
+
+@main.command()
+@click.argument("recording", type=FILE)
+@click.option(
+    "--credit",
+    "credits",
+    multiple=True,
+    metavar="RULE",
+    help="What-if: how presses are shared out among steps: gamma:2.5,0.3 uniform:0.2,0.8 previous current. May be given several times.",
+)
+@click.option(
+    "--scheme",
+    "schemes",
+    multiple=True,
+    metavar="NAME",
+    help="What-if: how both rewards are combined. May be given several times.",
+)
+@click.option(
+    "--games",
+    type=click.IntRange(1),
+    default=30,
+    show_default=True,
+    help="What-if: games that each resulting policy plays.",
+)
+@seed_option
+@click.option(
+    "--workers",
+    type=click.IntRange(1),
+    help="Processes; one per core by default. The result does not depend on it.",
+)
+@click.option(
+    "--csv", "csv_path", type=click.Path(dir_okay=False, path_type=Path), help="Write the table to a file."
+)
+@click.option(
+    "--plot",
+    "plot_path",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Draw the table (PNG, SVG or PDF).",
+)
+@click.option(
+    "--allow-truncated/--complete-only",
+    default=True,
+    show_default=True,
+    help="Take a recording that was cut off for what it holds.",
+)
+def replay(
+    recording: Path,
+    credits: tuple[str, ...],
+    schemes: tuple[str, ...],
+    games: int,
+    seed: int | None,
+    workers: int | None,
+    csv_path: Path | None,
+    plot_path: Path | None,
+    allow_truncated: bool,
+) -> None:
+    """Run RECORDING again: exactly (status 1 and the first difference if it differs), or as a what-if."""
+    from arl_tui.commands.replay import replay_recording
+
+    replay_recording(
+        recording,
+        credits=credits,
+        schemes=schemes,
+        games=games,
+        seed=seed,
+        workers=workers,
+        csv_path=csv_path,
+        plot_path=plot_path,
+        allow_truncated=allow_truncated,
+    )
+
+
+@main.group(name="import")
+def import_group() -> None:
+    """Turn other programs' logs into recordings."""
+
+
+@import_group.command(name="tamer-log")
+@click.argument("log", type=FILE)
+@click.option(
+    "--out",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="The recording; beside the log's name in the recordings folder by default.",
+)
+@recordings_option
+def import_tamer_log(log: Path, out: Path | None, recordings: Path) -> None:
+    """Import LOG, a log of TAMER's Tetris (Knox)."""
+    from arl_tui.commands.import_log import import_log
+
+    import_log(log, out=out or recordings / "imported" / f"{log.stem}.jsonl")
+
+
+@main.command()
+@click.argument("game", type=GAMES, default="tetris")
+@seed_option
+def practice(game: str, seed: int | None) -> None:
+    """Play GAME yourself, with the agent's own four moves."""
+    from arl_tui.commands.practice import practise
+
+    practise(game, seed=seed)
+
+
+@main.command()
+@protocol_option
+def protocol(protocol: Path | None) -> None:
+    """Print a complete protocol in TOML: a file to start from."""
+    from arl_tui.commands.protocol import print_protocol
+
+    print_protocol(protocol)
+
+
+@main.command(name="recordings")
+@recordings_option
+def list_recordings(recordings: Path) -> None:
+    """List the recordings there are, and check each."""
+    from arl_tui.commands.recordings import list_all
+
+    list_all(recordings)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""One command, one file: what `arl` does, and how it tells the result."""

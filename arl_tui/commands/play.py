@@ -1,0 +1,92 @@
+"""`arl play`: a live session."""
+
+import os
+import secrets
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+import msgspec
+from core.protocol import Protocol, load_protocol
+
+if TYPE_CHECKING:
+    from arl_tui.app import Outcome
+
+FRAMES_PER_S = "30"
+"""Upper bound of Textual's drawing rate; read when Textual is imported."""
+
+
+def play_session(
+    game: str,
+    *,
+    protocol: Path | None,
+    participant: str,
+    seed: int | None,
+    episodes: int | None,
+    recordings: Path,
+) -> None:
+    """Run a live session in this terminal and say where its recording is."""
+    need_terminal("arl play", instead="arl demo")
+    chosen = read_protocol(protocol)
+    if episodes is not None:
+        chosen = with_episodes(chosen, episodes)
+    outcome = run_live(chosen, participant=participant, seed=seed, recordings=recordings)
+    tell(outcome)
+
+
+def need_terminal(command: str, *, instead: str) -> None:
+    """Stop with a message where keys cannot be read or pictures not be shown."""
+    if not (sys.stdin.isatty() and sys.stdout.isatty()):
+        raise click.ClickException(f"{command} needs a terminal to draw in and a keyboard; try `{instead}`")
+
+
+def read_protocol(path: Path | None) -> Protocol:
+    """Read a protocol; stop with a message that names the file where it is wrong."""
+    try:
+        return load_protocol(path)
+    except (ValueError, OSError) as error:
+        raise click.ClickException(str(error)) from error
+
+
+def with_episodes(protocol: Protocol, episodes: int) -> Protocol:
+    """Return the protocol with another number of watched episodes."""
+    session = msgspec.structs.replace(protocol.session, episodes=episodes)
+    return msgspec.structs.replace(protocol, session=session)
+
+
+def run_live(
+    protocol: Protocol, *, participant: str, seed: int | None, recordings: Path, simulated: bool = False
+) -> "Outcome":
+    """Start the worker, then the app; return what is left when both are gone."""
+    os.environ.setdefault("TEXTUAL_FPS", FRAMES_PER_S)
+    root_seed = secrets.randbits(63) if seed is None else seed
+    from arl_tui.worker import start_worker
+
+    # Before Textual is even imported: the worker compiles while this process gets ready to paint.
+    link = start_worker(protocol, root_seed, simulated=simulated)
+    try:
+        from arl_tui.app import Sitting, build_app
+
+        sitting = Sitting(
+            protocol=protocol,
+            root_seed=root_seed,
+            participant=participant,
+            recordings=recordings,
+            simulated=simulated,
+        )
+        app = build_app(sitting, link)
+        outcome = app.run()
+    finally:
+        link.close()
+    if outcome is None:
+        raise click.ClickException("the app ended without a result; see the message above")
+    return outcome
+
+
+def tell(outcome: "Outcome") -> None:
+    """Print where the recording is; leave with status 1 where something failed."""
+    if outcome.recording is not None:
+        click.echo(f"Recording: {outcome.recording}")
+    if outcome.trouble is not None:
+        raise click.ClickException(outcome.trouble)

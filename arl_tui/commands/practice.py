@@ -1,0 +1,19 @@
+"""`arl practice`: a person plays."""
+
+import os
+import secrets
+
+import click
+
+from arl_tui.commands.play import FRAMES_PER_S, need_terminal
+
+
+def practise(game: str, *, seed: int | None) -> None:
+    """Play a game in this terminal."""
+    need_terminal(f"arl practice {game}", instead="arl demo")
+    os.environ.setdefault("TEXTUAL_FPS", FRAMES_PER_S)
+    from arl_tui.screens.practice import PracticeApp
+
+    lines = PracticeApp(seed=secrets.randbits(63) if seed is None else seed).run()
+    if lines is not None:
+        click.echo(f"Your last game: {lines} {'line' if lines == 1 else 'lines'}")

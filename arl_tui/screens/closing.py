@@ -1,0 +1,66 @@
+"""The last screen: thanks, what happened, and where the recording is; or what went wrong."""
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, ClassVar, cast
+
+from rich.text import Text
+from textual.binding import Binding, BindingType
+from textual.widget import Widget
+from textual.widgets import Static
+
+from arl_tui.screens.page import Page
+
+if TYPE_CHECKING:
+    from arl_tui.app import ArlApp, Outcome
+
+
+class ClosingScreen(Page):
+    """Says how the session ended."""
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding(
+            "enter,q,escape,ctrl+q,ctrl+c", "leave", "Leave", id="closing.leave", tooltip="Close the program"
+        )
+    ]
+
+    def __init__(self, outcome: "Outcome") -> None:
+        super().__init__()
+        self.outcome = outcome
+        self.HEADING = "Thank you!" if outcome.trouble is None else "The session had to end early"
+
+    def body(self) -> Iterable[Widget]:
+        """Return what happened, where it is recorded, and what went wrong."""
+        outcome = self.outcome
+        if outcome.trouble is not None:
+            headline, _, details = outcome.trouble.partition("\n")
+            yield Static(Text(headline), classes="trouble")
+            # The end of a traceback says most.
+            yield Static(Text("\n".join(details.strip().splitlines()[-10:])), id="trace")
+        yield Static(self._what_happened())
+        if outcome.recording is not None:
+            complete = (
+                "" if outcome.trouble is None else "Everything up to this moment is in the recording:\n"
+            )
+            yield Static(Text(f"{complete}{outcome.recording}"), classes="path")
+        yield Static("Press [reverse] Enter [/] to leave", classes="call")
+
+    def _what_happened(self) -> str:
+        tally = self.outcome.tally
+        if not tally.steps:
+            return "No game was shown."
+        games = len(tally.performances)
+        lines = ", ".join(f"{performance:g}" for performance in tally.performances) or "-"
+        told = f"{tally.good} times good, {tally.bad} times bad"
+        if tally.taken_back:
+            told += f" ({tally.taken_back} taken back)"
+        return (
+            f"You watched {games} {'game' if games == 1 else 'games'} ({tally.steps} pieces).\n"
+            f"Lines cleared: {lines}\n"
+            f"You told the computer: {told}\n"
+            f"On its own it practised {tally.unseen} games.\n"
+            f"How much it listens to you now: {tally.w_h:.0%}"
+        )
+
+    def action_leave(self) -> None:
+        """Close the program."""
+        cast("ArlApp", self.app).exit(self.outcome)

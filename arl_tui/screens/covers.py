@@ -1,0 +1,113 @@
+"""What can lie over the game: pause, help, the question whether to stop, and a window that is too small."""
+
+from collections.abc import Iterable
+from typing import ClassVar
+
+from textual import events
+from textual.binding import Binding, BindingType
+from textual.widget import Widget
+from textual.widgets import Static
+
+from arl_tui.screens.page import Page, feedback_keys, session_keys
+from core.keys import KeyConfig
+
+SMALLEST = (80, 24)
+"""Columns and lines that the game needs."""
+
+
+class PauseScreen(Page):
+    """The game waits."""
+
+    HEADING = "Pause"
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("p,space,enter,escape", "back", "Go on", id="pause.back", tooltip="Go on with the game")
+    ]
+
+    def body(self) -> Iterable[Widget]:
+        """Return the text."""
+        yield Static("The game waits for you. Take as long as you like; key presses do not count now.")
+        yield Static("Press [reverse] P [/] or [reverse] Space [/] to go on", classes="call")
+
+    def action_back(self) -> None:
+        """Go on."""
+        self.leave(True)
+
+
+class HelpScreen(Page):
+    """All keys and what they do."""
+
+    HEADING = "Help"
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("h,f1,space,enter,escape", "back", "Go on", id="help.back", tooltip="Go on with the game")
+    ]
+
+    def __init__(self, keys: KeyConfig) -> None:
+        super().__init__()
+        self._keys = keys
+
+    def body(self) -> Iterable[Widget]:
+        """Return the text."""
+        keys = self._keys
+        yield Static(
+            "The computer drops one piece after another. Full rows disappear: the more, the better. A game ends "
+            "when the pile reaches the top.\n\nTell it what you think of the piece you see:\n"
+        )
+        yield Static(feedback_keys(keys))
+        yield Static(
+            f"\nYou have {keys.max_presses_per_episode} presses in each game. A press counts once, however long you "
+            "hold the key. Presses that do not count are greyed out, and the screen says why.\n"
+        )
+        yield Static(session_keys(keys))
+        yield Static("Press [reverse] H [/] or [reverse] Space [/] to go on", classes="call")
+
+    def action_back(self) -> None:
+        """Go on."""
+        self.leave(True)
+
+
+class StopScreen(Page):
+    """Asks whether to stop."""
+
+    HEADING = "Stop the session?"
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("y", "stop", "Stop", id="stop.yes", tooltip="Stop and save"),
+        Binding("n,space,enter,escape", "back", "Go on", id="stop.no", tooltip="Go on with the game"),
+    ]
+
+    def body(self) -> Iterable[Widget]:
+        """Return the text."""
+        yield Static("What has happened so far is kept and counts in full.")
+        yield Static(
+            "Press [reverse] Y [/] to stop, [reverse] N [/] or [reverse] Space [/] to go on", classes="call"
+        )
+
+    def action_stop(self) -> None:
+        """Stop."""
+        self.leave(True)
+
+    def action_back(self) -> None:
+        """Go on."""
+        self.leave(False)
+
+
+class SmallWindowScreen(Page):
+    """Asks for a larger window; leaves by itself when it is there."""
+
+    HEADING = "This window is too small"
+
+    def body(self) -> Iterable[Widget]:
+        """Return the text."""
+        columns, lines = SMALLEST
+        yield Static(
+            f"The game needs {columns} columns and {lines} lines. It goes on when the window is larger."
+        )
+
+    def on_resize(self, event: events.Resize) -> None:
+        """Go on when there is room."""
+        if is_large_enough(event.size.width, event.size.height):
+            self.leave(True)
+
+
+def is_large_enough(columns: int, lines: int) -> bool:
+    """Return whether the game fits."""
+    return columns >= SMALLEST[0] and lines >= SMALLEST[1]

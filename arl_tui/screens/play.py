@@ -1,0 +1,205 @@
+"""The game on screen: board, feedback, figures, and the keys that steer the session."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, ClassVar, cast
+
+from textual import events
+from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
+from textual.containers import Horizontal, Vertical
+from textual.screen import Screen
+from textual.widgets import Static
+
+from arl_tui.link import Picture
+from arl_tui.live import Cover, LiveSession, Occurrence
+from arl_tui.palette import Palette
+from arl_tui.screens.covers import HelpScreen, PauseScreen, SmallWindowScreen, StopScreen, is_large_enough
+from arl_tui.screens.page import Page, session_keys
+from arl_tui.widgets.board import TetrisBoard
+from arl_tui.widgets.feedback_bar import FeedbackBar
+from arl_tui.widgets.next_piece import NextPiece
+from arl_tui.widgets.stats import Figures, StatsPanel
+from core.episode import (
+    EpisodeEnded,
+    EpisodeStarted,
+    KeyPressed,
+    PressRetracted,
+    StopAsked,
+    UnseenPlayed,
+    WrongPressAsked,
+)
+from core.protocol import Protocol
+
+if TYPE_CHECKING:
+    from arl_tui.app import ArlApp
+
+COMMANDS: dict[str, tuple[str, str]] = {
+    # action: (letter, keys that are there even if the letter is a feedback key)
+    "pause": ("p", "space"),
+    "guide": ("h", "f1"),
+    "leave": ("q", "ctrl+q,ctrl+c"),
+}
+
+
+class PlayScreen(Screen[None], inherit_bindings=False):
+    """Draws what the session reports; decides nothing about it."""
+
+    BINDING_GROUP_TITLE = "Session"
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding(COMMANDS["pause"][1], "pause", "Pause", id="play.pause", tooltip="Let the game wait"),
+        Binding(COMMANDS["guide"][1], "guide", "Help", id="play.help", tooltip="Show all keys"),
+        Binding(COMMANDS["leave"][1], "leave", "Stop", id="play.stop", tooltip="Stop the session"),
+    ]
+
+    def __init__(self, protocol: Protocol, live: LiveSession, palette: Palette) -> None:
+        """Draw a session that has not begun.
+
+        Args:
+            protocol: size of the board, keys, number of games.
+            live: the session; asked only to cover and uncover.
+            palette: colours of the pieces.
+        """
+        super().__init__()
+        self.board = TetrisBoard(protocol.domain.rows, protocol.domain.columns, palette=palette)
+        self.feedback = FeedbackBar(protocol.keys)
+        self._next = NextPiece(palette=palette)
+        self._stats = StatsPanel()
+        self._status = Static(id="status")
+        self._keys = protocol.keys
+        self._episodes = protocol.session.episodes
+        self._unseen = protocol.session.unseen_between
+        self._live = live
+        self._picture: Picture | None = None
+        self._watched = 0
+        self._human_weights: list[float] = []
+        used = {self._keys.good, self._keys.bad, self._keys.retract}
+        self._letters = {letter: action for action, (letter, _) in COMMANDS.items() if letter not in used}
+
+    def compose(self) -> ComposeResult:
+        """Lay everything out in fixed sizes."""
+        with Horizontal(id="stage"):
+            yield self.board
+            with Vertical(id="side"):
+                with Horizontal(id="figures"):
+                    yield self._next
+                    yield self._stats
+                yield self.feedback
+                yield self._status
+        yield Static(session_keys(self._keys), id="session-keys")
+
+    # --- what happens -------------------------------------------------------------------------------------------
+
+    def show(self, occurrence: Occurrence) -> None:
+        """Draw what has happened."""
+        match occurrence:
+            case Picture():
+                self._show_picture(occurrence)
+            case KeyPressed():
+                self._show_press(occurrence)
+            case PressRetracted():
+                self.feedback.show_retraction(occurrence, self._live.gate.presses_left)
+            case WrongPressAsked():
+                self.feedback.ask_wrong(True)
+            case EpisodeStarted():
+                self._begin_episode()
+            case EpisodeEnded():
+                self._end_episode(occurrence)
+            case UnseenPlayed(w_h=w_h):
+                self._human_weights.append(w_h)
+            case StopAsked():
+                self._say("Stopping: everything is being saved ...")
+
+    def take_painted(self) -> int | None:
+        """Return the step whose picture has been drawn since the last call; None where none has."""
+        drawn, self.board.drawn_frame = self.board.drawn_frame, -1
+        return None if drawn < 0 or self._picture is None else self._picture.step
+
+    def _show_picture(self, picture: Picture) -> None:
+        before, self._picture = self._picture, picture
+        changed = self.board.show(picture.view, picture.number)
+        if not changed and (before is None or before.step != picture.step):
+            # Another step that looks the same is still to be seen, and stamped.
+            self.board.refresh()
+        counts = picture.view.counts
+        self._next.show(counts.next_piece)
+        self._stats.show(
+            Figures(
+                lines=counts.lines,
+                pieces=counts.pieces,
+                episode=max(1, self._watched),
+                episodes=self._episodes,
+                human_weights=tuple(self._human_weights) or None,
+            )
+        )
+
+    def _show_press(self, press: KeyPressed) -> None:
+        is_command = any(press.key in (letter, *keys.split(",")) for letter, keys in COMMANDS.values())
+        if press.verdict != "other" or not is_command:
+            self.feedback.show_press(press, self._live.gate.presses_left)
+        self.feedback.ask_wrong(self._live.gate.wrong_asked)
+
+    def _begin_episode(self) -> None:
+        self._watched += 1
+        self.feedback.begin_episode(self._live.gate.presses_left)
+        self.board.border_title = f"Game {self._watched}"
+        self._say("")
+
+    def _end_episode(self, episode: EpisodeEnded) -> None:
+        self._human_weights.append(episode.w_h)
+        lines = f"{episode.performance:g} {'line' if episode.performance == 1 else 'lines'}"
+        self.board.border_title = "Game over" if episode.ended == "termination" else "End of this game"
+        if self._watched >= self._episodes or self._live.phase != "running":
+            self._say(f"That was the last game: {lines}.")
+        elif self._unseen:
+            self._say(
+                f"{lines}. Before the next game, the computer\npractises {self._unseen} games on its own."
+            )
+        else:
+            self._say(f"{lines}. The next game is about to begin.")
+
+    def _say(self, text: str) -> None:
+        self._status.update(text)
+
+    # --- what the participant asks for --------------------------------------------------------------------------
+
+    async def on_key(self, event: events.Key) -> None:
+        """Act on a command's letter, unless the protocol has given it to feedback."""
+        action = self._letters.get(event.key.lower())
+        if action is not None:
+            event.stop()
+            await self.run_action(action)
+
+    def action_pause(self) -> None:
+        """Let the game wait."""
+        self._lay_over(PauseScreen(), "pause")
+
+    def action_guide(self) -> None:
+        """Show all keys."""
+        self._lay_over(HelpScreen(self._keys), "help")
+
+    def action_leave(self) -> None:
+        """Ask whether to stop."""
+        self._lay_over(StopScreen(), "quit-dialogue", self._stop_if)
+
+    def on_resize(self, event: events.Resize) -> None:
+        """Ask for a larger window where the game does not fit."""
+        if self.is_current and not is_large_enough(event.size.width, event.size.height):
+            self._lay_over(SmallWindowScreen(), "resize")
+
+    def _lay_over(self, page: Page, reason: Cover, then: Callable[[bool | None], None] | None = None) -> None:
+        if self._live.phase != "running" or self._live.gate.covered:
+            return
+        self._live.cover(reason)
+
+        def uncover(answer: bool | None) -> None:
+            self._live.uncover()
+            # Draw once more: what was drawn before this call came too early to count.
+            self.board.refresh()
+            if then is not None:
+                then(answer)
+
+        self.app.push_screen(page, uncover)
+
+    def _stop_if(self, stop: bool | None) -> None:
+        if stop:
+            cast("ArlApp", self.app).ask_to_stop()

@@ -1,0 +1,196 @@
+"""The learner's process: plays the session, shows each step in real time, takes in what the participant does.
+
+Started with the `spawn` method before the app runs (Textual replaces the standard streams, after which no process
+can be started). Simulated time follows the clock: a picture is due at the step's start plus a whole number of
+ticks, so nothing drifts; it stands still while the screen is covered.
+"""
+
+import contextlib
+import multiprocessing
+import os
+import signal
+import tempfile
+import traceback
+from collections.abc import Iterable
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from core.protocol import Protocol
+
+from arl_tui.link import Begin, Crashed, Picture, Ready, WorkerLine, WorkerLink
+from arl_tui.stage import TetrisStage
+from core.clock import NS_PER_S, Clock, MonotonicClock
+from core.episode import (
+    EpisodeEnded,
+    EpisodeStarted,
+    FrameShown,
+    Input,
+    Output,
+    Resumed,
+    ScreenCleared,
+    StepTaken,
+    StopAsked,
+)
+from core.keys import NS_PER_MS
+from core.tetris.picture import Snapshot
+
+if TYPE_CHECKING:
+    from core.session import Session
+
+LAST_WORDS = 4000
+"""Characters of a dead worker's error output that are shown."""
+
+
+def start_worker(protocol: Protocol, root_seed: int, *, simulated: bool = False) -> WorkerLink:
+    """Start the learner's process; call this before the app runs.
+
+    Args:
+        protocol: what is to be played.
+        root_seed: of the session.
+        simulated: let a simulated participant press keys, too.
+    """
+    context = multiprocessing.get_context("spawn")
+    ours, theirs = context.Pipe()
+    handle, log_path = tempfile.mkstemp(prefix="arl-worker-", suffix=".log")
+    os.close(handle)
+    process = context.Process(
+        target=worker_main, args=(theirs, protocol, root_seed, simulated, log_path), daemon=True
+    )
+    process.start()
+    theirs.close()
+    return WorkerLink(ours, process, lambda: _last_words(Path(log_path)))
+
+
+def _last_words(log: Path) -> str:
+    with contextlib.suppress(OSError):
+        words = log.read_text(errors="replace")[-LAST_WORDS:]
+        log.unlink()
+        return words
+    return ""
+
+
+def worker_main(
+    connection: Connection, protocol: Protocol, root_seed: int, simulated: bool, log_path: str
+) -> None:
+    """Run in the worker process until the session is over or the screen's process is gone."""
+    _leave_the_terminal(log_path)
+    line = WorkerLine(connection)
+    clock = MonotonicClock()
+    try:
+        before_ns = clock.now_ns()
+        # Here, not above: these compile, and the screen's process imports this module.
+        from core.session import build_session
+
+        session = build_session(protocol, root_seed)
+        line.send(Ready(warm_up_ns=clock.now_ns() - before_ns))
+        Show(line, protocol, clock).run(session, simulated=simulated)
+    except (EOFError, BrokenPipeError, ConnectionResetError):
+        return  # Nobody is looking any more.
+    except Exception as error:  # noqa: BLE001 - whatever it was, the participant must be told
+        with contextlib.suppress(OSError):
+            line.send(Crashed(error=f"{type(error).__name__}: {error}", trace=traceback.format_exc()))
+
+
+def _leave_the_terminal(log_path: str) -> None:
+    """Ignore the terminal's Ctrl+C and write errors to a file: the screen belongs to the other process."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    log = os.open(log_path, os.O_WRONLY | os.O_CREAT | os.O_APPEND)
+    os.dup2(log, 1)
+    os.dup2(log, 2)
+    os.close(log)
+
+
+class Show:
+    """Plays a session in front of the participant."""
+
+    def __init__(self, line: WorkerLine, protocol: Protocol, clock: Clock) -> None:
+        self._line = line
+        self._clock = clock
+        self._stage = TetrisStage(protocol.domain)
+        self._tick_ns = protocol.screen.tick_ms * NS_PER_MS
+        self._break_ns = round(protocol.screen.pause_between_episodes_s * NS_PER_S)
+        self._arrived: list[Input] = []
+        self._begun = False
+        self._covered_since_ns: int | None = None
+        self._stopped = False
+        self._step_on_screen = -1
+        self._pictures = 0
+        self._due_ns = 0
+
+    def during(self, step: int) -> Iterable[Input]:
+        """Return the inputs that have arrived since the last call (`core.rollout.FeedbackSource`)."""
+        self._take_in(0.0)
+        arrived, self._arrived = self._arrived, []
+        return arrived
+
+    def run(self, session: "Session", *, simulated: bool) -> None:
+        """Wait for the start, then play to the end; each output is sent before it is shown."""
+        while not self._begun:
+            self._take_in(None)
+        self._due_ns = self._clock.now_ns()
+        for output in session.run(self, self._clock):
+            self._line.send(output)
+            self._show(output)
+
+    def _show(self, output: Output) -> None:
+        match output:
+            case EpisodeStarted():
+                self._due_ns = self._clock.now_ns()
+                self._play(-1, (self._stage.begin(output),))
+            case StepTaken():
+                self._play(output.step, self._stage.act(output))
+                self._wait_until_seen(output.step)
+            case EpisodeEnded() if not self._stopped:
+                self._send_picture(-1, self._stage.picture)
+                self._due_ns = self._clock.now_ns() + self._break_ns
+                self._wait_until_due()
+
+    def _play(self, step: int, pictures: Iterable[Snapshot]) -> None:
+        for picture in pictures:
+            if self._stopped:
+                return
+            self._send_picture(step, picture)
+            # Where learning took longer than a tick, time went by unseen: begin anew instead of hurrying.
+            self._due_ns = max(self._due_ns + self._tick_ns, self._clock.now_ns())
+            self._wait_until_due()
+
+    def _send_picture(self, step: int, view: Snapshot) -> None:
+        self._line.send(Picture(number=self._pictures, step=step, view=view))
+        self._pictures += 1
+
+    def _wait_until_due(self) -> None:
+        while not self._stopped:
+            if self._covered_since_ns is not None:
+                self._take_in(None)
+                continue
+            left_ns = self._due_ns - self._clock.now_ns()
+            if left_ns <= 0:
+                return
+            self._take_in(left_ns / NS_PER_S)
+
+    def _wait_until_seen(self, step: int) -> None:
+        """Wait for a terminal that is behind: no step is over before the participant has seen it."""
+        while self._step_on_screen < step and not self._stopped:
+            self._take_in(None)
+
+    def _take_in(self, timeout_s: float | None) -> None:
+        """Act on the messages that are there; wait for one up to `timeout_s` seconds (None: for ever)."""
+        for message in self._line.receive(timeout_s):
+            if isinstance(message, Begin):
+                self._begun = True
+            else:
+                self._note(message)
+                self._arrived.append(message)
+
+    def _note(self, message: Input) -> None:
+        match message:
+            case FrameShown(step=step):
+                self._step_on_screen = max(step, self._step_on_screen)
+            case ScreenCleared(time_ns=time_ns):
+                self._covered_since_ns = time_ns
+            case Resumed(time_ns=time_ns) if self._covered_since_ns is not None:
+                self._due_ns += time_ns - self._covered_since_ns
+                self._covered_since_ns = None
+            case StopAsked():
+                self._stopped = True

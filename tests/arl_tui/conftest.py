@@ -1,0 +1,30 @@
+"""What the app's tests share: a small protocol, and an app whose worker is faked."""
+
+from pathlib import Path
+
+import pytest
+
+from arl_tui.app import ArlApp, Sitting, build_app
+from core.keys import KeyConfig
+from core.protocol import Protocol, ScreenConfig, SessionConfig
+from tests.arl_tui.fakes import FakeLink
+
+
+@pytest.fixture
+def protocol() -> Protocol:
+    return Protocol(
+        keys=KeyConfig(max_presses_per_episode=2),
+        session=SessionConfig(episodes=2, unseen_between=3, watched_steps=4),
+        screen=ScreenConfig(tick_ms=20, pause_between_episodes_s=0.1),
+    )
+
+
+@pytest.fixture
+def link() -> FakeLink:
+    return FakeLink()
+
+
+@pytest.fixture
+def app(protocol: Protocol, link: FakeLink, tmp_path: Path) -> ArlApp:
+    sitting = Sitting(protocol=protocol, root_seed=5, participant="P01", recordings=tmp_path)
+    return build_app(sitting, link)

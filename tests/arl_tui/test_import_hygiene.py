@@ -1,0 +1,46 @@
+"""What may not be imported where: asked of a fresh interpreter, because this one has imported everything."""
+
+import pkgutil
+import subprocess
+import sys
+
+import pytest
+
+import arl_tui
+import core
+import studies
+
+SCREEN_PROCESS = "numba", "scipy.stats", "matplotlib"
+HEADLESS = "textual", "rich", "click"
+
+
+def loaded_after(statement: str) -> set[str]:
+    """Return the names of the modules that are loaded after `statement` in a new interpreter."""
+    script = f"{statement}\nimport sys\nprint(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return set(done.stdout.split())
+
+
+def modules_of(package: object) -> list[str]:
+    path, name = package.__path__, package.__name__  # type: ignore[attr-defined]
+    return [name, *(module.name for module in pkgutil.walk_packages(path, f"{name}."))]
+
+
+@pytest.mark.parametrize("package", [core, studies], ids=["core", "studies"])
+def test_headless_packages_load_nothing_of_the_terminal(package: object) -> None:
+    loaded = loaded_after("import " + ", ".join(modules_of(package)))
+    assert not loaded & set(HEADLESS)
+
+
+def test_the_screens_process_never_loads_the_compiler_or_the_statistics() -> None:
+    loaded = loaded_after("import " + ", ".join(modules_of(arl_tui)))
+    assert not loaded & set(SCREEN_PROCESS)
+
+
+def test_help_loads_neither_the_screen_nor_arrays() -> None:
+    loaded = loaded_after(
+        "from click.testing import CliRunner\nfrom arl_tui.cli import main\n"
+        "assert CliRunner().invoke(main, ['--help']).exit_code == 0"
+    )
+    assert not loaded & {"textual", "numpy", "scipy", "numba", "msgspec", "multiprocessing"}

@@ -1,0 +1,101 @@
+"""The other end of the terminal: starts the real command in a pseudo-terminal, reads its screen, presses keys."""
+
+import os
+import sys
+import time
+from pathlib import Path
+from typing import Self
+
+import pexpect
+import pyte
+
+COLUMNS, LINES = 80, 24
+PATIENCE_S = 60.0
+"""Nothing takes longer; compiling for the first time comes close."""
+REPOSITORY = Path(__file__).resolve().parents[2]
+
+
+class Terminal:
+    """A terminal of 80 x 24 with `arl` running in it."""
+
+    def __init__(self, *arguments: str, cwd: Path, columns: int = COLUMNS, lines: int = LINES) -> None:
+        environment = {
+            **os.environ,
+            "TERM": "xterm-256color",
+            "COLORTERM": "truecolor",
+            "TEXTUAL_DISABLE_KITTY_KEY": "1",
+            "PYTHONPATH": os.pathsep.join([str(REPOSITORY), os.environ.get("PYTHONPATH", "")]),
+        }
+        for name in ("TMUX", "STY", "SSH_CONNECTION", "NO_COLOR", "TEXTUAL_DRIVER"):
+            environment.pop(name, None)
+        self._screen = pyte.Screen(columns, lines)
+        self._stream = pyte.ByteStream(self._screen)
+        self.child = pexpect.spawn(
+            sys.executable,
+            ["-W", "ignore", "-m", "arl_tui.cli", *arguments],
+            dimensions=(lines, columns),
+            cwd=str(cwd),
+            env=environment,
+            timeout=PATIENCE_S,
+        )
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.child.close(force=True)
+
+    def pump(self, duration_s: float = 0.05) -> bool:
+        """Read what arrives for a while; return whether the program still runs."""
+        end = time.monotonic() + duration_s
+        while (left := end - time.monotonic()) > 0:
+            try:
+                self._stream.feed(self.child.read_nonblocking(65536, timeout=left))
+            except pexpect.TIMEOUT:
+                return True
+            except pexpect.EOF:
+                return False
+        return True
+
+    @property
+    def text(self) -> str:
+        """What stands on the screen, line by line."""
+        return "\n".join(line.rstrip() for line in self._screen.display)
+
+    def wait_for(self, *texts: str, patience_s: float = PATIENCE_S) -> str:
+        """Read until one of the texts stands on the screen; return which."""
+        end = time.monotonic() + patience_s
+        while time.monotonic() < end:
+            running = self.pump()
+            for text in texts:
+                if text in self.text:
+                    return text
+            if not running:
+                raise AssertionError(f"the program ended before {texts} was seen:\n{self.text}")
+        raise AssertionError(f"{texts} was not seen within {patience_s:.0f} s:\n{self.text}")
+
+    def press(self, keys: str) -> int:
+        """Write keys to the terminal; return the time just before, ns of the monotonic clock."""
+        now_ns = time.monotonic_ns()
+        os.write(self.child.child_fd, keys.encode())
+        return now_ns
+
+    def wait_for_exit(self, patience_s: float = PATIENCE_S) -> int:
+        """Read to the end; return the exit status."""
+        end = time.monotonic() + patience_s
+        while time.monotonic() < end:
+            if not self.pump():
+                self.child.close()
+                assert self.child.exitstatus is not None, f"ended by signal {self.child.signalstatus}"
+                return self.child.exitstatus
+        raise AssertionError(f"the program still runs after {patience_s:.0f} s:\n{self.text}")
+
+    def blocks_on_board(self) -> int:
+        """Count the blocks in the board's frame: settled ones and those of the falling piece, not the ghost."""
+        inside = [line[3:23] for line in self._screen.display[1:21]]
+        return sum(row.count("▕") for row in inside)
+
+    def resize(self, columns: int, lines: int) -> None:
+        """Change the window's size."""
+        self._screen.resize(lines, columns)
+        self.child.setwinsize(lines, columns)

@@ -1,0 +1,204 @@
+"""The real app in a pseudo-terminal, with a scripted participant at the other end."""
+
+import os
+import signal
+from pathlib import Path
+
+import pytest
+
+from core.episode import EpisodeEnded, FrameShown, KeyPressed, SessionEnded, StepTaken, StopAsked
+from core.protocol import Protocol
+from core.recording.reader import Recording, read_recording
+from core.replay import replay_exactly
+from core.session import build_session
+from tests.e2e.terminal import Terminal
+
+MS = 1_000_000
+
+
+def play(tmp_path: Path, protocol_file: Path, *more: str) -> Terminal:
+    return Terminal(
+        "play",
+        "tetris",
+        "--protocol",
+        str(protocol_file),
+        "--seed",
+        "11",
+        "--recordings",
+        "r",
+        *more,
+        cwd=tmp_path,
+    )
+
+
+def start(terminal: Terminal) -> None:
+    terminal.wait_for("Enter  to start, ")
+    terminal.press("\r")
+    terminal.wait_for("Game 1")
+
+
+def the_recording(tmp_path: Path) -> Recording:
+    (path,) = (tmp_path / "r").glob("*.jsonl")
+    return read_recording(path)
+
+
+def replayed(recording: Recording) -> None:
+    import msgspec
+
+    protocol = msgspec.convert(recording.header.protocol, Protocol)
+    result = replay_exactly(recording, build_session(protocol, recording.header.root_seed))
+    assert result.difference is None, str(result.difference)
+
+
+def test_a_scripted_participants_presses_are_recorded_at_the_right_step_and_time(
+    tmp_path: Path, protocol_file: Path
+) -> None:
+    written: list[tuple[str, int, int]] = []
+    with play(tmp_path, protocol_file) as terminal:
+        start(terminal)
+        while terminal.wait_for("Game 1", "Game 2", "Thank you") == "Game 1" and len(written) < 6:
+            # No rows are cleared by the first pieces, so the blocks in sight tell which step it is.
+            blocks = terminal.blocks_on_board()
+            if blocks == 4 * (len(written) + 1):
+                key = "jfx"[len(written) % 3]
+                written.append((key, terminal.press(key), len(written)))
+        terminal.wait_for("Thank you")
+        terminal.press("\r")
+        assert terminal.wait_for_exit() == 0
+        assert "Recording: r/" in terminal.text
+    recording = the_recording(tmp_path)
+    assert recording.complete
+    assert len(written) == 6
+    presses = [event for event in recording.events if isinstance(event, KeyPressed)][: len(written)]
+    assert [(press.key, press.step) for press in presses] == [(key, step) for key, _, step in written]
+    late_ms = sorted((press.time_ns - time_ns) / MS for press, (_, time_ns, _) in zip(presses, written, strict=True))
+    assert late_ms[0] >= 0.0
+    # One of six may be held up by the kernel: on a busy machine a terminal without any program does so, too.
+    assert late_ms[-2] < 20.0, late_ms
+    replayed(recording)
+
+
+def test_frames_are_stamped_when_they_are_flushed(tmp_path: Path, protocol_file: Path) -> None:
+    with play(tmp_path, protocol_file) as terminal:
+        start(terminal)
+        terminal.wait_for("Thank you")
+    recording = the_recording(tmp_path)
+    assert recording.header.terminal["stamps"] == "flush"
+    frames = [event for event in recording.events if isinstance(event, FrameShown)]
+    steps = {event.step for event in recording.events if isinstance(event, StepTaken)}
+    assert steps
+    assert {frame.step for frame in frames} == steps | {-1}
+    assert [frame.frame for frame in frames] == list(range(len(frames)))
+    times = [frame.flushed_ns for frame in frames]
+    assert times == sorted(times)
+    decided = {event.step: event.time_ns for event in recording.events if isinstance(event, StepTaken)}
+    for step in steps:
+        first = min(frame.flushed_ns for frame in frames if frame.step == step)
+        assert first > decided[step]
+
+
+def test_a_killed_session_loses_nothing_but_the_line_being_written(
+    tmp_path: Path, protocol_file: Path
+) -> None:
+    with play(tmp_path, protocol_file) as terminal:
+        start(terminal)
+        terminal.wait_for("Pieces        2")
+        terminal.press("j")
+        terminal.wait_for("4 of 5 presses left")
+        os.kill(terminal.child.pid, signal.SIGKILL)
+        terminal.child.wait()
+    recording = the_recording(tmp_path)
+    assert not recording.complete
+    assert [event.key for event in recording.events if isinstance(event, KeyPressed)][-1] == "j"
+    assert isinstance(recording.events[-1], FrameShown | StepTaken | KeyPressed)
+    replayed(recording)
+
+
+def test_a_worker_that_is_killed_ends_the_session_with_a_message(tmp_path: Path, protocol_file: Path) -> None:
+    with play(tmp_path, protocol_file) as terminal:
+        start(terminal)
+        terminal.wait_for("Pieces        1")
+        os.kill(worker_of(terminal.child.pid), signal.SIGKILL)
+        terminal.wait_for("The session had to end early")
+        assert "signal 9" in terminal.text
+        terminal.press("\r")
+        assert terminal.wait_for_exit() == 1
+    recording = the_recording(tmp_path)
+    assert recording.complete
+    last = recording.events[-1]
+    assert isinstance(last, StopAsked)
+    assert last.reason == "worker-died"
+    replayed(recording)
+
+
+def worker_of(pid: int) -> int:
+    """Return the process id of the worker: the child that runs `spawn_main` (the other one tracks resources)."""
+    children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
+    for child in children:
+        if b"spawn_main" in Path(f"/proc/{child}/cmdline").read_bytes():
+            return int(child)
+    raise AssertionError(f"{pid} has no worker among {children}")
+
+
+def is_running(pid: int) -> bool:
+    """Return whether a process exists and is more than an entry that nobody has collected."""
+    try:
+        state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
+    except FileNotFoundError:
+        return False
+    return state != "Z"
+
+
+def test_the_worker_is_gone_when_the_screen_is_killed(tmp_path: Path, protocol_file: Path) -> None:
+    with play(tmp_path, protocol_file) as terminal:
+        start(terminal)
+        worker = worker_of(terminal.child.pid)
+        os.kill(terminal.child.pid, signal.SIGKILL)
+        terminal.child.wait()
+        for _ in range(100):
+            if not is_running(worker):
+                return
+            terminal.pump(0.05)
+    raise AssertionError("the worker outlives the screen by more than 5 s")
+
+
+def test_stopping_in_the_middle_saves_everything(tmp_path: Path, protocol_file: Path) -> None:
+    with play(tmp_path, protocol_file) as terminal:
+        start(terminal)
+        terminal.press("p")
+        terminal.wait_for("The game waits for you")
+        terminal.press("p")
+        terminal.wait_for("Game 1")
+        terminal.press("q")
+        terminal.wait_for("Stop the session?")
+        terminal.press("y")
+        terminal.wait_for("Thank you")
+        terminal.press("\r")
+        assert terminal.wait_for_exit() == 0
+    recording = the_recording(tmp_path)
+    assert recording.complete
+    ended = [event for event in recording.events if isinstance(event, EpisodeEnded)]
+    assert [event.ended for event in ended] == ["truncation"]
+    assert isinstance(recording.events[-1], SessionEnded)
+    replayed(recording)
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_a_closed_window_ends_the_session_in_good_order(
+    tmp_path: Path, protocol_file: Path, number: signal.Signals
+) -> None:
+    with play(tmp_path, protocol_file) as terminal:
+        start(terminal)
+        os.kill(terminal.child.pid, number)
+        terminal.wait_for("Thank you")
+    assert the_recording(tmp_path).complete
+
+
+def test_play_without_a_terminal_says_what_to_do_instead(tmp_path: Path) -> None:
+    from click.testing import CliRunner
+
+    from arl_tui.cli import main
+
+    result = CliRunner().invoke(main, ["play", "tetris", "--recordings", str(tmp_path)])
+    assert result.exit_code == 1
+    assert "needs a terminal" in result.output
