@@ -1,0 +1,195 @@
+"""The noisy cross-entropy method: a normal distribution over weight vectors that moves to its best samples.
+
+Szita & Lorincz 2006, with the settings of Thiery & Scherrer 2009: in each iteration a population is drawn from
+N(mean, variance) with independent weights; mean and variance become those of the elite, the samples with the highest
+performance; a noise schedule is added to the variance, which keeps the search from stopping too early.
+"""
+
+import math
+import struct
+from typing import Self
+
+import msgspec
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from core.learners.contract import Candidate
+from core.streams import stream
+
+
+class NoNoise(msgspec.Struct, frozen=True, tag="none"):
+    """The plain cross-entropy method: the variance is that of the elite."""
+
+    def variance(self, iteration: int) -> float:
+        """Return 0."""
+        return 0.0
+
+
+class ConstantNoise(msgspec.Struct, frozen=True, tag="constant"):
+    """The same variance is added in every iteration."""
+
+    level: float = 4.0
+    """Added variance, >= 0 (Szita & Lorincz 2006)."""
+
+    def __post_init__(self) -> None:
+        _check_at_least("level", self.level, 0.0)
+
+    def variance(self, iteration: int) -> float:
+        """Return the level."""
+        return self.level
+
+
+class DecreasingNoise(msgspec.Struct, frozen=True, tag="decreasing"):
+    """max(start - t / per, 0) is added in iteration t."""
+
+    start: float = 5.0
+    """Added variance at t = 0, >= 0 (Szita & Lorincz 2006)."""
+    per: float = 10.0
+    """Iterations in which the added variance falls by 1, > 0 (Szita & Lorincz 2006)."""
+
+    def __post_init__(self) -> None:
+        _check_at_least("start", self.start, 0.0)
+        if not (math.isfinite(self.per) and self.per > 0):
+            raise ValueError(f"per is > 0 iterations, got {self.per}")
+
+    def variance(self, iteration: int) -> float:
+        """Return the variance added at the end of iteration t >= 0."""
+        return max(self.start - iteration / self.per, 0.0)
+
+
+Noise = NoNoise | ConstantNoise | DecreasingNoise
+"""Any noise schedule; msgspec decodes it by its tag, the field "type"."""
+
+
+class CrossEntropyConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Settings of the noisy cross-entropy method."""
+
+    population: int = 100
+    """Samples per iteration (Szita & Lorincz 2006; Thiery & Scherrer 2009)."""
+    elite_fraction: float = 0.1
+    """Share of the population that makes the next distribution, in (0, 1] (the same)."""
+    initial_variance: float = 100.0
+    """Variance of each weight at the start, > 0, around mean 0 (the same)."""
+    noise: Noise = DecreasingNoise()
+    """What is added to the variance after each iteration (the schedule with their best result)."""
+
+    def __post_init__(self) -> None:
+        if self.population < 1 or not 0.0 < self.elite_fraction <= 1.0:
+            raise ValueError(
+                f"need population >= 1 and elite_fraction in (0, 1]: {self.population}, {self.elite_fraction}"
+            )
+        if not (math.isfinite(self.initial_variance) and self.initial_variance > 0):
+            raise ValueError(f"initial_variance is > 0, got {self.initial_variance}")
+
+    @property
+    def elite_size(self) -> int:
+        """Number of elite samples, >= 1."""
+        return max(1, round(self.population * self.elite_fraction))
+
+
+class CrossEntropy:
+    """The search distribution. What it draws follows from the root seed and the number of the iteration."""
+
+    def __init__(self, config: CrossEntropyConfig, *, n_weights: int, root_seed: int) -> None:
+        self.config = config
+        self.root_seed = root_seed
+        self.iteration = 0
+        """Completed iterations."""
+        self.mean = np.zeros(n_weights)
+        """Shape (n_weights,)."""
+        self.variance = np.full(n_weights, config.initial_variance)
+        """Shape (n_weights,)."""
+
+    def population(self) -> NDArray[np.float64]:
+        """Return this iteration's samples, shape (population, n_weights): the same ones at every call."""
+        rng = stream(self.root_seed, "cross-entropy", self.iteration)
+        standard = rng.standard_normal((self.config.population, len(self.mean)))
+        samples: NDArray[np.float64] = self.mean + np.sqrt(self.variance) * standard
+        return samples
+
+    def elite(self, performance: ArrayLike) -> NDArray[np.intp]:
+        """Return the indices of the best samples, best first; of equal ones the first drawn.
+
+        Args:
+            performance: of each sample, shape (population,).
+        """
+        values = np.asarray(performance, dtype=np.float64)
+        if values.shape != (self.config.population,) or np.isnan(values).any():
+            raise ValueError(
+                f"need {self.config.population} performances without NaN, got shape {values.shape}: {values}"
+            )
+        return np.argsort(-values, kind="stable")[: self.config.elite_size]
+
+    def update(self, performance: ArrayLike) -> None:
+        """Move to the elite and begin the next iteration.
+
+        The variance is the elite's population variance (divided by n, as in Thiery & Scherrer's program) plus the
+        noise of this iteration.
+        """
+        best = self.population()[self.elite(performance)]
+        self.mean = best.mean(axis=0)
+        self.variance = best.var(axis=0) + self.config.noise.variance(self.iteration)
+        self.iteration += 1
+
+    def state(self) -> dict[str, object]:
+        """Return everything that decides about later samples, as plain JSON types."""
+        return {
+            "iteration": self.iteration,
+            "mean": self.mean.tolist(),
+            "variance": self.variance.tolist(),
+            "root_seed": self.root_seed,
+        }
+
+    @classmethod
+    def from_state(cls, config: CrossEntropyConfig, state: dict[str, object]) -> Self:
+        """Return a search that goes on where the one behind `state` stood."""
+        mean = np.array(state["mean"], dtype=np.float64)
+        search = cls(config, n_weights=len(mean), root_seed=int(str(state["root_seed"])))
+        search.iteration = int(str(state["iteration"]))
+        search.mean = mean
+        search.variance = np.array(state["variance"], dtype=np.float64)
+        return search
+
+
+class CrossEntropyLearner:
+    """The method one candidate at a time: a `core.learners.contract.EnvironmentLearner`."""
+
+    def __init__(self, config: CrossEntropyConfig, *, n_weights: int, root_seed: int) -> None:
+        self.search = CrossEntropy(config, n_weights=n_weights, root_seed=root_seed)
+        self._population = self.search.population()
+        self._performance: list[float] = []
+
+    def propose(self) -> Candidate:
+        """Return the next sample; the same one again until its performance has been reported."""
+        index = len(self._performance)
+        policy_id = self.search.iteration * self.search.config.population + index
+        weights = self._population[index].copy()
+        weights.flags.writeable = False
+        return Candidate(policy_id, weights)
+
+    def report(self, policy_id: int, performance: float) -> None:
+        """Take in the performance measure, >= 0, of the sample last proposed."""
+        expected = self.propose().policy_id
+        if policy_id != expected:
+            raise ValueError(f"policy {expected} waits for its performance, got one for {policy_id}")
+        if not (math.isfinite(performance) and performance >= 0):
+            raise ValueError(f"policy {policy_id}: performance is finite and >= 0, got {performance}")
+        self._performance.append(performance)
+        if len(self._performance) == self.search.config.population:
+            self.search.update(self._performance)
+            self._population = self.search.population()
+            self._performance = []
+
+    def state_digest(self) -> bytes:
+        """Return bytes that differ whenever anything differs that decides about later proposals."""
+        return (
+            struct.pack("<q", self.search.iteration)
+            + self.search.mean.tobytes()
+            + self.search.variance.tobytes()
+            + np.array(self._performance, dtype=np.float64).tobytes()
+        )
+
+
+def _check_at_least(name: str, value: float, lowest: float) -> None:
+    if not (math.isfinite(value) and value >= lowest):
+        raise ValueError(f"{name} is finite and >= {lowest}, got {value}")
