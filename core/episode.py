@@ -186,6 +186,10 @@ class CreditGiven(Record, frozen=True, kw_only=True, tag="credit-given"):
     """Mass that fell before the first watched step."""
     in_gaps: float
     """Mass that fell into pauses and between episodes."""
+    too_late: float = 0.0
+    """Mass of steps whose sample had been given out already (aggregate credit, a press reported very late)."""
+    merged_into: int | None = None
+    """The press that opened the burst of which this one is part; such a press has no mass of its own."""
 
 
 class SessionEnded(Record, frozen=True, kw_only=True, tag="session-ended"):

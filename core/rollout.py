@@ -74,22 +74,8 @@ class FeedbackSource(Protocol):
         ...
 
 
-class Agent(Protocol):
-    """What the loop asks of an agent."""
-
-    w_h: float
-
-    def begin_episode(self, episode: int, *, exploring: bool) -> EpisodePolicy:
-        """Return the policy of the next episode: a new one to evaluate, or one of the best so far."""
-        ...
-
-    def choose(self, choices: Choices, policy: EpisodePolicy, *, step: int) -> Decision:
-        """Decide step number `step` of the episode."""
-        ...
-
-    def learn_from_domain(self, policy: EpisodePolicy, played: Played) -> None:
-        """Take in how an episode with `policy` went."""
-        ...
+class Listener(Protocol):
+    """What hears a participant: the part of an agent that inputs reach."""
 
     def step_shown(self, step: int, features: NDArray[np.float64], time_ns: int) -> None:
         """Note that a watched step with these feedback features, shape (G,), came on screen."""
@@ -107,6 +93,27 @@ class Agent(Protocol):
         """Forget a press as if it had never been made."""
         ...
 
+
+class Agent(Listener, Protocol):
+    """What a session asks of an agent."""
+
+    @property
+    def w_h(self) -> float:
+        """Weight of the human now."""
+        ...
+
+    def begin_episode(self, episode: int, *, exploring: bool) -> EpisodePolicy:
+        """Return the policy of the next episode: a new one to evaluate, or one of the best so far."""
+        ...
+
+    def choose(self, choices: Choices, policy: EpisodePolicy, *, step: int) -> Decision:
+        """Decide step number `step` of the episode."""
+        ...
+
+    def learn_from_domain(self, policy: EpisodePolicy, played: Played) -> None:
+        """Take in how an episode with `policy` went."""
+        ...
+
     def export(self) -> dict[str, list[float]]:
         """Return all weight vectors by name."""
         ...
@@ -117,16 +124,16 @@ class Agent(Protocol):
 
 
 class Audience:
-    """Brings the inputs to the agent: which step was on screen when, and what the participant said of it.
+    """Brings the inputs to whoever learns from them: which step was on screen when, and what the participant said of it.
 
     Keeps the feedback features of watched steps from when they are decided until their frame has been shown.
     """
 
-    def __init__(self, agent: Agent, feedback: FeedbackSource) -> None:
+    def __init__(self, listener: Listener, feedback: FeedbackSource) -> None:
         self.inputs = 0
         """How many inputs have been taken in."""
         self.stop_asked: StopAsked | None = None
-        self._agent = agent
+        self._listener = listener
         self._feedback = feedback
         self._features: dict[int, NDArray[np.float64]] = {}
         self._on_screen = -1
@@ -151,9 +158,9 @@ class Audience:
                 self._screen_shows(-1, time_ns)
             case KeyPressed(verdict="accepted", press=press, time_ns=time_ns, value=value):
                 assert value is not None, "an accepted press means something"
-                yield self._agent.learn_from_press(press, time_ns, value)
+                yield self._listener.learn_from_press(press, time_ns, value)
             case PressRetracted(press=press):
-                self._agent.retract(press)
+                self._listener.retract(press)
             case StopAsked():
                 self.stop_asked = item
             case _:
@@ -163,9 +170,9 @@ class Audience:
         if step == self._on_screen:
             return
         if self._on_screen >= 0:
-            self._agent.step_hidden(time_ns)
+            self._listener.step_hidden(time_ns)
         if step >= 0:
-            self._agent.step_shown(step, self._features[step], time_ns)
+            self._listener.step_shown(step, self._features[step], time_ns)
         self._on_screen = step
 
 

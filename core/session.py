@@ -6,37 +6,17 @@ Everything that is not in its inputs follows from the protocol and the root seed
 from collections.abc import Callable, Iterator
 from typing import Any
 
-import msgspec
-
 from core.clock import Clock
-from core.combination.agent import EpisodePolicy
+from core.combination.agent import ArlAgent, EpisodePolicy
 from core.domain import Domain
 from core.episode import Output, SessionEnded, StepTaken, UnseenPlayed
+from core.learners.cross_entropy import CrossEntropyLearner
+from core.protocol import Protocol, SessionConfig
 from core.rollout import Agent, Audience, EpisodePlan, FeedbackSource, Played, play_episode
 from core.streams import stream_seed
-
-
-class SessionConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How many episodes there are, who sees them, and how long they may last."""
-
-    episodes: int = 10
-    """Watched episodes."""
-    unseen_before: int = 0
-    """Unseen episodes before the first watched one: 0 shows the agent as it begins."""
-    unseen_between: int = 100
-    """Unseen episodes between two watched ones; 100 are one iteration of the cross-entropy method."""
-    watched_steps: int = 60
-    """A watched episode is truncated after this many steps (a good policy would play for hours)."""
-    unseen_steps: int = 5000
-    """An unseen episode is truncated after this many steps."""
-
-    def __post_init__(self) -> None:
-        for name in ("episodes", "watched_steps", "unseen_steps"):
-            if getattr(self, name) < 1:
-                raise ValueError(f"{name} is >= 1, got {getattr(self, name)}")
-        for name in ("unseen_before", "unseen_between"):
-            if getattr(self, name) < 0:
-                raise ValueError(f"{name} is >= 0, got {getattr(self, name)}")
+from core.tetris.afterstate import Tetris
+from core.tetris.autoplay import play_combined
+from core.tetris.config import TetrisConfig
 
 
 Player = Callable[[EpisodePolicy, int, int], Played]
@@ -119,3 +99,54 @@ class Session:
             w_h=self.agent.w_h,
             digest=self.agent.digest(),
         )
+
+
+def build_session(protocol: Protocol, root_seed: int) -> Session:
+    """Return a new session: what it does follows from these two arguments and its inputs alone.
+
+    Args:
+        protocol: everything the experimenter decided.
+        root_seed: >= 0; pieces, candidates and all random choices follow from it.
+    """
+    return Session(
+        Tetris(protocol.domain),
+        build_agent(protocol, root_seed),
+        tetris_player(protocol.domain),
+        protocol.session,
+        root_seed=root_seed,
+    )
+
+
+def build_agent(protocol: Protocol, root_seed: int) -> ArlAgent:
+    """Return a new agent that has learned nothing."""
+    domain = Tetris(protocol.domain)
+    return ArlAgent(
+        CrossEntropyLearner(protocol.learner, n_weights=len(domain.feature_names), root_seed=root_seed),
+        protocol.agent,
+        n_feedback_features=len(domain.feedback_feature_names),
+        root_seed=root_seed,
+    )
+
+
+def tetris_player(config: TetrisConfig) -> Player:
+    """Return what plays unseen games of Tetris: whole games in compiled code."""
+
+    def play(policy: EpisodePolicy, episode_seed: int, max_steps: int) -> Played:
+        episode = play_combined(
+            policy.theta,
+            policy.human_weights,
+            episode_seed,
+            config,
+            policy.weights,
+            share_seed=policy.share_seed,
+            piece_cap=max_steps,
+        )
+        return Played(
+            performance=float(episode.lines),
+            steps=episode.n_decisions,
+            agreed=episode.n_agree,
+            agreed_worst=episode.n_agree_worst,
+            ended="termination" if episode.finished else "truncation",
+        )
+
+    return play

@@ -228,18 +228,28 @@ class ArlAgent:
 
     def learn_from_press(self, press: int, time_ns: int, value: float) -> CreditGiven:
         """Learn from a press, value > 0 good, < 0 bad; return how it was shared out."""
-        given = self.human.press(press, time_ns, value)
-        return CreditGiven(
-            press=press,
-            steps=list(given.steps),
-            shares=list(given.shares),
-            before_first=given.before_first,
-            in_gaps=given.in_gaps,
-        )
+        return self.human.learn_from_press(press, time_ns, value)
 
     def retract(self, press: int) -> None:
         """Forget a press as if it had never been made."""
         self.human.retract(press)
+
+    def final_policy(self, episode: int) -> EpisodePolicy:
+        """Return what the agent would play to be judged, as episode `episode` >= 0.
+
+        That is its best policy, what it has heard, and the weights its scheme gives them now. Without any policy
+        the environment has no say (theta = 0).
+        """
+        ranked = self.bootstrap.ranked
+        best = ranked[0] if ranked else None
+        return EpisodePolicy(
+            policy_id=best.policy_id if best else -1,
+            theta=best.theta if best else np.zeros_like(self._learner.propose().weights),
+            human_weights=self.human.weights,
+            weights=self._weights(episode),
+            share_seed=stream_seed(self._root_seed, "share", episode) >> 1,
+            exploring=False,
+        )
 
     def export(self) -> dict[str, list[float]]:
         """Return the weight vectors by name: the human model's, and those of the top policies, best first."""

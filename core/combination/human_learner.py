@@ -5,8 +5,9 @@ import struct
 import numpy as np
 from numpy.typing import NDArray
 
+from core.episode import CreditGiven
 from core.feedback.assigner import CreditAssigner
-from core.feedback.samples import CreditConfig, MassAccount, PressCredit
+from core.feedback.samples import CreditConfig, MassAccount, Sample
 from core.learners.human_config import HumanModelConfig
 from core.learners.human_reward import HumanRewardModel
 
@@ -40,7 +41,11 @@ class HumanLearner:
         return self._model.weights
 
     def step_shown(self, step: int, features: NDArray[np.float64], time_ns: int) -> None:
-        """Note that a step came on screen; features psi(s, a), shape (G,)."""
+        """Note that a step came on screen; features psi(s, a), shape (G,).
+
+        NaN features are those of a step of which a recording does not tell what it led to: it takes its credit,
+        and nothing is learned from it.
+        """
         self._assigner.step_shown(step, time_ns, features)
         self._on_screen = step
         self._learn()
@@ -52,16 +57,24 @@ class HumanLearner:
             self._on_screen = -1
             self._learn()
 
-    def press(self, press: int, time_ns: int, value: float) -> PressCredit:
-        """Share a press out and learn from it."""
+    def learn_from_press(self, press: int, time_ns: int, value: float) -> CreditGiven:
+        """Learn from a press, value > 0 good, < 0 bad; return how it was shared out."""
         given = self._assigner.press(press, time_ns, value)
         self._learn()
-        return given
+        return CreditGiven(
+            press=press,
+            steps=list(given.steps),
+            shares=list(given.shares),
+            before_first=given.before_first,
+            in_gaps=given.in_gaps,
+            too_late=given.too_late,
+            merged_into=given.merged_into,
+        )
 
     def retract(self, press: int) -> None:
         """Make the model one that never saw the press."""
         self._assigner.retract(press)
-        self._model.fit(self._assigner.samples)
+        self._model.fit([sample for sample in self._assigner.samples if _tells(sample)])
 
     def finish(self, time_ns: int) -> None:
         """Learn from the steps that still waited for presses: the session is over."""
@@ -83,4 +96,10 @@ class HumanLearner:
 
     def _learn(self) -> None:
         for sample in self._assigner.take():
-            self._model.add(sample)
+            if _tells(sample):
+                self._model.add(sample)
+
+
+def _tells(sample: Sample) -> bool:
+    """Return whether the step's features are known: an imported log may not show what a step led to."""
+    return bool(np.isfinite(sample.features).all())

@@ -17,6 +17,11 @@ from core.learners.contract import Candidate
 from core.streams import stream
 
 
+def _check_at_least(name: str, value: float, lowest: float) -> None:
+    if not (math.isfinite(value) and value >= lowest):
+        raise ValueError(f"{name} is finite and >= {lowest}, got {value}")
+
+
 class NoNoise(msgspec.Struct, frozen=True, tag="none"):
     """The plain cross-entropy method: the variance is that of the elite."""
 
@@ -188,8 +193,3 @@ class CrossEntropyLearner:
             + self.search.variance.tobytes()
             + np.array(self._performance, dtype=np.float64).tobytes()
         )
-
-
-def _check_at_least(name: str, value: float, lowest: float) -> None:
-    if not (math.isfinite(value) and value >= lowest):
-        raise ValueError(f"{name} is finite and >= {lowest}, got {value}")

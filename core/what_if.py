@@ -1,0 +1,228 @@
+"""What-if replay: what an agent would have learned from a recording under another credit rule or scheme.
+
+The watched steps and the presses stay as they were recorded; credit, human model, trust and the unseen episodes are
+worked out anew. This is off-policy: people judged the steps of the agent they saw, and another agent would have
+shown others. What is learned from the recorded steps is exact; what it would have led to on screen is not claimed.
+"""
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from core.combination.agent import ArlAgent, EpisodePolicy
+from core.combination.human_learner import HumanLearner
+from core.domain import Choices
+from core.episode import (
+    CreditGiven,
+    EpisodeEnded,
+    EpisodeStarted,
+    Input,
+    KeyPressed,
+    PressRetracted,
+    Resumed,
+    StepTaken,
+    UnseenPlayed,
+)
+from core.protocol import Protocol
+from core.recording.reader import Recording
+from core.replay import Recorded
+from core.rollout import Audience, Played
+from core.session import Player, build_agent, tetris_player
+from core.streams import stream_seed
+from core.tetris.afterstate import Tetris, TetrisState
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WatchedStep:
+    """A step of a recording, as an agent sees it."""
+
+    step: int
+    choices: Choices
+    taken: NDArray[np.float64]
+    """psi(s, a) of the action that was taken, shape (G,); NaN where the recording does not tell."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Heard:
+    """What a human model has learned from a recording, without any environment."""
+
+    human: HumanLearner
+    credits: list[CreditGiven]
+    """How each press that counted was shared out, in order."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Relearned:
+    """What an agent has learned from a recording."""
+
+    agent: ArlAgent
+    w_h: list[float] = field(default_factory=list)
+    """Human weight after each watched episode."""
+    credits: list[CreditGiven] = field(default_factory=list)
+    """How each accepted press was shared out, in order."""
+
+
+def watched_steps(recording: Recording, protocol: Protocol) -> dict[int, WatchedStep]:
+    """Return every watched step by its number, with the features that `protocol` asks for."""
+    domain = Tetris(protocol.domain)
+    steps: dict[int, WatchedStep] = {}
+    state: TetrisState | None = None
+    for output in recording.outputs:
+        match output:
+            case EpisodeStarted(episode_seed=seed):
+                state = domain.initial(seed)
+            case StepTaken(observed=None):
+                assert state is not None, "a step follows the start of its episode"
+                choices = domain.choices(state)
+                steps[output.step] = WatchedStep(
+                    output.step, choices, choices.feedback_features[output.action]
+                )
+                state = domain.transition(state, output.action).next_state
+            case StepTaken():
+                steps[output.step] = _observed_step(domain, output)
+    return steps
+
+
+def relearn(
+    recording: Recording,
+    protocol: Protocol,
+    steps: dict[int, WatchedStep],
+    *,
+    root_seed: int,
+) -> Relearned:
+    """Let a new agent live through a recording.
+
+    Args:
+        recording: live, simulated or imported.
+        protocol: the agent's own protocol; its credit, scheme, trust and human model may differ from the recorded.
+        steps: from `watched_steps` with the same protocol.
+        root_seed: of the agent and of unseen episodes. That of the recording gives a live session's own agent.
+    """
+    agent = build_agent(protocol, root_seed)
+    play = tetris_player(protocol.domain)
+    source = Recorded(recording.inputs)
+    audience = Audience(agent, source)
+    relearned = Relearned(agent)
+    watched = _Watched(steps)
+    imported = recording.header.origin == "imported"
+    unseen_from = 0
+    for output in recording.outputs:
+        if not isinstance(output, CreditGiven):
+            source.taken_before_next_output = output.inputs
+            relearned.credits.extend(audience.attend(-1))
+        match output:
+            case EpisodeStarted():
+                if imported:
+                    _play_unseen(
+                        agent, play, protocol, root_seed, unseen_from, protocol.session.unseen_between
+                    )
+                    unseen_from += protocol.session.unseen_between
+                watched.begin(agent.begin_episode(output.episode + unseen_from, exploring=False))
+            case StepTaken():
+                watched.take(agent, audience, output)
+            case EpisodeEnded():
+                agent.learn_from_domain(watched.policy, watched.played(output))
+                relearned.w_h.append(agent.w_h)
+            case UnseenPlayed():
+                _play_unseen(agent, play, protocol, root_seed, output.first_episode, len(output.policies))
+    relearned.credits.extend(_attend_rest(audience, source, len(recording.inputs)))
+    return relearned
+
+
+def hear(
+    recording: Recording, protocol: Protocol, steps: dict[int, WatchedStep], *, count: Callable[[int], bool]
+) -> Heard:
+    """Let only a human model live through a recording.
+
+    Args:
+        recording: live, simulated or imported.
+        protocol: whose credit rule and human model are used.
+        steps: from `watched_steps` with the same protocol.
+        count: which accepted presses (by number) count; the others are left out.
+    """
+    human = HumanLearner(
+        protocol.agent.credit,
+        protocol.agent.human_model,
+        len(Tetris(protocol.domain).feedback_feature_names),
+    )
+    inputs = tuple(_countable(recording.inputs, count))
+    source = Recorded(inputs)
+    audience = Audience(human, source)
+    credits: list[CreditGiven] = []
+    for output in recording.outputs:
+        if not isinstance(output, CreditGiven):
+            source.taken_before_next_output = output.inputs
+            credits.extend(audience.attend(-1))
+        if isinstance(output, StepTaken):
+            audience.expect(output.step, steps[output.step].taken)
+    credits.extend(_attend_rest(audience, source, len(inputs)))
+    return Heard(human, credits)
+
+
+class _Watched:
+    """Follows one recorded episode with an agent that is asked, but not obeyed."""
+
+    def __init__(self, steps: dict[int, WatchedStep]) -> None:
+        self._steps = steps
+        self._policy: EpisodePolicy | None = None
+        self._taken = 0
+
+    @property
+    def policy(self) -> EpisodePolicy:
+        assert self._policy is not None, "an episode ends after it has started"
+        return self._policy
+
+    def begin(self, policy: EpisodePolicy) -> None:
+        self._policy = policy
+        self._taken = 0
+
+    def take(self, agent: ArlAgent, audience: Audience, output: StepTaken) -> None:
+        watched = self._steps[output.step]
+        agent.choose(watched.choices, self.policy, step=self._taken)
+        audience.expect(output.step, watched.taken)
+        self._taken += 1
+
+    def played(self, output: EpisodeEnded) -> Played:
+        return Played(output.performance, output.steps, 0, 0, output.ended)
+
+
+def _countable(inputs: Iterable[Input], count: Callable[[int], bool]) -> Iterator[Input]:
+    """Yield the inputs with presses that are not to count turned into refused ones."""
+    for item in inputs:
+        if isinstance(item, KeyPressed) and item.verdict == "accepted" and not count(item.press):
+            yield msgspec.structs.replace(item, verdict="other")
+        elif isinstance(item, PressRetracted) and not count(item.press):
+            yield Resumed(time_ns=item.time_ns)  # says nothing, and keeps the inputs' numbers
+        else:
+            yield item
+
+
+def _play_unseen(
+    agent: ArlAgent, play: Player, protocol: Protocol, root_seed: int, first: int, count: int
+) -> None:
+    for episode in range(first, first + count):
+        policy = agent.begin_episode(episode, exploring=True)
+        seed = stream_seed(root_seed, "episode", episode)
+        agent.learn_from_domain(policy, play(policy, seed, protocol.session.unseen_steps))
+
+
+def _observed_step(domain: Tetris, output: StepTaken) -> WatchedStep:
+    """Return a step of an imported recording, from the boards as they were seen."""
+    assert output.observed is not None
+    before = output.observed["before"]
+    choices = domain.choices_on(before, output.detail["piece"])
+    after = output.observed.get("after")
+    if after is None:
+        taken = np.full(choices.feedback_features.shape[1], np.nan)
+    else:
+        taken = domain.feedback_difference(before, after)
+    return WatchedStep(output.step, choices, taken)
+
+
+def _attend_rest(audience: Audience, source: Recorded, n_inputs: int) -> Iterator[CreditGiven]:
+    """Take in what came after the last output."""
+    source.taken_before_next_output = n_inputs
+    yield from audience.attend(-1)
