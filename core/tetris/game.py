@@ -13,6 +13,8 @@ those of a shape's box: its lowest row and its leftmost column. The rules, where
 
 from collections.abc import Iterator, Sequence
 from enum import StrEnum
+from itertools import accumulate
+from operator import and_
 
 import msgspec
 import numpy as np
@@ -246,7 +248,10 @@ def _steps(board: Board, falling: FallingPiece) -> Iterator[tuple[Primitive | No
 def reachable_mask(
     board: Board, piece: int, placements: NDArray[np.int64] | Sequence[Sequence[int]], rows: int
 ) -> NDArray[np.bool_]:
-    """Return which placements primitives can bring about.
+    """Return which placements primitives can bring about: those that `reachable_placements` has a plan for.
+
+    About ten times as fast (0.2 ms), for use in every decision: all positions of a tick lie in the same row, so
+    the columns that one orientation has reached are one number, bit c for column c.
 
     Args:
         board: column bitboards.
@@ -257,9 +262,64 @@ def reachable_mask(
     Returns:
         Shape (n,).
     """
-    plans = reachable_placements(board, piece, rows)
+    found = _reached(board, piece, rows)
     wanted = np.asarray(placements, dtype=np.int64).reshape(-1, 2).tolist()
-    return np.array([(orientation, column) in plans for orientation, column in wanted], dtype=np.bool_)
+    return np.array([found[orientation] >> column & 1 for orientation, column in wanted], dtype=np.bool_)
+
+
+def _reached(board: Board, piece: int, rows: int) -> list[int]:
+    """Return for each orientation the columns from which a piece, dropped, rests where it would from above."""
+    start = spawn(board, piece, rows)
+    top = max(max(bits.bit_length() for bits in board), start.row + 1)
+    free = _free_columns(board, piece, top)
+    # From a position the straight drop is as from above where nothing in between, nor the position, is blocked.
+    open_above = [list(accumulate(reversed(by_row), and_))[::-1] for by_row in free]
+    found = [0] * len(free)
+    here = [0] * len(free)
+    here[start.orientation] = 1 << start.column
+    for row in range(start.row, -1, -1):
+        after = [columns | columns << 1 | columns >> 1 for columns in here]
+        for orientation, columns in enumerate(here):
+            after[orientation - 1] |= _turned_columns(columns, piece, orientation, len(board))
+        for orientation, columns in enumerate(after):
+            columns &= free[orientation][row]
+            found[orientation] |= columns & open_above[orientation][row]
+            here[orientation] = columns & free[orientation][row - 1] if row else 0
+    return found
+
+
+def _free_columns(board: Board, piece: int, top: int) -> list[list[int]]:
+    """Return for each orientation and row below `top` the columns in which the piece fits."""
+    levels = [sum((bits >> row & 1) << column for column, bits in enumerate(board)) for row in range(top + 4)]
+    free = []
+    for orientation, shape in enumerate(_SHAPES[piece]):
+        cells = [
+            (level, offset)
+            for level, bits in enumerate(ORIENTATION_ROWS[piece][orientation])
+            for offset in range(shape.width)
+            if bits >> offset & 1
+        ]
+        between_walls = (1 << (len(board) - shape.width + 1)) - 1
+        by_row = []
+        for row in range(top):
+            taken = 0
+            for level, offset in cells:
+                taken |= levels[row + level] >> offset
+            by_row.append(between_walls & ~taken)
+        free.append(by_row)
+    return free
+
+
+def _turned_columns(columns: int, piece: int, orientation: int, n_columns: int) -> int:
+    """Return where the columns that one orientation has reached are after a turn, as `moved` does it."""
+    width = _SHAPES[piece][orientation].width
+    turned_width = _SHAPES[piece][orientation - 1].width
+    shift = int((width - turned_width) / 2)
+    last = n_columns - turned_width
+    # What would lie beyond a wall is pushed to the wall.
+    turned = columns << shift if shift >= 0 else columns >> -shift | bool(columns & ((1 << -shift) - 1))
+    beyond = turned >> (last + 1)
+    return turned & ((1 << (last + 1)) - 1) | (1 << last if beyond else 0)
 
 
 def settle(board: Board, falling: FallingPiece, rows: int, *, clear_on_overflow: bool = False) -> Settled:

@@ -312,6 +312,16 @@ def test_everything_can_be_reached_on_an_empty_board_of_usual_height(piece: int,
     assert len(reachable_placements((0,) * columns, piece, ROWS)) == len(placements)
 
 
+@given(board=boards(rows=8), piece=pieces, rows=st.integers(4, 8))
+@settings(max_examples=300, deadline=None)
+def test_the_mask_says_which_placements_have_a_plan(board: Board, piece: int, rows: int):
+    board = tuple(bits & ((1 << rows) - 1) for bits in board)
+    placements = all_placements(piece, len(board))
+    plans = reachable_placements(board, piece, rows)
+    mask = reachable_mask(board, piece, placements, rows)
+    assert mask.tolist() == [place in plans for place in map(tuple, placements.tolist())]
+
+
 def test_the_mask_keeps_the_order_of_the_placements():
     tower = (0, 0, 0, (1 << 20) - 1, 0, 0, 0, 0, 0, 0)
     placements = all_placements(T, 10)
