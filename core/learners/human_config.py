@@ -1,6 +1,7 @@
 """Settings of the human reward model. Nothing here needs compiled code: see `core.learners.human_reward`."""
 
 import math
+from typing import Literal
 
 import msgspec
 
@@ -30,11 +31,11 @@ class RidgeModel(msgspec.Struct, frozen=True, tag="ridge"):
 
     l2: float = 1.0
     """Penalty, > 0: as strong as one unit of sample weight per standardised input. (Our choice.)"""
-    intercept: bool = True
-    """Fit an unpenalised intercept, so that a participant who mostly praises does not praise what every step
-    has in common. Without it inputs are not centred."""
+    intercept: Literal["free", "penalised", "none"] = "penalised"
+    """Free: unpenalised, so inputs are centred, and praise alone (or blame alone) teaches nothing. Penalised: one
+    more input that is always 1. None: H is 0 where nothing changes."""
     standardise: bool = True
-    """Divide each input by its sd (without intercept: its root mean square) over the samples so far."""
+    """Divide each input by its sd (centred) or its root mean square (not centred) over the samples so far."""
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.l2) and self.l2 > 0):

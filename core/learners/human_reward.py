@@ -22,7 +22,9 @@ class HumanRewardModel:
             raise ValueError(f"a model needs at least one feature, got {n_features}")
         self.config = config
         self.n_features = n_features
-        self._centred = config.intercept if isinstance(config, RidgeModel) else True
+        ridge = isinstance(config, RidgeModel)
+        self._centred = not ridge or config.intercept == "free"
+        self._constant_input = ridge and config.intercept == "penalised"
         self._export: NDArray[np.float64] | None = None
         self._reset()
 
@@ -54,7 +56,7 @@ class HumanRewardModel:
             )
         if isinstance(self.config, RidgeModel) or self.config.standardise:
             add_to_moments(
-                sample.features,
+                np.append(sample.features, 1.0) if self._constant_input else sample.features,
                 sample.label,
                 sample.weight,
                 self._centred,
@@ -120,12 +122,12 @@ class HumanRewardModel:
         return model
 
     def _reset(self) -> None:
-        n = self.n_features
+        n_moments = self.n_features + self._constant_input + 1
         self._n_samples = 0
         self._totals = np.zeros(1)
-        self._means = np.zeros(n + 1)
-        self._scatter = np.zeros((n + 1, n + 1))
-        self._sgd_weights = np.zeros(n + 1)
+        self._means = np.zeros(n_moments)
+        self._scatter = np.zeros((n_moments, n_moments))
+        self._sgd_weights = np.zeros(self.n_features + 1)
         self._export = None
 
     def _seen(self, features: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -137,20 +139,28 @@ class HumanRewardModel:
     def _exported(self) -> NDArray[np.float64]:
         """Return weights and, last, intercept in the features' own units, computed once per change."""
         if self._export is None:
-            export = np.zeros(self.n_features + 1)
-            weights = export[:-1]
             if isinstance(self.config, RidgeModel):
-                solve_ridge(self._totals[0], self._scatter, self.config.l2, self.config.standardise, weights)
-                export[-1] = self._means[-1]
+                self._export = self._exported_ridge(self.config)
             else:
-                export[:] = self._sgd_weights
-                if self.config.standardise:
-                    variances = np.diag(self._scatter)[:-1]
-                    varied = variances > 0
-                    weights[~varied] = 0.0
-                    weights[varied] /= np.sqrt(variances[varied] / self._totals[0])
-            if isinstance(self.config, RidgeModel) or self.config.standardise:
-                # H(mean) is the mean label: move the intercept from the mean input to 0.
-                export[-1] -= action_values(self._means[None, :-1], weights)[0]
-            self._export = export
+                self._export = self._exported_sgd(self.config)
         return self._export
+
+    def _exported_ridge(self, config: RidgeModel) -> NDArray[np.float64]:
+        export = np.zeros(self.n_features + 1)
+        solution = export if self._constant_input else export[:-1]
+        solve_ridge(self._totals[0], self._scatter, config.l2, config.standardise, solution)
+        return export if self._constant_input else self._with_intercept_moved(export, self._means[-1])
+
+    def _exported_sgd(self, config: SgdModel) -> NDArray[np.float64]:
+        export = self._sgd_weights.copy()
+        if not config.standardise:
+            return export
+        variances = np.diag(self._scatter)[:-1]
+        varied = variances > 0
+        export[:-1][varied] /= np.sqrt(variances[varied] / self._totals[0])
+        return self._with_intercept_moved(export, export[-1])
+
+    def _with_intercept_moved(self, export: NDArray[np.float64], at_mean: float) -> NDArray[np.float64]:
+        """Set the intercept so that H is `at_mean` at the mean input."""
+        export[-1] = at_mean - action_values(self._means[None, :-1], export[:-1])[0]
+        return export

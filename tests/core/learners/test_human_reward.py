@@ -18,7 +18,8 @@ from tests.naive import feedback as naive
 
 CONFIGS: list[HumanModelConfig] = [
     RidgeModel(),
-    RidgeModel(l2=0.1, intercept=False),
+    RidgeModel(l2=0.1, intercept="none"),
+    RidgeModel(intercept="free"),
     RidgeModel(standardise=False),
     SgdModel(step_size=0.01),
     SgdModel(step_size=0.1, standardise=True),
@@ -79,7 +80,7 @@ def test_tamers_step_size_is_the_default() -> None:
 def test_ridge_by_hand() -> None:
     # x = -1, 3 (mean 1, sd 2), y = -1, 1 (mean 0): z = -1, 1. Normal equation: (2 + l2) v_z = 2.
     # l2 = 2: v_z = 0.5, v = 0.5 / 2 = 0.25, intercept = 0 - 0.25 * 1.
-    model = fitted(RidgeModel(l2=2.0), [sample([-1], -1), sample([3], 1)])
+    model = fitted(RidgeModel(l2=2.0, intercept="free"), [sample([-1], -1), sample([3], 1)])
     assert model.weights == pytest.approx([0.25])
     assert model.intercept == pytest.approx(-0.25)
 
@@ -87,14 +88,32 @@ def test_ridge_by_hand() -> None:
 def test_ridge_without_intercept_by_hand() -> None:
     # Sum of squares 1 + 9 = 10, root mean square sqrt 5; sum x y = 1 + 3 = 4.
     # (10/5 + l2) v_z = 4 / sqrt 5, l2 = 2: v_z = 1/sqrt 5, v = 1/5.
-    model = fitted(RidgeModel(l2=2.0, intercept=False), [sample([-1], -1), sample([3], 1)])
+    model = fitted(RidgeModel(l2=2.0, intercept="none"), [sample([-1], -1), sample([3], 1)])
     assert model.weights == pytest.approx([0.2])
     assert model.intercept == 0.0
 
 
+def test_ridge_with_penalised_intercept_by_hand() -> None:
+    # Inputs (x, 1) with x = -1, 3: root mean squares sqrt 5 and 1. z = (-1, sqrt 5)/sqrt 5 and (3, sqrt 5)/sqrt 5.
+    # Normal equations, l2 = 2: [[2 + 2, 2/sqrt 5], [2/sqrt 5, 2 + 2]] (v_z, b) = (4/sqrt 5, 0).
+    # b = -v_z / (2 sqrt 5); v_z (4 - 1/5) = 4/sqrt 5: v_z = 20 / (19 sqrt 5); v = v_z / sqrt 5 = 4/19.
+    # b = -20 / (19 * 2 * 5) = -2/19.
+    model = fitted(RidgeModel(l2=2.0, intercept="penalised"), [sample([-1], -1), sample([3], 1)])
+    assert model.weights == pytest.approx([4 / 19])
+    assert model.intercept == pytest.approx(-2 / 19)
+
+
+def test_blame_alone_turns_the_penalised_model_away_from_what_was_done() -> None:
+    model = fitted(RidgeModel(), [sample([3, -1], -1), sample([5, -2], -1)])
+    assert model.weights[0] < 0 < model.weights[1]
+    assert model.predict(np.array([[3.0, -1.0]]))[0] < 0
+
+
 def test_ridge_on_inputs_as_they_come_by_hand() -> None:
     # Centred x = -2, 2, y = -1, 1: (8 + l2) v = 4, l2 = 2: v = 0.4; intercept 0 - 0.4 * 1.
-    model = fitted(RidgeModel(l2=2.0, standardise=False), [sample([-1], -1), sample([3], 1)])
+    model = fitted(
+        RidgeModel(l2=2.0, intercept="free", standardise=False), [sample([-1], -1), sample([3], 1)]
+    )
     assert model.weights == pytest.approx([0.4])
     assert model.intercept == pytest.approx(-0.4)
 
@@ -103,7 +122,7 @@ def test_ridge_on_inputs_as_they_come_by_hand() -> None:
 @pytest.mark.parametrize("l2", [0.01, 1.0, 50.0])
 def test_ridge_agrees_with_least_squares_on_standardised_inputs(n: int, l2: float) -> None:
     samples = random_samples(n, 6, seed=n)
-    model = fitted(RidgeModel(l2=l2), samples)
+    model = fitted(RidgeModel(l2=l2, intercept="free"), samples)
     weights, intercept = naive.ridge(*columns(samples), l2)
     assert model.weights == pytest.approx(weights, abs=1e-10)
     assert model.intercept == pytest.approx(intercept, abs=1e-10)
@@ -118,8 +137,8 @@ def test_gradient_descent_agrees_with_its_naive_twin() -> None:
     assert model.intercept == pytest.approx(bias, rel=1e-12)
 
 
-def test_a_participant_who_only_praises_teaches_no_preference() -> None:
-    model = fitted(RidgeModel(), [sample([3, 1], 1), sample([5, 2], 1), sample([4, 7], 1)])
+def test_praise_alone_teaches_no_preference_where_the_intercept_is_free() -> None:
+    model = fitted(RidgeModel(intercept="free"), [sample([3, 1], 1), sample([5, 2], 1), sample([4, 7], 1)])
     assert not model.knows_something
     assert model.intercept == 1.0
 
@@ -134,7 +153,7 @@ def test_a_model_without_samples_knows_nothing() -> None:
 def test_an_input_that_never_varied_gets_no_weight() -> None:
     # 0.1 summed and divided is not 0.1 again; its variance must be exactly 0 all the same.
     samples = [sample([0.1, float(i % 3)], (-1.0) ** i, 0.3) for i in range(7)]
-    assert fitted(RidgeModel(), samples).weights[0] == 0.0
+    assert fitted(RidgeModel(intercept="free"), samples).weights[0] == 0.0
     assert fitted(SgdModel(0.1, standardise=True), samples).weights[0] == 0.0
 
 
@@ -186,7 +205,7 @@ def test_units_of_the_features_do_not_change_a_standardised_model(
         for one in samples
     ]
     rows = np.array([one.features for one in samples])
-    for config in (RidgeModel(l2=0.5), SgdModel(0.05, standardise=True)):
+    for config in (RidgeModel(l2=0.5, intercept="free"), SgdModel(0.05, standardise=True)):
         here = fitted(config, samples).predict(rows)
         there = fitted(config, moved).predict(rows * factors + shifts)
         assert there == pytest.approx(here, abs=1e-9)
