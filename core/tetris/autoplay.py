@@ -1,0 +1,282 @@
+"""Whole games in compiled code: greedy play for the environment's learner, combined play with a human model.
+
+Every game is fixed by its policy, its seed and the rules: pieces come from a counter, values are exact, ties go
+to the first placement. A game is columns, number of pieces and lines, so it can be stopped and continued.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from core.combination.config import ENVIRONMENT_WEIGHTS, EpisodeWeights
+from core.combination.schemes import best_action, choose, takes_control, worst_action
+from core.compiled import kernel
+from core.tetris.board import (
+    COLUMNS,
+    MAX_PLACEMENTS,
+    NOW,
+    OVERFLOW,
+    ROWS,
+    SEVEN_BAG,
+    Ints,
+    fill_heights,
+    mark_ruled_out,
+    new_work,
+    piece_at,
+    place,
+    rule_codes,
+    scan_placements,
+    wall_height,
+)
+from core.tetris.config import MAX_COLUMNS, TetrisConfig
+from core.tetris.evaluation import Floats, empty_policy, fill_values, grid_weights, linear_policy, set_weights
+from core.tetris.features import feature_set
+
+PIECE_LIMIT = 2**40
+"""A piece cap that no game reaches."""
+
+# Places in a game's row of counters.
+PIECES, LINES, FINISHED = range(3)
+
+
+class GreedyGames:
+    """n games, each played greedily by its own policy, that can be continued slice by slice."""
+
+    def __init__(self, weights: NDArray[np.float64], seeds: ArrayLike, config: TetrisConfig) -> None:
+        """Set up n games.
+
+        Args:
+            weights: policies under `config.features`, shape (n, F), or (F,) for one policy in all games.
+            seeds: seeds of the piece streams, shape (n,), in [0, 2**63).
+            config: board and rules.
+        """
+        self.config = config
+        self.seeds = np.asarray(seeds, dtype=np.int64)
+        """Shape (n,)."""
+        n_features = len(feature_set(config.features, config.columns).names)
+        if self.seeds.ndim != 1 or (self.seeds < 0).any():
+            raise ValueError(f"seeds are numbers >= 0 in one row, got {self.seeds}")
+        if np.shape(weights)[-1:] != (n_features,) or len(np.atleast_2d(weights)) not in (1, len(self.seeds)):
+            raise ValueError(
+                f"{config.features} on {config.columns} columns needs weights of shape ({n_features},) or "
+                f"({len(self.seeds)}, {n_features}), got {np.shape(weights)}"
+            )
+        every = np.broadcast_to(np.asarray(weights, dtype=np.float64), (len(self.seeds), n_features))
+        self._integers, self._units = grid_weights(every, float(config.lines_in_value))
+        self._policy = empty_policy(feature_set(config.features, config.columns))
+        self._rules = rule_codes(config)
+        self.boards = np.zeros((len(self.seeds), MAX_COLUMNS), dtype=np.int64)
+        """Columns of each game's board, shape (n, MAX_COLUMNS)."""
+        self._counters = np.zeros((len(self.seeds), 3), dtype=np.int64)
+
+    @property
+    def pieces(self) -> Ints:
+        """Pieces placed so far, shape (n,)."""
+        return self._counters[:, PIECES].copy()
+
+    @property
+    def lines(self) -> Ints:
+        """Lines cleared so far, shape (n,)."""
+        return self._counters[:, LINES].copy()
+
+    @property
+    def finished(self) -> NDArray[np.bool_]:
+        """Whether the game has ended (not: was stopped by a cap), shape (n,)."""
+        return np.asarray(self._counters[:, FINISHED] != 0)
+
+    def advance(self, piece_cap: ArrayLike) -> None:
+        """Play each unfinished game until it ends or has `piece_cap` pieces (one number, or one per game)."""
+        caps = np.broadcast_to(np.asarray(piece_cap, dtype=np.int64), self.seeds.shape).copy()
+        _advance_games(
+            *self._policy,
+            new_work(),
+            self._rules,
+            self._integers,
+            self._units,
+            self.seeds,
+            caps,
+            self.boards,
+            self._counters,
+        )
+
+
+def play_greedy(
+    weights: NDArray[np.float64], seeds: ArrayLike, config: TetrisConfig, piece_cap: ArrayLike = PIECE_LIMIT
+) -> GreedyGames:
+    """Play games to their end or to `piece_cap` pieces; arguments as in `GreedyGames`."""
+    games = GreedyGames(weights, seeds, config)
+    games.advance(piece_cap)
+    return games
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CombinedEpisode:
+    """What an episode played with R and H together came to."""
+
+    lines: int
+    """Lines cleared."""
+    n_decisions: int
+    """Pieces placed."""
+    n_agree: int
+    """Decisions where the environment policy's best action is the human policy's best action."""
+    n_agree_worst: int
+    """Decisions where it is the human policy's worst action instead."""
+    finished: bool
+    """Whether the game ended; False where the piece cap stopped it."""
+    window_boards: Ints
+    """Columns of the boards of the last w decisions, oldest first, shape (w, n_columns)."""
+    window_decisions: Ints
+    """Number of each of these decisions in the episode: the counter of its piece, shape (w,)."""
+
+
+def play_combined(
+    environment_weights: NDArray[np.float64],
+    human_weights: NDArray[np.float64],
+    seed: int,
+    config: TetrisConfig,
+    combination: EpisodeWeights = ENVIRONMENT_WEIGHTS,
+    *,
+    share_seed: int = 0,
+    piece_cap: int = PIECE_LIMIT,
+    window: int = 0,
+) -> CombinedEpisode:
+    """Play one episode in which every decision combines R = theta . phi and H = v . psi (Eqs. 1 to 3).
+
+    Args:
+        environment_weights: theta, under `config.features`, shape (F,).
+        human_weights: v, under `config.feedback_features`, shape (G,).
+        seed: of the piece stream, in [0, 2**63).
+        config: board and rules; `lines_in_value` must be off.
+        combination: form and weights of the combination in this episode.
+        share_seed: seed that decides where control is shared (`combination.share`), in [0, 2**62).
+        piece_cap: stop after this many pieces, >= 0.
+        window: how many of the last decisions to hand back, >= 0.
+    """
+    if config.lines_in_value:
+        raise ValueError(
+            "lines_in_value is for given policies only: play_greedy; here values come from features"
+        )
+    environment = linear_policy(environment_weights, config, config.features)
+    human = linear_policy(human_weights, config, config.feedback_features)
+    ring = np.zeros((max(window, 1), MAX_COLUMNS), dtype=np.int64)
+    decisions, lines, n_agree, n_agree_worst, finished = _play_combined(
+        *environment,
+        *human,
+        new_work(),
+        rule_codes(config),
+        seed,
+        piece_cap,
+        combination.form,
+        float(combination.w_r),
+        float(combination.w_h),
+        float(combination.share),
+        share_seed,
+        ring,
+    )
+    recent = np.arange(max(decisions - window, 0), decisions)
+    return CombinedEpisode(
+        lines=int(lines),
+        n_decisions=int(decisions),
+        n_agree=int(n_agree),
+        n_agree_worst=int(n_agree_worst),
+        finished=bool(finished),
+        window_boards=ring[recent % len(ring), : config.columns],
+        window_decisions=recent,
+    )
+
+
+@kernel
+def _advance_games(
+    code: int,
+    table: Ints,
+    numbers: Floats,
+    work: Ints,
+    rules: Ints,
+    integers: Ints,
+    units: Floats,
+    seeds: Ints,
+    caps: Ints,
+    boards: Ints,
+    counters: Ints,
+) -> None:
+    for game in range(len(seeds)):
+        if counters[game, FINISHED] == 0 and counters[game, PIECES] < caps[game]:
+            set_weights(code, table, numbers, rules, integers[game], units[game])
+            for column in range(rules[COLUMNS]):
+                work[NOW, column] = boards[game, column]
+            _play_greedily(code, table, numbers, work, rules, seeds[game], caps[game], counters[game])
+            for column in range(rules[COLUMNS]):
+                boards[game, column] = work[NOW, column]
+
+
+@kernel
+def _play_greedily(
+    code: int, table: Ints, numbers: Floats, work: Ints, rules: Ints, seed: int, cap: int, counters: Ints
+) -> None:
+    """Play on to the game's end or to `cap` pieces; the board and `counters` are changed."""
+    n_columns, must_fit = rules[COLUMNS], rules[OVERFLOW] == 0
+    values = np.empty(MAX_PLACEMENTS)
+    ruled_out = np.zeros(MAX_PLACEMENTS, dtype=np.bool_)
+    pieces, lines = counters[PIECES], counters[LINES]
+    fill_heights(work, NOW, n_columns)
+    over = False
+    while not over:
+        n = scan_placements(work, rules, piece_at(seed, pieces, rules[SEVEN_BAG]))
+        n_open = mark_ruled_out(work, rules, n, ruled_out)
+        over = must_fit and n_open == 0
+        if over or pieces >= cap:
+            break
+        fill_values(code, table, numbers, work, rules, n, False, values)
+        lines += place(work, NOW, n_columns, best_action(values, ruled_out, n))
+        pieces += 1
+        over = not must_fit and wall_height(work, NOW, n_columns) > rules[ROWS]
+    counters[PIECES], counters[LINES], counters[FINISHED] = pieces, lines, over
+
+
+@kernel
+def _play_combined(
+    env_code: int,
+    env_table: Ints,
+    env_numbers: Floats,
+    human_code: int,
+    human_table: Ints,
+    human_numbers: Floats,
+    work: Ints,
+    rules: Ints,
+    seed: int,
+    cap: int,
+    form: int,
+    w_r: float,
+    w_h: float,
+    share: float,
+    share_seed: int,
+    ring: Ints,
+) -> tuple[int, int, int, int, bool]:
+    """Play an episode; return decisions, lines, agreements with H's best and with its worst action, over."""
+    n_columns, must_fit = rules[COLUMNS], rules[OVERFLOW] == 0
+    env_values, human_values = np.empty(MAX_PLACEMENTS), np.empty(MAX_PLACEMENTS)
+    ruled_out = np.zeros(MAX_PLACEMENTS, dtype=np.bool_)
+    decision = lines = n_agree = n_agree_worst = 0
+    over = False
+    while not over:
+        n = scan_placements(work, rules, piece_at(seed, decision, rules[SEVEN_BAG]))
+        n_open = mark_ruled_out(work, rules, n, ruled_out)
+        over = must_fit and n_open == 0
+        if over or decision >= cap:
+            break
+        for column in range(n_columns):
+            ring[decision % len(ring), column] = work[NOW, column]
+        fill_values(env_code, env_table, env_numbers, work, rules, n, False, env_values)
+        fill_values(human_code, human_table, human_numbers, work, rules, n, True, human_values)
+        human_best = best_action(human_values, ruled_out, n)
+        env_best = best_action(env_values, ruled_out, n)
+        n_agree += env_best == human_best
+        n_agree_worst += env_best == worst_action(human_values, ruled_out, n)
+        action = choose(env_values, human_values, ruled_out, n, form, w_r, w_h)
+        if share > 0.0 and takes_control(share_seed, decision, share):
+            action = human_best
+        lines += place(work, NOW, n_columns, action)
+        decision += 1
+        over = not must_fit and wall_height(work, NOW, n_columns) > rules[ROWS]
+    return decision, lines, n_agree, n_agree_worst, over

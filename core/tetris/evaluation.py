@@ -1,0 +1,280 @@
+"""Kernels that value every placement of a piece under linear weights.
+
+Values are defined as the sum over features, in their order, of weight times feature, with weights on the binary
+grid of `core.fixed_point`. For the 21 features that sum is an exact integer times a power of two, however it is
+added up; so a board's unchanged columns are summed once per piece instead of once per placement.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.compiled import kernel
+from core.fixed_point import fixed_point, fixed_point_shift
+from core.tetris.board import (
+    AFTER,
+    COLUMNS,
+    FEATURES,
+    FEATURES_BEFORE,
+    FULL,
+    HEIGHT_LEFT,
+    LINES_IN_VALUE,
+    NEIGHBOUR,
+    NOW,
+    ROW,
+    SHAPE,
+    VALUE_LEFT,
+    VALUE_RIGHT,
+    WORK_WIDTH,
+    Ints,
+    count_holes,
+    place_on_copy,
+    rule_codes,
+)
+from core.tetris.config import TetrisConfig
+from core.tetris.features import (
+    BERTSEKAS_21,
+    DELLACHERIE_THIERY,
+    NO_MOVE,
+    PAPER_12,
+    FeatureSet,
+    feature_set,
+    fill_after,
+    fill_bertsekas,
+    fill_features,
+)
+from core.tetris.pieces import N_SHAPES, SHAPE_BOTTOMS, SHAPE_HEIGHTS, SHAPE_TOPS, SHAPE_WIDTHS
+
+Floats = NDArray[np.float64]
+
+# Rows of a policy's table of integers. For the 21 features, where [shape, c] is a shape with leftmost column c:
+WEIGHTS, EDGES = 0, 1
+"""Weights, the cleared line's last; weight of the difference between columns c - 1 and c, 0 at the walls."""
+PER_ROW = 2
+"""[shape, c]: what each row higher is worth to the columns covered."""
+OUTLINE = PER_ROW + N_SHAPES
+"""[shape, c]: value of the shape's own outline, lying in row 0."""
+_N_TABLE_ROWS = OUTLINE + N_SHAPES
+
+# Rows of a policy's table of numbers; UNIT has one entry, the power of two in which the integers count.
+NUMBERS, DENOMINATORS, UNIT = range(3)
+
+_LAST_TOPS = SHAPE_TOPS[np.arange(N_SHAPES), SHAPE_WIDTHS - 1]
+_BOTTOM_SUMS = SHAPE_BOTTOMS.sum(axis=1)
+
+
+class LinearPolicy(NamedTuple):
+    """Weights of F features and of a cleared line, as the kernels take them."""
+
+    code: int
+    """Feature set."""
+    table: Ints
+    """Integers, in the rows WEIGHTS, EDGES, PER_ROW.., OUTLINE.."""
+    numbers: Floats
+    """Weights and denominators as numbers, and the unit, in the rows NUMBERS, DENOMINATORS, UNIT."""
+
+
+def empty_policy(features: FeatureSet) -> LinearPolicy:
+    """Return a policy whose weights are yet to be set by `set_weights`."""
+    numbers = np.ones((3, WORK_WIDTH))
+    numbers[DENOMINATORS, : len(features.names)] = features.denominators
+    return LinearPolicy(features.code, np.zeros((_N_TABLE_ROWS, WORK_WIDTH), dtype=np.int64), numbers)
+
+
+def grid_weights(weights: Floats, per_line: float) -> tuple[Ints, Floats]:
+    """Return policies as kernels take them.
+
+    Args:
+        weights: one policy per row, shape (n, F).
+        per_line: what a cleared line adds to a value (`TetrisConfig.lines_in_value`).
+
+    Returns:
+        Integers, shape (n, F + 1), and the unit of each row, shape (n,).
+    """
+    with_lines = np.column_stack([weights, np.full(len(weights), per_line)])
+    integers = np.array([fixed_point(row) for row in with_lines]).reshape(with_lines.shape)
+    units = np.array([math.ldexp(1.0, -fixed_point_shift(row)) for row in with_lines])
+    return integers, units
+
+
+def linear_policy(
+    weights: NDArray[np.float64], config: TetrisConfig, features: str, per_line: float = 0.0
+) -> LinearPolicy:
+    """Return one policy ready for the kernels.
+
+    Args:
+        weights: shape (F,), finite.
+        config: board and rules.
+        features: name of the feature set with F features.
+        per_line: what a cleared line adds to a value.
+
+    Raises:
+        ValueError: the number of weights is not that of the features.
+    """
+    features_seen = feature_set(features, config.columns)
+    if np.shape(weights) != (len(features_seen.names),):
+        raise ValueError(
+            f"{features} on {config.columns} columns needs {len(features_seen.names)} weights, "
+            f"got shape {np.shape(weights)}"
+        )
+    policy = empty_policy(features_seen)
+    integers, units = grid_weights(np.asarray(weights, dtype=np.float64)[None, :], per_line)
+    set_weights(policy.code, policy.table, policy.numbers, rule_codes(config), integers[0], units[0])
+    return policy
+
+
+@kernel
+def set_weights(code: int, table: Ints, numbers: Floats, rules: Ints, integers: Ints, unit: float) -> None:
+    """Take over weights (in units of the grid, the line's last) and work out the tables for the 21 features."""
+    n_columns = rules[COLUMNS]
+    numbers[UNIT, 0] = unit
+    for feature in range(len(integers)):
+        table[WEIGHTS, feature] = integers[feature]
+        numbers[NUMBERS, feature] = integers[feature] * unit
+    if code != BERTSEKAS_21:
+        return
+    table[EDGES, 0] = table[EDGES, n_columns] = 0
+    for column in range(1, n_columns):
+        table[EDGES, column] = integers[n_columns + column - 1]
+    for shape in range(N_SHAPES):
+        width = SHAPE_WIDTHS[shape]
+        for left in range(n_columns - width + 1):
+            per_row = outline = 0
+            for offset in range(width):
+                per_row += integers[left + offset]
+                outline += integers[left + offset] * SHAPE_TOPS[shape, offset]
+                if offset > 0:
+                    step = abs(SHAPE_TOPS[shape, offset] - SHAPE_TOPS[shape, offset - 1])
+                    outline += table[EDGES, left + offset] * step
+            table[PER_ROW + shape, left] = per_row
+            table[OUTLINE + shape, left] = outline
+
+
+@kernel
+def fill_values(
+    code: int, table: Ints, numbers: Floats, work: Ints, rules: Ints, n: int, relative: bool, values: Floats
+) -> None:
+    """Write the value of each of the first n placements.
+
+    Args:
+        code: of the policy, as the next two.
+        table: see `LinearPolicy`.
+        numbers: see `LinearPolicy`.
+        work: with the board NOW, its heights and the placements of the decision.
+        rules: see `core.tetris.board.rule_codes`.
+        n: number of placements.
+        relative: value the change from the board before to the afterstate instead of the afterstate.
+        values: written, shape (>= n,).
+    """
+    if code == BERTSEKAS_21:
+        _fill_values_21(table, numbers[UNIT, 0], work, rules[COLUMNS], n, relative, values)
+    else:
+        _fill_values_any(code, numbers, work, rules, n, relative, values)
+
+
+@kernel
+def n_features_of(code: int, n_columns: int) -> int:
+    """Return how many features a set has."""
+    if code == BERTSEKAS_21:
+        return 2 * n_columns + 1
+    if code == PAPER_12:
+        return n_columns + 2
+    if code == DELLACHERIE_THIERY:
+        return 9
+    return 4 * n_columns + 6
+
+
+@kernel
+def _fill_values_any(
+    code: int, numbers: Floats, work: Ints, rules: Ints, n: int, relative: bool, values: Floats
+) -> None:
+    n_features = n_features_of(code, rules[COLUMNS])
+    if relative:
+        fill_features(code, work, NOW, FEATURES_BEFORE, rules, NO_MOVE, 0, 0)
+    for action in range(n):
+        lines = fill_after(code, work, rules, action)
+        total = 0.0
+        for feature in range(n_features):
+            number = work[FEATURES, feature]
+            if relative:
+                number -= work[FEATURES_BEFORE, feature]
+            total += numbers[NUMBERS, feature] * (number / numbers[DENOMINATORS, feature])
+        if rules[LINES_IN_VALUE] != 0:
+            total += numbers[NUMBERS, n_features] * lines
+        values[action] = total
+
+
+@kernel
+def _fill_sums(table: Ints, work: Ints, n_columns: int) -> int:
+    """Write the rows VALUE_LEFT, VALUE_RIGHT, HEIGHT_LEFT and NEIGHBOUR; return the wall's height."""
+    heights = NOW + 1
+    left = heights_left = highest = previous = 0
+    work[VALUE_LEFT, 0] = work[HEIGHT_LEFT, 0] = work[NEIGHBOUR, 0] = 0
+    for column in range(n_columns):
+        height = work[heights, column]
+        # The difference to a column belongs to neither side of a placement between the two.
+        left += table[EDGES, column] * abs(height - previous) + table[WEIGHTS, column] * height
+        heights_left += height
+        highest = max(highest, height)
+        work[VALUE_LEFT, column + 1] = left
+        work[HEIGHT_LEFT, column + 1] = heights_left
+        work[NEIGHBOUR, column + 1] = height
+        previous = height
+    work[NEIGHBOUR, n_columns + 1] = 0
+    right = 0
+    for column in range(n_columns, 0, -1):
+        work[VALUE_RIGHT, column] = right
+        height = work[heights, column - 1]
+        right += (
+            table[EDGES, column] * abs(work[heights, column] - height) + table[WEIGHTS, column - 1] * height
+        )
+    work[VALUE_RIGHT, 0] = right
+    return highest
+
+
+@kernel
+def _fill_values_21(
+    table: Ints, unit: float, work: Ints, n_columns: int, n: int, relative: bool, values: Floats
+) -> None:
+    per_height, per_hole = table[WEIGHTS, 2 * n_columns - 1], table[WEIGHTS, 2 * n_columns]
+    highest = _fill_sums(table, work, n_columns)
+    holes = count_holes(work, NOW, n_columns)
+    base = 0
+    if relative:
+        base = work[VALUE_RIGHT, 0] + per_height * highest + per_hole * holes
+    clearing = 0
+    action = 0
+    while action < n:
+        shape = work[SHAPE, action]
+        width, height = SHAPE_WIDTHS[shape], SHAPE_HEIGHTS[shape]
+        first_top, last_top = SHAPE_TOPS[shape, 0], _LAST_TOPS[shape]
+        rest = per_hole * (holes + _BOTTOM_SUMS[shape]) - base
+        for left in range(n_columns - width + 1):
+            row = work[ROW, action + left]
+            clearing |= work[FULL, action + left]
+            right = left + width
+            value = work[VALUE_LEFT, left] + work[VALUE_RIGHT, right] + rest
+            value += row * table[PER_ROW + shape, left] + table[OUTLINE + shape, left]
+            value += table[EDGES, left] * abs(work[NEIGHBOUR, left] - row - first_top)
+            value += table[EDGES, right] * abs(work[NEIGHBOUR, right + 1] - row - last_top)
+            value += per_height * max(highest, row + height)
+            value += per_hole * (width * row - (work[HEIGHT_LEFT, right] - work[HEIGHT_LEFT, left]))
+            values[action + left] = value * unit
+        action += n_columns - width + 1
+    if clearing != 0:
+        for action in range(n):
+            if work[FULL, action] != 0:
+                values[action] = (_value_after_clearing(table, work, n_columns, action) - base) * unit
+
+
+@kernel
+def _value_after_clearing(table: Ints, work: Ints, n_columns: int, action: int) -> int:
+    """Return the value, in units of the grid, of a placement that fills rows: every column changes."""
+    lines = place_on_copy(work, n_columns, action)
+    fill_bertsekas(work, AFTER, FEATURES, n_columns)
+    value = table[WEIGHTS, 2 * n_columns + 1] * lines
+    for feature in range(2 * n_columns + 1):
+        value += table[WEIGHTS, feature] * work[FEATURES, feature]
+    return int(value)
