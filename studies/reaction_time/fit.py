@@ -6,6 +6,7 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 
 import msgspec
 
+from core.feedback.credit import GammaDelay
 from core.streams import stream
 from studies.reaction_time.bootstrap import critical_values, percentile_intervals, resample
 from studies.reaction_time.families import FAMILIES, GAMMA, SHIFTED_GAMMA, FamilyFit, compare, fit_all
@@ -55,9 +56,9 @@ class DelayEstimate(msgspec.Struct, frozen=True, kw_only=True):
     """Why the shape is or is not identified, in one sentence."""
     goodness: Goodness | None = None
 
-    def gamma_delay(self) -> dict[str, float]:
-        """Return the keyword arguments of a gamma delay: shape, scale_s, offset_s."""
-        return {"shape": self.shape, "scale_s": self.scale_s, "offset_s": self.offset_s}
+    def gamma_delay(self) -> GammaDelay:
+        """Return the density that credit assignment takes."""
+        return GammaDelay(shape=self.shape, scale_s=self.scale_s, offset_s=self.offset_s)
 
 
 class ParticipantFit(msgspec.Struct, frozen=True, kw_only=True):

@@ -3,6 +3,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from core.feedback.credit import GammaDelay
 from core.streams import stream
 from studies.reaction_time.families import FAMILIES, GAMMA, SHIFTED_GAMMA, fit_family
 from studies.reaction_time.fit import (
@@ -26,9 +27,14 @@ def draw(n, *seed, shape=4.8, scale=0.065, offset=0.2):
 def test_a_participants_fit_says_what_credit_assignment_needs():
     found = fit_participant("P01", draw(100, "P01"), QUICK)
     delay = found.shifted_gamma.gamma_delay()
-    assert set(delay) == {"shape", "scale_s", "offset_s"}
-    assert delay["offset_s"] > 0.0
-    assert found.gamma.gamma_delay()["offset_s"] == 0.0
+    assert delay == GammaDelay(
+        shape=found.shifted_gamma.shape,
+        scale_s=found.shifted_gamma.scale_s,
+        offset_s=found.shifted_gamma.offset_s,
+    )
+    assert delay.offset_s > 0.0
+    assert found.gamma.gamma_delay().offset_s == 0.0
+    assert float(delay.cdf(found.shifted_gamma.estimates["q50_s"])) == pytest.approx(0.5)
     assert set(found.gamma.profile) <= set(found.gamma.estimates)
     assert found.gamma.shape_identified
     assert "fits" in found.verdict or "best" in found.verdict
