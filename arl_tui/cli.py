@@ -101,6 +101,7 @@ def demo(game: str, seed: int | None, recordings: Path) -> None:
     show_default=True,
     help="What-if: games that each resulting policy plays.",
 )
+@protocol_option
 @seed_option
 @click.option(
     "--workers",
@@ -126,6 +127,7 @@ def replay(
     recording: Path,
     credits: tuple[str, ...],
     schemes: tuple[str, ...],
+    protocol: Path | None,
     games: int,
     seed: int | None,
     workers: int | None,
@@ -140,6 +142,7 @@ def replay(
         recording,
         credits=credits,
         schemes=schemes,
+        protocol=protocol,
         games=games,
         seed=seed,
         workers=workers,
@@ -179,9 +182,9 @@ def practice(game: str, seed: int | None) -> None:
     practise(game, seed=seed)
 
 
-@main.command()
+@main.command(name="protocol")
 @protocol_option
-def protocol(protocol: Path | None) -> None:
+def show_protocol(protocol: Path | None) -> None:
     """Print a complete protocol in TOML: a file to start from."""
     from arl_tui.commands.protocol import print_protocol
 

@@ -16,16 +16,18 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from core.protocol import Protocol
+import msgspec
 
+from arl_tui.companion import Companion
 from arl_tui.link import Begin, Crashed, Picture, Ready, WorkerLine, WorkerLink
 from arl_tui.stage import TetrisStage
-from core.clock import NS_PER_S, Clock, MonotonicClock
+from core.clock import NS_PER_S, Clock, ManualClock, MonotonicClock
 from core.episode import (
     EpisodeEnded,
     EpisodeStarted,
     FrameShown,
     Input,
+    KeyPressed,
     Output,
     Resumed,
     ScreenCleared,
@@ -33,6 +35,7 @@ from core.episode import (
     StopAsked,
 )
 from core.keys import NS_PER_MS
+from core.protocol import Protocol
 from core.tetris.picture import Snapshot
 
 if TYPE_CHECKING:
@@ -82,9 +85,11 @@ def worker_main(
         # Here, not above: these compile, and the screen's process imports this module.
         from core.session import build_session
 
+        rehearse(protocol)
         session = build_session(protocol, root_seed)
+        companion = Companion(session, protocol, root_seed) if simulated else None
         line.send(Ready(warm_up_ns=clock.now_ns() - before_ns))
-        Show(line, protocol, clock).run(session, simulated=simulated)
+        Show(line, protocol, clock, companion).run(session)
     except (EOFError, BrokenPipeError, ConnectionResetError):
         return  # Nobody is looking any more.
     except Exception as error:  # noqa: BLE001 - whatever it was, the participant must be told
@@ -101,12 +106,65 @@ def _leave_the_terminal(log_path: str) -> None:
     os.close(log)
 
 
+class Rehearsal:
+    """A participant who has seen each step and praises it at once."""
+
+    def __init__(self) -> None:
+        self._inputs = 0
+
+    def during(self, step: int) -> Iterable[Input]:
+        """Return a frame and a press for each step (`core.rollout.FeedbackSource`)."""
+        if step < 0:
+            return []
+        self._inputs += 1
+        time_ns = self._inputs * NS_PER_S
+        press = KeyPressed(
+            press=self._inputs,
+            time_ns=time_ns + 1,
+            key="j",
+            value=1.0,
+            frame=step,
+            step=step,
+            verdict="accepted",
+        )
+        return [FrameShown(frame=step, step=step, flushed_ns=time_ns), press]
+
+
+def rehearse(protocol: Protocol) -> None:
+    """Run everything once that a session runs: what is slow the first time is over before the first game."""
+    from core.session import build_session
+
+    short = msgspec.structs.replace(
+        protocol.session, episodes=2, unseen_before=1, unseen_between=1, watched_steps=2, unseen_steps=20
+    )
+    rehearsed = msgspec.structs.replace(protocol, session=short)
+    session = build_session(rehearsed, root_seed=0)
+    companion = Companion(session, rehearsed, root_seed=0)
+    for output in session.run(Rehearsal(), ManualClock()):
+        match output:
+            case EpisodeStarted():
+                companion.begin(output)
+            case StepTaken():
+                companion.watch(output, shown_ns=0, hidden_ns=1)
+
+
 class Show:
     """Plays a session in front of the participant."""
 
-    def __init__(self, line: WorkerLine, protocol: Protocol, clock: Clock) -> None:
+    def __init__(
+        self, line: WorkerLine, protocol: Protocol, clock: Clock, companion: Companion | None = None
+    ) -> None:
+        """Prepare.
+
+        Args:
+            line: to the screen.
+            protocol: pace, and size of the game.
+            clock: of simulated time.
+            companion: a simulated participant who watches, too.
+        """
         self._line = line
         self._clock = clock
+        self._companion = companion
         self._stage = TetrisStage(protocol.domain)
         self._tick_ns = protocol.screen.tick_ms * NS_PER_MS
         self._break_ns = round(protocol.screen.pause_between_episodes_s * NS_PER_S)
@@ -124,7 +182,7 @@ class Show:
         arrived, self._arrived = self._arrived, []
         return arrived
 
-    def run(self, session: "Session", *, simulated: bool) -> None:
+    def run(self, session: "Session") -> None:
         """Wait for the start, then play to the end; each output is sent before it is shown."""
         while not self._begun:
             self._take_in(None)
@@ -136,15 +194,26 @@ class Show:
     def _show(self, output: Output) -> None:
         match output:
             case EpisodeStarted():
+                if self._companion is not None:
+                    self._companion.begin(output)
                 self._due_ns = self._clock.now_ns()
                 self._play(-1, (self._stage.begin(output),))
             case StepTaken():
-                self._play(output.step, self._stage.act(output))
+                pictures = self._stage.act(output)
+                self._suggest(output, len(pictures))
+                self._play(output.step, pictures)
                 self._wait_until_seen(output.step)
             case EpisodeEnded() if not self._stopped:
                 self._send_picture(-1, self._stage.picture)
                 self._due_ns = self._clock.now_ns() + self._break_ns
                 self._wait_until_due()
+
+    def _suggest(self, step: StepTaken, n_ticks: int) -> None:
+        if self._companion is not None:
+            now_ns = self._clock.now_ns()
+            presses = self._companion.watch(step, shown_ns=now_ns, hidden_ns=now_ns + n_ticks * self._tick_ns)
+            for press in presses:
+                self._line.send(press)
 
     def _play(self, step: int, pictures: Iterable[Snapshot]) -> None:
         for picture in pictures:

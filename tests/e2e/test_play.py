@@ -71,7 +71,9 @@ def test_a_scripted_participants_presses_are_recorded_at_the_right_step_and_time
     assert len(written) == 6
     presses = [event for event in recording.events if isinstance(event, KeyPressed)][: len(written)]
     assert [(press.key, press.step) for press in presses] == [(key, step) for key, _, step in written]
-    late_ms = sorted((press.time_ns - time_ns) / MS for press, (_, time_ns, _) in zip(presses, written, strict=True))
+    late_ms = sorted(
+        (press.time_ns - time_ns) / MS for press, (_, time_ns, _) in zip(presses, written, strict=True)
+    )
     assert late_ms[0] >= 0.0
     # One of six may be held up by the kernel: on a busy machine a terminal without any program does so, too.
     assert late_ms[-2] < 20.0, late_ms

@@ -1,0 +1,73 @@
+"""`arl demo`: watch, press, record, replay, summary, in about a minute."""
+
+import secrets
+import sys
+from pathlib import Path
+
+import click
+
+from arl_tui import facts
+from arl_tui.commands.exact import read_or_stop, run_again
+from arl_tui.commands.play import run_live
+from arl_tui.recordings import new_path
+from core.clock import wall_time_utc
+from core.feedback.trainers import TrainerConfig
+from core.protocol import Protocol, ScreenConfig, SessionConfig
+
+PARTICIPANT = "demo"
+
+
+def demo_protocol() -> Protocol:
+    """Return a session of about a minute with somebody who speaks often."""
+    return Protocol(
+        name="demo",
+        session=SessionConfig(episodes=3, unseen_between=100, watched_steps=14),
+        screen=ScreenConfig(tick_ms=80, pause_between_episodes_s=2.0),
+        trainer=TrainerConfig(press_probability=0.35),
+    )
+
+
+def run_demo(game: str, *, seed: int | None, recordings: Path) -> None:
+    """Show the whole path; in a terminal on screen, elsewhere as fast as the machine can."""
+    protocol = demo_protocol()
+    root_seed = secrets.randbits(63) if seed is None else seed
+    if sys.stdin.isatty() and sys.stdout.isatty():
+        outcome = run_live(
+            protocol, participant=PARTICIPANT, seed=root_seed, recordings=recordings, simulated=True
+        )
+        path = outcome.recording
+        if outcome.trouble is not None:
+            raise click.ClickException(outcome.trouble)
+        if path is None:
+            return
+    else:
+        from studies.demo import simulate_session
+
+        click.echo(f"Playing {protocol.session.episodes} games of {game} with a simulated participant ...")
+        path = new_path(recordings, PARTICIPANT, wall_time_utc())
+        simulate_session(protocol, root_seed, path, software=facts.software())
+    click.echo(f"Recording: {path}")
+    recording = read_or_stop(path, allow_truncated=True)
+    run_again(recording)
+    tell_summary(path)
+
+
+def tell_summary(path: Path) -> None:
+    """Print what happened in a recorded session."""
+    from studies.demo import summarise
+
+    summary = summarise(read_or_stop(path, allow_truncated=True))
+    lines = ", ".join(f"{value:g}" for value in summary.lines)
+    unseen = ", ".join(f"{value:.1f}" for value in summary.unseen_means)
+    click.echo(f"Games watched: {summary.episodes}; lines cleared: {lines}")
+    click.echo(
+        f"Games practised unseen: {summary.unseen_episodes}; lines per game in each block: {unseen or '-'}"
+    )
+    click.echo(
+        f"Presses that counted: {summary.accepted}, {summary.praised} of them praise; other keys and presses: "
+        f"{summary.other_presses}"
+    )
+    click.echo(f"Human weight w_h at the end: {summary.w_h:.2f}")
+    click.echo(
+        f"What would another credit rule have learned? arl replay {path} --credit previous --credit gamma"
+    )

@@ -1,0 +1,166 @@
+"""`arl replay`: the same session again, or what other rules would have made of it."""
+
+import csv
+import os
+import sys
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+import msgspec
+
+from arl_tui.commands.exact import read_or_stop, run_again
+from arl_tui.commands.play import read_protocol
+from core.protocol import Protocol
+from core.recording.reader import Recording
+
+if TYPE_CHECKING:
+    from core.feedback.credit import Delay
+    from studies.what_if import WhatIfRow
+
+W_H_SHOWN = 6
+"""Values of w_h in the table: evenly spaced over the episodes, the last one among them."""
+
+
+def replay_recording(
+    path: Path,
+    *,
+    credits: Sequence[str],
+    schemes: Sequence[str],
+    protocol: Path | None,
+    games: int,
+    seed: int | None,
+    workers: int | None,
+    csv_path: Path | None,
+    plot_path: Path | None,
+    allow_truncated: bool,
+) -> None:
+    """Replay exactly, or compare rules if any are named."""
+    recording = read_or_stop(path, allow_truncated=allow_truncated)
+    if not credits and not schemes:
+        if csv_path or plot_path:
+            raise click.UsageError("--csv and --plot write what --credit and --scheme compare: name a rule")
+        run_again(recording)
+        return
+    chosen = protocol_of(recording) if protocol is None else read_protocol(protocol)
+    rows = compare(
+        recording.path, chosen, credits=credits, schemes=schemes, games=games, seed=seed or 0, workers=workers
+    )
+    click.echo("\n".join(table(rows)))
+    if csv_path is not None:
+        write_csv(csv_path, rows)
+        click.echo(f"Table: {csv_path}")
+    if plot_path is not None:
+        from arl_tui.commands.what_if_figure import draw
+
+        draw(rows, plot_path)
+        click.echo(f"Figure: {plot_path}")
+
+
+def protocol_of(recording: Recording) -> Protocol:
+    """Return the protocol of a recording; the defaults on the recorded board for an imported one."""
+    plain = recording.header.protocol
+    if recording.header.origin == "imported":
+        plain = {"domain": {name: value for name, value in plain.get("domain", {}).items() if name != "type"}}
+    try:
+        return msgspec.convert(plain, Protocol)
+    except msgspec.ValidationError as error:
+        raise click.ClickException(f"{recording.path}:1: the protocol cannot be used: {error}") from error
+
+
+def compare(
+    path: Path,
+    protocol: Protocol,
+    *,
+    credits: Sequence[str],
+    schemes: Sequence[str],
+    games: int,
+    seed: int,
+    workers: int | None,
+) -> "list[WhatIfRow]":
+    """Work out the table, with a bar that shows how far it is."""
+    from core.combination.config import SCHEMES
+    from studies.what_if import WhatIfSettings, what_if
+
+    delays = [_delay(text) for text in credits] or [protocol.agent.credit.delay]
+    own = next(name for name, kind in SCHEMES.items() if isinstance(protocol.agent.scheme, kind))
+    names = list(schemes) or [own]
+    unknown = [name for name in names if name not in SCHEMES]
+    if unknown:
+        raise click.BadParameter(f"{unknown[0]!r}: use one of {', '.join(SCHEMES)}", param_hint="--scheme")
+    with click.progressbar(length=len(delays) * len(names), label="Learning again", file=sys.stderr) as bar:
+        return what_if(
+            path,
+            protocol,
+            delays,
+            names,
+            WhatIfSettings(games=games, root_seed=seed),
+            workers=workers or os.cpu_count() or 1,
+            on_progress=lambda: bar.update(1),
+        )
+
+
+def _delay(text: str) -> "Delay":
+    from core.feedback.credit import parse_delay
+
+    try:
+        return parse_delay(text)
+    except ValueError as error:
+        raise click.BadParameter(str(error), param_hint="--credit") from error
+
+
+def table(rows: "Iterable[WhatIfRow]") -> Iterable[str]:
+    """Yield the lines of the table."""
+    yield f"{'credit':24} {'scheme':18} {'lines per game':>26} {'log-loss (rate)':>16} {'on steps':>8}  w_h over episodes"
+    for row in rows:
+        lines = f"{row.lines.estimate:.1f} [{row.lines.low:.1f}, {row.lines.high:.1f}]"
+        capped = f" {row.capped:.0%} cut" if row.capped else ""
+        loss = f"{row.log_loss:.3f} ({row.log_loss_of_the_rate:.3f})"
+        trend = " ".join(f"{value:.2f}" for value in _evenly(row.w_h))
+        yield f"{row.credit:24} {row.scheme:18} {lines + capped:>26} {loss:>16} {row.credited:>8.0%}  {trend}"
+
+
+def _evenly(values: Sequence[float]) -> list[float]:
+    if len(values) <= W_H_SHOWN:
+        return list(values)
+    last = len(values) - 1
+    return [values[round(last * k / (W_H_SHOWN - 1))] for k in range(W_H_SHOWN)]
+
+
+def write_csv(path: Path, rows: "Iterable[WhatIfRow]") -> None:
+    """Write the table with every figure in full precision; w_h as one field, values separated by spaces."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(
+            [
+                "credit",
+                "scheme",
+                "lines",
+                "lines_low",
+                "lines_high",
+                "level",
+                "capped",
+                "log_loss",
+                "log_loss_of_the_rate",
+                "credited",
+                "w_h",
+            ]
+        )
+        for row in rows:
+            interval = row.lines
+            writer.writerow(
+                [
+                    row.credit,
+                    row.scheme,
+                    interval.estimate,
+                    interval.low,
+                    interval.high,
+                    interval.level,
+                    row.capped,
+                    row.log_loss,
+                    row.log_loss_of_the_rate,
+                    row.credited,
+                    " ".join(map(repr, row.w_h)),
+                ]
+            )

@@ -1,0 +1,44 @@
+"""A simulated participant beside the real one: lives in the worker, and suggests key presses to the screen.
+
+The screen makes each suggestion a real key event, so a suggested press takes the same way as a person's.
+"""
+
+from typing import TYPE_CHECKING
+
+from arl_tui.link import PressSuggested
+from core.episode import EpisodeStarted, StepTaken
+from core.feedback.trainers import SimulatedTrainer
+from core.protocol import Protocol
+
+if TYPE_CHECKING:
+    from core.session import Session
+    from core.tetris.afterstate import TetrisState
+
+
+class Companion:
+    """Judges each step by an oracle's values, as `protocol.trainer` says."""
+
+    def __init__(self, session: "Session", protocol: Protocol, root_seed: int) -> None:
+        self._domain = session.domain
+        self._keys = protocol.keys
+        self._trainer = SimulatedTrainer(protocol.trainer, root_seed=root_seed)
+        self._state: TetrisState | None = None
+
+    def begin(self, episode: EpisodeStarted) -> None:
+        """Note that a watched episode begins."""
+        self._state = self._domain.initial(episode.episode_seed)
+        self._trainer.begin_episode(episode.episode)
+
+    def watch(self, step: StepTaken, *, shown_ns: int, hidden_ns: int) -> list[PressSuggested]:
+        """Return the presses about a step that is about to be shown, in order of time."""
+        # Here, not above: compiled code, and the screen's process imports this module in its tests.
+        from core.tetris.oracle import oracle_values
+
+        assert self._state is not None, "an episode starts before its first step"
+        values = oracle_values(self._domain, self._state)
+        presses = self._trainer.watch(step.step, values, step.action, shown_ns=shown_ns, hidden_ns=hidden_ns)
+        self._state = self._domain.transition(self._state, step.action).next_state
+        good, bad = self._keys.good, self._keys.bad
+        return [
+            PressSuggested(key=good if press.value > 0 else bad, time_ns=press.time_ns) for press in presses
+        ]

@@ -1,0 +1,148 @@
+"""The commands that need no terminal."""
+
+import tomllib
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+from arl_tui.cli import main
+from arl_tui.commands.protocol import toml_lines
+from arl_tui.recordings import new_path
+from core.episode import KeyPressed
+from core.protocol import Protocol, load_protocol
+from core.recording.recorder import LineWriter
+from core.recording.schema import Header, to_plain
+from tests.arl_tui.fakes import episode_ended, episode_started, session_ended
+
+
+def run(*arguments: str | Path) -> Result:
+    return CliRunner().invoke(main, [str(argument) for argument in arguments])
+
+
+def header() -> Header:
+    return Header(
+        origin="live",
+        created_utc="2026-11-22T07:18:03+00:00",
+        clock="manual",
+        clock_resolution_ns=1,
+        started_ns=0,
+        participant="P01",
+        root_seed=1,
+        protocol=to_plain(Protocol()),
+        software={},
+    )
+
+
+def write_recording(path: Path, *, whole: bool = True) -> Path:
+    writer = LineWriter(path, header())
+    for event in (episode_started(), press(), episode_ended(), session_ended()):
+        writer.write(event)
+    writer.close() if whole else writer.abandon()
+    return path
+
+
+def press() -> KeyPressed:
+    return KeyPressed(press=0, time_ns=1, key="j", value=1.0, frame=0, step=0, verdict="accepted")
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        (),
+        ("play",),
+        ("demo",),
+        ("replay",),
+        ("import",),
+        ("import", "tamer-log"),
+        ("practice",),
+        ("recordings",),
+    ],
+    ids=" ".join,
+)
+def test_every_command_explains_itself(command: tuple[str, ...]) -> None:
+    result = run(*command, "--help")
+    assert result.exit_code == 0
+    assert "Usage:" in result.output
+
+
+@pytest.mark.parametrize("name", ["", "Anna Maria", "../x", "a" * 33])
+def test_a_participant_has_a_code_and_not_a_name_or_a_path(name: str) -> None:
+    result = run("play", "tetris", "--participant", name)
+    assert result.exit_code == 2
+    assert "never a name" in result.output
+
+
+def test_the_printed_protocol_is_a_protocol_file_that_gives_the_same_protocol(tmp_path: Path) -> None:
+    path = tmp_path / "p.toml"
+    path.write_text(run("protocol").output)
+    assert load_protocol(path) == Protocol()
+
+
+def test_a_wrong_protocol_is_refused_with_file_and_place(tmp_path: Path) -> None:
+    path = tmp_path / "p.toml"
+    path.write_text("[keys]\ngood = 'JJ'\n")
+    result = run("protocol", "--protocol", path)
+    assert result.exit_code == 1
+    assert "p.toml" in result.output
+    assert "keys" in result.output
+
+
+def test_toml_lines_are_read_back_as_they_were() -> None:
+    table = {
+        "a": 1,
+        "b": [1.5, 2.0],
+        "c": 'quote " and \\',
+        "d": True,
+        "e": {"f": {"g": "x"}, "h": -0.25, "k": None},
+        "i": None,
+    }
+    assert tomllib.loads("\n".join(toml_lines(table))) == {
+        "a": 1,
+        "b": [1.5, 2.0],
+        "c": 'quote " and \\',
+        "d": True,
+        "e": {"f": {"g": "x"}, "h": -0.25},
+    }
+
+
+def test_recordings_are_listed_with_what_they_hold(tmp_path: Path) -> None:
+    write_recording(tmp_path / "a.jsonl")
+    write_recording(tmp_path / "sub" / "b.jsonl", whole=False)
+    result = run("recordings", "--recordings", tmp_path)
+    assert result.exit_code == 0
+    first, second = result.output.splitlines()
+    assert first.startswith("complete")
+    assert "1 episodes" in first
+    assert "1 presses" in first
+    assert second.startswith("cut off")
+
+
+def test_a_damaged_recording_is_named_and_makes_the_command_fail(tmp_path: Path) -> None:
+    path = write_recording(tmp_path / "a.jsonl")
+    path.write_bytes(path.read_bytes().replace(b'"key":"j"', b'"key":"f"'))
+    result = run("recordings", "--recordings", tmp_path)
+    assert result.exit_code == 1
+    assert f"{path}:3" in result.output.replace("\n", "")
+
+
+def test_an_empty_folder_is_not_an_error(tmp_path: Path) -> None:
+    result = run("recordings", "--recordings", tmp_path)
+    assert result.exit_code == 0
+    assert "no recordings" in result.output
+
+
+def test_recordings_get_names_that_no_file_has(tmp_path: Path) -> None:
+    first = new_path(tmp_path, "P01", "2026-11-22T07:18:03+00:00")
+    assert first.name == "P01-20261122T071803Z.jsonl"
+    first.touch()
+    second = new_path(tmp_path, "P01", "2026-11-22T07:18:03+00:00")
+    assert second.name == "P01-20261122T071803Z-2.jsonl"
+
+
+def test_replay_of_something_else_says_so(tmp_path: Path) -> None:
+    path = tmp_path / "x.jsonl"
+    path.write_text("hello\n")
+    result = run("replay", path)
+    assert result.exit_code == 1
+    assert "x.jsonl:1" in result.output
