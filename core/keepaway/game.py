@@ -1,0 +1,84 @@
+"""One cycle of Keepaway, in two halves around the keepers' decisions.
+
+`begin_cycle` lets players perceive and finds who has to decide; a policy fills in `match.actions`; `finish_cycle`
+commands, moves and judges. `step_cycle` is both with a benchmark policy in between. The live loop and whole
+episodes run these same kernels.
+"""
+
+from core.compiled import kernel
+from core.keepaway.match import CLOCK, CYCLE, END, Match, Streams, drop_stuck_ball, referee, start_episode
+from core.keepaway.motion import apply_commands, collide, move_all
+from core.keepaway.options import assign_keeper, command_keeper, runner_to_ball, take_decision
+from core.keepaway.pitch import ONGOING, Rules
+from core.keepaway.policies import choose
+from core.keepaway.takers import command_taker
+
+
+@kernel
+def begin_cycle(match: Match, rules: Rules, streams: Streams) -> bool:
+    """Perceive; put keepers into their options; mark in `match.deciding` those that have to decide.
+
+    Returns:
+        Whether any keeper decides.
+    """
+    match.known[:] = True
+    runner, _ = runner_to_ball(match.ball, match.players, match.known[0], rules)
+    any_decides = False
+    for i in range(rules.n_keepers):
+        assign_keeper(match, i, rules, match.ball, match.players, match.known[i], True, runner)
+        any_decides |= match.deciding[i]
+    return any_decides
+
+
+@kernel
+def finish_cycle(match: Match, rules: Rules, streams: Streams) -> bool:
+    """Carry out the decisions in `match.actions`, command everybody, move everything, and let the referee look.
+
+    Returns:
+        Whether the episode has ended; `match.status[END]` says how. Positions stay until `start_episode`.
+    """
+    match.commands[:] = 0.0
+    _, arrival = runner_to_ball(match.ball, match.players, match.known[0], rules)
+    for i in range(rules.n_keepers):
+        if match.deciding[i]:
+            take_decision(match, i)
+        command_keeper(match, i, rules, match.ball, match.players, match.known[i], arrival)
+    for i in range(rules.n_keepers, rules.n_keepers + rules.n_takers):
+        command_taker(match, i, rules, match.ball, match.players, match.known[i], True)
+    apply_commands(match.ball, match.players, match.commands, match.push, streams.turn, streams.kick)
+    move_all(match.ball, match.players, match.push, streams.movement)
+    collide(match.ball, match.players, match.moves, match.hit)
+    match.status[CYCLE] += 1
+    match.status[CLOCK] += 1
+    referee(match.ball, match.players, match.status, rules)
+    if match.status[END] != ONGOING:
+        return True
+    drop_stuck_ball(match)
+    return False
+
+
+@kernel
+def step_cycle(match: Match, rules: Rules, policy: int, streams: Streams) -> bool:
+    """Play one cycle with a benchmark policy; return whether the episode has ended."""
+    if begin_cycle(match, rules, streams):
+        for i in range(rules.n_keepers):
+            if match.deciding[i]:
+                match.actions[i] = choose(
+                    policy, match.variables[i], rules.n_keepers, rules.n_takers, streams.policy
+                )
+    return finish_cycle(match, rules, streams)
+
+
+@kernel
+def play_on(match: Match, rules: Rules, policy: int, streams: Streams, cycles: int) -> int:
+    """Play until the episode ends or `cycles` cycles have passed; return the number of cycles played."""
+    for played in range(cycles):
+        if step_cycle(match, rules, policy, streams):
+            return played + 1
+    return cycles
+
+
+@kernel
+def next_episode(match: Match, rules: Rules, streams: Streams) -> None:
+    """Set up the next episode."""
+    start_episode(match, rules, streams.placement)

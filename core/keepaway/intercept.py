@@ -1,0 +1,218 @@
+"""Going to the ball: who is fastest, where to meet it, and what to do this cycle."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.compiled import kernel
+from core.keepaway.motion import RADIANS, direction_deg, length, wrap_deg
+from core.keepaway.pitch import (
+    BODY,
+    DASH_RATE,
+    INERTIA,
+    KICK_DISTANCE,
+    KICK_MARGIN,
+    MAX_POWER,
+    PLAYER_DECAY,
+    PLAYER_SPEED_MAX,
+    TOUCH_DISTANCE,
+    VX,
+    VY,
+    X,
+    Y,
+)
+from core.keepaway.prediction import (
+    BALL_POWER,
+    BALL_ROLL,
+    HORIZON,
+    PLAYER_ROLL,
+    ROLL_OUT_CYCLES,
+    can_arrive,
+    dash_power,
+    move_command,
+    send_dash,
+    send_turn,
+)
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+LONGEST_INTERCEPT = 30
+NEVER = HORIZON - 1
+"""A player that cannot meet the ball in time goes to where it will come to rest."""
+CLOSE_CYCLES = 3
+"""Interceptions sooner than this use the close routine."""
+QUIET_DISTANCE = 3.0
+"""With no opponent nearer than this, a player takes its time."""
+SAFE_DISTANCE = 0.8 * KICK_DISTANCE
+NEARLY_TURNED = 30.0
+NO_NEED_TO_MOVE = 0.5
+TURN_FIRST = 10.0
+"""Degrees off the way beyond which a player is taken to turn before it dashes."""
+MOST_TURNS = 5
+SLACK = KICK_DISTANCE
+
+# A player's memory of where it last meant to meet the ball.
+MEET_X = 0
+MEET_Y = 1
+MEET_CYCLE = 2
+"""Cycle of that decision; negative for none."""
+MEET_COLUMNS = 3
+WORSE_CYCLES = 2
+SURE_DISTANCE = 0.70 * KICK_DISTANCE
+MEET_STEP = 0.6
+"""The old point is kept only while the ball moves faster than this at the meeting."""
+
+
+@kernel
+def meeting_cycle(me: Floats, ball: Floats, meet: Floats, now: int) -> int:
+    """Return in how many cycles to meet the ball; -1 where it cannot be met.
+
+    The first cycle at which the simulated player has the ball in reach, unless the point of the last cycle is
+    still good and not more than two cycles worse.
+    """
+    speed = length(ball[VX], ball[VY])
+    first = -1
+    for n in range(LONGEST_INTERCEPT + 1):
+        bx = ball[X] + BALL_ROLL[n] * ball[VX]
+        by = ball[Y] + BALL_ROLL[n] * ball[VY]
+        if can_arrive(me, bx, by, n, KICK_DISTANCE):
+            first = n
+            break
+    if first < 0 or meet[MEET_CYCLE] != now - 1:
+        return first
+    for n in range(first, min(first + WORSE_CYCLES, LONGEST_INTERCEPT) + 1):
+        if speed * BALL_POWER[n] <= MEET_STEP:
+            break
+        bx = ball[X] + BALL_ROLL[n] * ball[VX]
+        by = ball[Y] + BALL_ROLL[n] * ball[VY]
+        if length(bx - meet[MEET_X], by - meet[MEET_Y]) < 1.0 and can_arrive(me, bx, by, n, SURE_DISTANCE):
+            return n
+    return first
+
+
+@kernel
+def cycles_to_point(player: Floats, tx: float, ty: float, limit: int) -> int:
+    """Return about how many cycles a player needs to have (tx, ty) in reach: turns, then full dashes."""
+    dx, dy = tx - player[X], ty - player[Y]
+    distance = length(dx, dy)
+    if distance < KICK_DISTANCE:
+        return 0
+    cycles = 0
+    direction = direction_deg(dx, dy)
+    speed = length(player[VX], player[VY])
+    axial = (player[VX] * dx + player[VY] * dy) / distance
+    off = abs(wrap_deg(direction - player[BODY]))
+    while off > TURN_FIRST and cycles < MOST_TURNS:
+        cycles += 1
+        off -= 180.0 / (1.0 + INERTIA * speed)
+        distance -= axial
+        speed *= PLAYER_DECAY
+        axial *= PLAYER_DECAY
+    while distance > KICK_DISTANCE and cycles <= limit:
+        cycles += 1
+        axial = min(axial + DASH_RATE * MAX_POWER, PLAYER_SPEED_MAX)
+        distance -= axial
+        axial *= PLAYER_DECAY
+    return cycles
+
+
+@kernel
+def fastest_keeper(ball: Floats, players: Floats, known: Bools, n_keepers: int) -> tuple[int, int]:
+    """Return (keeper, cycles): which known keeper reaches the ball first, and when; (-1, horizon) for none."""
+    for n in range(LONGEST_INTERCEPT + 1):
+        bx = ball[X] + BALL_ROLL[n] * ball[VX]
+        by = ball[Y] + BALL_ROLL[n] * ball[VY]
+        best, best_cycles = -1, n + 1
+        for i in range(n_keepers):
+            if known[i]:
+                reach = (n + 1) * PLAYER_SPEED_MAX + SLACK
+                dx, dy = bx - players[i, X], by - players[i, Y]
+                if dx * dx + dy * dy < reach * reach:
+                    cycles = cycles_to_point(players[i], bx, by, n)
+                    if cycles < best_cycles:
+                        best, best_cycles = i, cycles
+        if best >= 0:
+            return best, n
+    return -1, LONGEST_INTERCEPT
+
+
+@kernel
+def go_to_ball(
+    me: Floats, ball: Floats, meet: Floats, now: int, rival_distance: float, facing: float, command: Floats
+) -> None:
+    """GoToBall: intercept a moving ball, or walk to one at rest.
+
+    Args:
+        me: own row.
+        ball: as believed.
+        meet: memory of the last meeting point, in place.
+        now: cycle.
+        rival_distance: of the nearest opponent to me.
+        facing: direction the team plays in, degrees: a player with time turns that way.
+        command: out.
+    """
+    n = meeting_cycle(me, ball, meet, now)
+    if n < 0:
+        n = NEVER
+    bx = ball[X] + BALL_ROLL[n] * ball[VX]
+    by = ball[Y] + BALL_ROLL[n] * ball[VY]
+    meet[MEET_X], meet[MEET_Y], meet[MEET_CYCLE] = bx, by, now
+    if n < CLOSE_CYCLES and close_intercept(me, ball, rival_distance, facing, command):
+        return
+    roll = PLAYER_ROLL[min(n, ROLL_OUT_CYCLES)]
+    if length(me[X] + roll * me[VX] - bx, me[Y] + roll * me[VY] - by) < NO_NEED_TO_MOVE:
+        send_turn(facing - me[BODY], length(me[VX], me[VY]), command)
+        return
+    move_command(me, bx, by, n, command)
+
+
+@kernel
+def gap_after(me: Floats, ball: Floats, n: int) -> float:
+    """Return the distance between player and ball when both roll on for n cycles."""
+    dx = ball[X] + BALL_ROLL[n] * ball[VX] - me[X] - PLAYER_ROLL[n] * me[VX]
+    dy = ball[Y] + BALL_ROLL[n] * ball[VY] - me[Y] - PLAYER_ROLL[n] * me[VY]
+    return length(dx, dy)
+
+
+@kernel
+def close_intercept(me: Floats, ball: Floats, rival_distance: float, facing: float, command: Floats) -> bool:
+    """Have the ball in reach within two cycles: by a turn where it comes by itself, else by one dash.
+
+    Returns:
+        False where neither works; `command` is untouched then.
+    """
+    speed = length(me[VX], me[VY])
+    off = wrap_deg(facing - me[BODY])
+    next_gap, later_gap = gap_after(me, ball, 1), gap_after(me, ball, 2)
+    comes = later_gap < SAFE_DISTANCE
+    if rival_distance > QUIET_DISTANCE:
+        turned = abs(off) - 180.0 / (1.0 + INERTIA * speed) < NEARLY_TURNED
+        # Unhurried, a player also lets the ball run into its body.
+        if comes or next_gap < TOUCH_DISTANCE or (next_gap < SAFE_DISTANCE and turned):
+            send_turn(off, speed, command)
+            return True
+    if _one_dash(me, ball, command):
+        return True
+    if comes:
+        send_turn(off, speed, command)
+    return comes
+
+
+@kernel
+def _one_dash(me: Floats, ball: Floats, command: Floats) -> bool:
+    bx, by = ball[X] + ball[VX], ball[Y] + ball[VY]
+    cos_body, sin_body = math.cos(me[BODY] * RADIANS), math.sin(me[BODY] * RADIANS)
+    forward = cos_body * (bx - me[X]) + sin_body * (by - me[Y])
+    offset = abs(cos_body * (by - me[Y]) - sin_body * (bx - me[X]))
+    radius = TOUCH_DISTANCE + KICK_MARGIN / 6.0
+    if offset < radius:
+        half = math.sqrt(radius * radius - offset * offset)
+        forward = forward - half if forward > 0.0 else forward + half
+    power = dash_power(forward, cos_body * me[VX] + sin_body * me[VY], 1)
+    x = me[X] + me[VX] + DASH_RATE * power * cos_body
+    y = me[Y] + me[VY] + DASH_RATE * power * sin_body
+    if length(bx - x, by - y) >= 0.95 * KICK_DISTANCE:
+        return False
+    send_dash(power, command)
+    return True
