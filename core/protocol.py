@@ -65,7 +65,8 @@ class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
 
     name: str = "default"
     """What the experimenter calls it."""
-    domain: TetrisConfig = TetrisConfig()
+    domain: TetrisConfig = TetrisConfig(placements="reachable")
+    """Board and rules. What is shown must be what the paper's four actions can do, hence "reachable"."""
     learner: CrossEntropyConfig = CrossEntropyConfig()
     agent: AgentConfig = AgentConfig()
     keys: KeyConfig = KeyConfig()

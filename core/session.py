@@ -18,7 +18,6 @@ from core.tetris.afterstate import Tetris
 from core.tetris.autoplay import play_combined
 from core.tetris.config import TetrisConfig
 
-
 Player = Callable[[EpisodePolicy, int, int], Played]
 """Plays one unseen episode: (policy, episode seed, most steps) -> what came of it."""
 

@@ -212,13 +212,13 @@ def _play_unseen(
 def _observed_step(domain: Tetris, output: StepTaken) -> WatchedStep:
     """Return a step of an imported recording, from the boards as they were seen."""
     assert output.observed is not None
-    before = output.observed["before"]
+    before = tuple(output.observed["before"])
     choices = domain.choices_on(before, output.detail["piece"])
     after = output.observed.get("after")
     if after is None:
         taken = np.full(choices.feedback_features.shape[1], np.nan)
     else:
-        taken = domain.feedback_difference(before, after)
+        taken = domain.feedback_difference(before, tuple(after))
     return WatchedStep(output.step, choices, taken)
 
 

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from core.compiled import kernel
 from core.domain import Choices, Transition
 from core.tetris.board import (
+    AFTER,
     COLUMNS,
     FEATURES,
     FEATURES_BEFORE,
@@ -31,6 +32,7 @@ from core.tetris.board import (
 )
 from core.tetris.config import TetrisConfig
 from core.tetris.features import NO_MOVE, feature_set, fill_after, fill_features
+from core.tetris.game import reachable_mask
 from core.tetris.pieces import FIRST_SHAPE, seven_bag_piece, uniform_piece
 
 
@@ -113,16 +115,27 @@ class Tetris:
         return TetrisState((0,) * self.config.columns, episode_seed)
 
     def terminal(self, state: TetrisState) -> bool:
-        """Return whether the game is over."""
-        return state.over
+        """Return whether the game is over, or no placement can be reached where that is asked for."""
+        return state.over or (self.config.placements == "reachable" and len(self._scan(state)[1]) == 0)
 
     def _scan(self, state: TetrisState) -> tuple[Ints, NDArray[np.int64], NDArray[np.bool_]]:
         """Return working memory, the allowed actions' places in it, and which of them are ruled out."""
         if state.over:
             raise ValueError("the game is over: a terminal state has no actions")
-        work = new_work(state.columns)
+        work, allowed, ruled_out = self._scan_board(state.columns, self.piece(state))
+        if self.config.placements == "all":
+            return work, allowed, ruled_out
+        piece = self.piece(state)
+        placements = np.column_stack([work[SHAPE, allowed] - FIRST_SHAPE[piece], work[LEFT, allowed]])
+        reachable = reachable_mask(state.columns, piece, placements, self.config.rows)
+        return work, allowed[reachable], ruled_out[reachable]
+
+    def _scan_board(
+        self, columns: tuple[int, ...], piece: int
+    ) -> tuple[Ints, NDArray[np.int64], NDArray[np.bool_]]:
+        work = new_work(columns)
         ruled_out = np.zeros(MAX_PLACEMENTS, dtype=np.bool_)
-        n, n_open = _scan_and_rule(work, self._rules, self.piece(state), ruled_out)
+        n, n_open = _scan_and_rule(work, self._rules, piece, ruled_out)
         if self._rules[OVERFLOW] == 0:
             allowed = np.flatnonzero(~ruled_out[:n])
             return work, allowed, np.zeros(n_open, dtype=np.bool_)
@@ -146,7 +159,9 @@ class Tetris:
 
     def choices(self, state: TetrisState) -> Choices:
         """Describe the placements of the piece: features of the afterstate, differences for the human model."""
-        work, allowed, ruled_out = self._scan(state)
+        return self._describe(*self._scan(state))
+
+    def _describe(self, work: Ints, allowed: NDArray[np.int64], ruled_out: NDArray[np.bool_]) -> Choices:
         features = np.empty((len(allowed), len(self._features.names)))
         feedback = np.empty((len(allowed), len(self._feedback.names)))
         _fill_choices(
@@ -155,6 +170,35 @@ class Tetris:
         return Choices(
             features / self._features.denominators, feedback / self._feedback.denominators, ruled_out
         )
+
+    def choices_on(self, columns: tuple[int, ...], piece: int) -> Choices:
+        """Describe the placements of `piece` on any board: a board that was seen, not played to."""
+        return self._describe(*self._scan_board(columns, piece))
+
+    def feedback_difference(self, before: tuple[int, ...], after: tuple[int, ...]) -> NDArray[np.float64]:
+        """Return psi of a step that led from one board to another, shape (G,).
+
+        What only a move can tell (landing height, eroded cells) is 0.
+        """
+        work = new_work(before)
+        work[AFTER, : self.config.columns] = after
+        for board, out in ((NOW, FEATURES_BEFORE), (AFTER, FEATURES)):
+            fill_heights(work, board, self.config.columns)
+            fill_features(self._feedback.code, work, board, out, self._rules, NO_MOVE, 0, 0)
+        n_features = len(self._feedback.names)
+        difference: NDArray[np.float64] = (
+            work[FEATURES, :n_features] - work[FEATURES_BEFORE, :n_features]
+        ) / self._feedback.denominators
+        return difference
+
+    def detail(self, state: TetrisState, action: int) -> dict[str, int]:
+        """Return piece, orientation and column of an action, for recordings."""
+        placement = self.placement(state, action)
+        return {
+            "piece": placement.piece,
+            "orientation": placement.orientation,
+            "column": placement.column,
+        }
 
     def transition(self, state: TetrisState, action: int) -> Transition[TetrisState]:
         """Return the state after a placement and the lines it cleared."""

@@ -7,6 +7,7 @@ import msgspec
 GameOverRule = Literal["fit-before-clear", "overflow"]
 TerminalValue = Literal["minus-infinity", "features"]
 PieceStream = Literal["uniform", "seven-bag"]
+Placements = Literal["all", "reachable"]
 
 FEATURE_SETS: tuple[str, ...] = ("bertsekas-21", "paper-12", "dellacherie-thiery", "tamer-46")
 """Names of the feature sets; `core.tetris.features` defines them."""
@@ -37,6 +38,10 @@ class TetrisConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     pieces: PieceStream = "uniform"
     """uniform: independent, equally likely (Bertsekas & Ioffe 1996 and all since); seven-bag: each seven in
     a row are the seven pieces shuffled (today's commercial games)."""
+    placements: Placements = "all"
+    """Which placements are offered: all that a straight drop allows (as in all work on placements), or only those that
+    the paper's primitive actions can steer the falling piece to. Whole games in compiled code
+    (`core.tetris.autoplay`) always offer all; on boards below the top rows the two are the same."""
     lines_in_value: bool = False
     """Whether the lines a placement clears are added to its value (an option of MDPTetris). Only for given
     policies played by `core.tetris.autoplay`: a learner that sees features alone could not add them."""
@@ -52,6 +57,7 @@ class TetrisConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         _check_choice("game_over", self.game_over, ("fit-before-clear", "overflow"))
         _check_choice("terminal_value", self.terminal_value, ("minus-infinity", "features"))
         _check_choice("pieces", self.pieces, ("uniform", "seven-bag"))
+        _check_choice("placements", self.placements, ("all", "reachable"))
         _check_choice("features", self.features, FEATURE_SETS)
         _check_choice("feedback_features", self.feedback_features, FEATURE_SETS)
         if self.game_over == "fit-before-clear" and (

@@ -1,0 +1,109 @@
+"""A simulated session from start to end: played, recorded, replayed, summarised. What `arl demo` does without a terminal."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.clock import ManualClock, wall_time_utc
+from core.episode import EpisodeEnded, KeyPressed, UnseenPlayed
+from core.feedback.source import SimulatedParticipant
+from core.feedback.trainers import SimulatedTrainer
+from core.keys import NS_PER_MS, PressGate
+from core.protocol import Protocol
+from core.recording.reader import Recording
+from core.recording.recorder import LineWriter
+from core.recording.schema import Header, to_plain
+from core.session import build_session
+from core.tetris.afterstate import TetrisState
+from core.tetris.oracle import TetrisOracle
+
+TICKS_PER_STEP = 14
+"""How long a simulated step is on screen, in ticks: about what a shown piece takes."""
+
+
+def simulate_session(protocol: Protocol, root_seed: int, target: Path, *, software: dict[str, str]) -> Path:
+    """Play a session with a simulated participant, as fast as the machine can, and record it.
+
+    Args:
+        protocol: of the session; `protocol.trainer` is the participant.
+        root_seed: of the session.
+        target: the recording to write; must not exist.
+        software: versions for the header.
+    """
+    clock = ManualClock()
+    session = build_session(protocol, root_seed)
+    participant = SimulatedParticipant[TetrisState](
+        session.domain,
+        TetrisOracle(protocol.domain),
+        SimulatedTrainer(protocol.trainer, root_seed=root_seed),
+        PressGate(protocol.keys),
+        clock,
+        step_ns=TICKS_PER_STEP * protocol.screen.tick_ms * NS_PER_MS,
+        pause_ns=round(protocol.screen.pause_between_episodes_s * 1000) * NS_PER_MS,
+    )
+    header = Header(
+        origin="simulated",
+        created_utc=wall_time_utc(),
+        clock="simulated",
+        clock_resolution_ns=1,
+        started_ns=clock.now_ns(),
+        participant="simulated",
+        root_seed=root_seed,
+        protocol=to_plain(protocol),
+        software=software,
+        departures=protocol.departures(),
+    )
+    writer = LineWriter(target, header)
+    for output in session.run(participant, clock):
+        writer.write(output)
+        for item in participant.watch(output):
+            writer.write(item)
+    writer.close()
+    return target
+
+
+@dataclass(frozen=True, slots=True)
+class SessionSummary:
+    """What a participant or experimenter wants to know of a session at a glance."""
+
+    episodes: int
+    """Watched episodes."""
+    unseen_episodes: int
+    lines: tuple[float, ...]
+    """Lines cleared in each watched episode."""
+    unseen_means: tuple[float, ...]
+    """Mean lines of the unseen episodes between two watched ones."""
+    accepted: int
+    """Presses that counted."""
+    praised: int
+    other_presses: int
+    """Presses that did not count, for whatever reason."""
+    w_h: float
+    """Human weight at the end."""
+    complete: bool
+
+
+def summarise(recording: Recording) -> SessionSummary:
+    """Return the summary of a recording."""
+    ended = [event for event in recording.outputs if isinstance(event, EpisodeEnded)]
+    unseen = [event for event in recording.outputs if isinstance(event, UnseenPlayed)]
+    presses = [event for event in recording.inputs if isinstance(event, KeyPressed)]
+    accepted = [press for press in presses if press.verdict == "accepted"]
+    return SessionSummary(
+        episodes=len(ended),
+        unseen_episodes=sum(len(block.policies) for block in unseen),
+        lines=tuple(event.performance for event in ended),
+        unseen_means=tuple(_mean(block.performances) for block in unseen),
+        accepted=len(accepted),
+        praised=sum(press.value is not None and press.value > 0 for press in accepted),
+        other_presses=len(presses) - len(accepted),
+        w_h=ended[-1].w_h if ended else 0.0,
+        complete=recording.complete,
+    )
+
+
+def _mean(values: list[float]) -> float:
+    array: NDArray[np.float64] = np.asarray(values)
+    return float(array.mean())
