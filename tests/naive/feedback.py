@@ -33,24 +33,34 @@ def credit_by_integration(
 
 
 def ridge(
-    features: NDArray[np.float64], labels: NDArray[np.float64], weights: NDArray[np.float64], l2: float
+    features: NDArray[np.float64],
+    labels: NDArray[np.float64],
+    weights: NDArray[np.float64],
+    l2: float,
+    intercept: str,
 ) -> tuple[NDArray[np.float64], float]:
-    """Weighted ridge regression on inputs standardised over all samples, by least squares on extra rows.
+    """Weighted ridge regression on inputs scaled over all samples, by least squares on extra rows.
 
-    Returns weights and intercept in the features' own units. Constant features get weight 0.
+    Returns weights and intercept in the features' own units. Constant features get weight 0 where inputs are
+    centred.
     """
-    total = weights.sum()
-    mean = weights @ features / total
-    sd = np.sqrt(weights @ (features - mean) ** 2 / total)
-    used = sd > 1e-9 * (1 + np.abs(mean))
-    standardised = (features[:, used] - mean[used]) / sd[used]
-    label_mean = weights @ labels / total
+    total, n = weights.sum(), features.shape[1]
+    if intercept == "penalised":
+        features = np.column_stack([features, np.ones(len(features))])
+    centred = intercept == "free"
+    mean = weights @ features / total if centred else np.zeros(features.shape[1])
+    label_mean = weights @ labels / total if centred else 0.0
+    scale = np.sqrt(weights @ (features - mean) ** 2 / total)
+    used = scale > 1e-9 * (1 + np.abs(mean))
     root = np.sqrt(weights)[:, None]
-    rows = np.vstack([root * standardised, math.sqrt(l2) * np.eye(used.sum())])
+    rows = np.vstack(
+        [root * (features[:, used] - mean[used]) / scale[used], math.sqrt(l2) * np.eye(used.sum())]
+    )
     targets = np.concatenate([root[:, 0] * (labels - label_mean), np.zeros(used.sum())])
-    solution = np.linalg.lstsq(rows, targets, rcond=None)[0]
     v = np.zeros(features.shape[1])
-    v[used] = solution / sd[used]
+    v[used] = np.linalg.lstsq(rows, targets, rcond=None)[0] / scale[used]
+    if intercept == "penalised":
+        return v[:n], float(v[n])
     return v, float(label_mean - v @ mean)
 
 

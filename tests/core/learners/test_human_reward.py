@@ -2,6 +2,7 @@
 
 import json
 import math
+from typing import Literal
 
 import msgspec
 import numpy as np
@@ -120,10 +121,13 @@ def test_ridge_on_inputs_as_they_come_by_hand() -> None:
 
 @pytest.mark.parametrize("n", [2, 5, 30, 200])
 @pytest.mark.parametrize("l2", [0.01, 1.0, 50.0])
-def test_ridge_agrees_with_least_squares_on_standardised_inputs(n: int, l2: float) -> None:
+@pytest.mark.parametrize("kind", ["free", "penalised", "none"])
+def test_ridge_agrees_with_least_squares_on_scaled_inputs(
+    n: int, l2: float, kind: Literal["free", "penalised", "none"]
+) -> None:
     samples = random_samples(n, 6, seed=n)
-    model = fitted(RidgeModel(l2=l2, intercept="free"), samples)
-    weights, intercept = naive.ridge(*columns(samples), l2)
+    model = fitted(RidgeModel(l2=l2, intercept=kind), samples)
+    weights, intercept = naive.ridge(*columns(samples), l2, kind)
     assert model.weights == pytest.approx(weights, abs=1e-10)
     assert model.intercept == pytest.approx(intercept, abs=1e-10)
 
