@@ -5,13 +5,35 @@ commands, moves and judges. `step_cycle` is both with a benchmark policy in betw
 episodes run these same kernels.
 """
 
+import numpy as np
+from numpy.typing import NDArray
+
 from core.compiled import kernel
-from core.keepaway.match import CLOCK, CYCLE, END, Match, Streams, drop_stuck_ball, referee, start_episode
+from core.keepaway.match import (
+    CLOCK,
+    CYCLE,
+    END,
+    OPTION,
+    Match,
+    Streams,
+    drop_stuck_ball,
+    referee,
+    start_episode,
+)
 from core.keepaway.motion import apply_commands, collide, move_all
-from core.keepaway.options import assign_keeper, command_keeper, runner_to_ball, take_decision
+from core.keepaway.options import (
+    assign_keeper,
+    command_keeper,
+    find_runner,
+    take_decision,
+    turn_neck,
+)
+from core.keepaway.perception import knows_ball, perceive
 from core.keepaway.pitch import ONGOING, Rules
 from core.keepaway.policies import choose
 from core.keepaway.takers import command_taker
+
+Floats = NDArray[np.float64]
 
 
 @kernel
@@ -21,11 +43,19 @@ def begin_cycle(match: Match, rules: Rules, streams: Streams) -> bool:
     Returns:
         Whether any keeper decides.
     """
-    match.known[:] = True
-    runner, _ = runner_to_ball(match.ball, match.players, match.known[0], rules)
+    perceive(match, rules, streams.perception)
     any_decides = False
     for i in range(rules.n_keepers):
-        assign_keeper(match, i, rules, match.ball, match.players, match.known[i], True, runner)
+        if rules.exact_state:
+            if i == 0:
+                find_runner(match, 0, rules, match.ball, match.players)
+            else:
+                match.runner[i] = match.runner[0]
+            assign_keeper(match, i, rules, match.ball, match.players, True)
+        else:
+            if knows_ball(match, i):
+                find_runner(match, i, rules, match.seen_ball[i], match.seen_players[i])
+            assign_keeper(match, i, rules, match.seen_ball[i], match.seen_players[i], knows_ball(match, i))
         any_decides |= match.deciding[i]
     return any_decides
 
@@ -38,13 +68,14 @@ def finish_cycle(match: Match, rules: Rules, streams: Streams) -> bool:
         Whether the episode has ended; `match.status[END]` says how. Positions stay until `start_episode`.
     """
     match.commands[:] = 0.0
-    _, arrival = runner_to_ball(match.ball, match.players, match.known[0], rules)
     for i in range(rules.n_keepers):
         if match.deciding[i]:
             take_decision(match, i)
-        command_keeper(match, i, rules, match.ball, match.players, match.known[i], arrival)
-    for i in range(rules.n_keepers, rules.n_keepers + rules.n_takers):
-        command_taker(match, i, rules, match.ball, match.players, match.known[i], True)
+    for i in range(rules.n_keepers + rules.n_takers):
+        if rules.exact_state:
+            _command(match, i, rules, match.ball, match.players, True)
+        else:
+            _command(match, i, rules, match.seen_ball[i], match.seen_players[i], knows_ball(match, i))
     apply_commands(match.ball, match.players, match.commands, match.push, streams.turn, streams.kick)
     move_all(match.ball, match.players, match.push, streams.movement)
     collide(match.ball, match.players, match.moves, match.hit)
@@ -55,6 +86,16 @@ def finish_cycle(match: Match, rules: Rules, streams: Streams) -> bool:
         return True
     drop_stuck_ball(match)
     return False
+
+
+@kernel
+def _command(match: Match, i: int, rules: Rules, ball: Floats, players: Floats, sure: bool) -> None:
+    if i < rules.n_keepers:
+        command_keeper(match, i, rules, ball, players)
+    else:
+        command_taker(match, i, rules, ball, players, match.known[i], sure)
+    if rules.view_angle < 360.0:
+        turn_neck(match.commands[i], match.options[i, OPTION], ball, players[i])
 
 
 @kernel

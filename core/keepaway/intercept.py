@@ -118,20 +118,19 @@ def cycles_to_point(player: Floats, tx: float, ty: float, limit: int) -> int:
 
 
 @kernel
-def fastest_keeper(ball: Floats, players: Floats, known: Bools, n_keepers: int) -> tuple[int, int]:
-    """Return (keeper, cycles): which known keeper reaches the ball first, and when; (-1, horizon) for none."""
+def fastest_to_ball(ball: Floats, players: Floats, known: Bools, first: int, last: int) -> tuple[int, int]:
+    """Return (player, cycles): which known player of [first, last) reaches the ball first; (-1, 30) for none."""
     for n in range(LONGEST_INTERCEPT + 1):
         bx = ball[X] + BALL_ROLL[n] * ball[VX]
         by = ball[Y] + BALL_ROLL[n] * ball[VY]
+        reach = (n + 1) * PLAYER_SPEED_MAX + SLACK
         best, best_cycles = -1, n + 1
-        for i in range(n_keepers):
-            if known[i]:
-                reach = (n + 1) * PLAYER_SPEED_MAX + SLACK
-                dx, dy = bx - players[i, X], by - players[i, Y]
-                if dx * dx + dy * dy < reach * reach:
-                    cycles = cycles_to_point(players[i], bx, by, n)
-                    if cycles < best_cycles:
-                        best, best_cycles = i, cycles
+        for i in range(first, last):
+            dx, dy = bx - players[i, X], by - players[i, Y]
+            if known[i] and dx * dx + dy * dy < reach * reach:
+                cycles = cycles_to_point(players[i], bx, by, n)
+                if cycles < best_cycles:
+                    best, best_cycles = i, cycles
         if best >= 0:
             return best, n
     return -1, LONGEST_INTERCEPT

@@ -106,6 +106,8 @@ class Match(NamedTuple):
     """State variables of keepers that decide, shape (n_keepers, v); stale otherwise."""
     order: Ints
     """Players by distance as the deciding keeper sees them: keepers (itself first), takers; (n_keepers, n)."""
+    runner: Ints
+    """The keeper each keeper believes fastest to the ball (-1: nobody), and its cycles, shape (n_keepers, 2)."""
     meet: Floats
     """Where each player last meant to meet the ball: x, y, cycle, shape (n, 3)."""
     seen_ball: Floats
@@ -166,6 +168,7 @@ def new_match(config: KeepawayConfig, streams: Streams) -> Match:
         actions=np.zeros(keepers, np.int64),
         variables=np.zeros((keepers, n_variables(keepers, config.n_takers))),
         order=np.zeros((keepers, n), np.int64),
+        runner=np.zeros((keepers, 2), np.int64),
         meet=np.zeros((n, MEET_COLUMNS)),
         seen_ball=np.zeros((n, BALL_COLUMNS)),
         seen_players=np.zeros((n, n, PLAYER_COLUMNS)),
@@ -202,6 +205,8 @@ def start_episode(match: Match, rules: Rules, rng: np.random.Generator) -> None:
     match.ball_age[:] = NEVER_SEEN
     match.player_age[:] = NEVER_SEEN
     match.known[:] = False
+    match.runner[:] = -1
+    match.commands[:] = 0.0
     match.hit[:] = False
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.compiled import kernel
-from core.keepaway.intercept import fastest_keeper, go_to_ball
+from core.keepaway.intercept import fastest_to_ball, go_to_ball
 from core.keepaway.kicking import KEEPER_HOLD_RATIO, hold_ball, nearest_to, pass_ball
 from core.keepaway.match import (
     ACTION,
@@ -24,8 +24,23 @@ from core.keepaway.match import (
     TARGET,
     Match,
 )
-from core.keepaway.motion import length
-from core.keepaway.pitch import KICK_DISTANCE, VX, VY, Rules, X, Y
+from core.keepaway.motion import direction_deg, length, wrap_deg
+from core.keepaway.pitch import (
+    ANGLE,
+    BODY,
+    INERTIA,
+    KICK_DISTANCE,
+    KIND,
+    NECK,
+    NECK_MAX_DEG,
+    NECK_TURN,
+    TURN,
+    VX,
+    VY,
+    Rules,
+    X,
+    Y,
+)
 from core.keepaway.positioning import get_open
 from core.keepaway.prediction import BALL_ROLL, send_turn
 from core.keepaway.variables import observe
@@ -85,14 +100,7 @@ def take_decision(match: Match, i: int) -> None:
 
 @kernel
 def assign_keeper(
-    match: Match,
-    i: int,
-    rules: Rules,
-    ball: Floats,
-    players: Floats,
-    known: Bools,
-    knows_ball: bool,
-    runner: int,
+    match: Match, i: int, rules: Rules, ball: Floats, players: Floats, knows_ball: bool
 ) -> None:
     """Find the option of keeper i, or mark it as deciding.
 
@@ -102,26 +110,23 @@ def assign_keeper(
         rules: size of the game.
         ball: as keeper i believes.
         players: as keeper i believes.
-        known: which players keeper i knows the place of.
         knows_ball: whether it knows where the ball is.
-        runner: the keeper it believes to be fastest to the ball; -1 for nobody.
     """
     match.deciding[i] = False
     if not knows_ball:
         begin_option(match, i, SEARCH_BALL, -1, False)
     elif can_kick(players[i], ball):
-        match.deciding[i] = open_decision(match, i, rules, players, known)
-    elif runner == i:
+        match.deciding[i] = open_decision(match, i, rules, players, match.known[i])
+    elif match.runner[i, 0] == i:
         begin_option(match, i, GO_TO_BALL, -1, False)
     else:
         begin_option(match, i, GET_OPEN, -1, False)
 
 
 @kernel
-def command_keeper(
-    match: Match, i: int, rules: Rules, ball: Floats, players: Floats, known: Bools, arrival: int
-) -> None:
-    """Write this cycle's command of keeper i, whose option has been found; `arrival` is the runner's cycles."""
+def command_keeper(match: Match, i: int, rules: Rules, ball: Floats, players: Floats) -> None:
+    """Write this cycle's command of keeper i, whose option has been found."""
+    known, arrival = match.known[i], match.runner[i, 1]
     option, target = match.options[i, OPTION], match.options[i, TARGET]
     me, command = players[i], match.commands[i]
     n_keepers, n = rules.n_keepers, players.shape[0]
@@ -144,6 +149,22 @@ def command_keeper(
 
 
 @kernel
-def runner_to_ball(ball: Floats, players: Floats, known: Bools, rules: Rules) -> tuple[int, int]:
-    """Return (keeper, cycles): who of the keepers is believed to reach the ball first, and when."""
-    return fastest_keeper(ball, players, known, rules.n_keepers)
+def find_runner(match: Match, i: int, rules: Rules, ball: Floats, players: Floats) -> None:
+    """Write to `match.runner[i]` which keeper is, as keeper i believes, fastest to the ball, and its cycles."""
+    runner, cycles = fastest_to_ball(ball, players, match.known[i], 0, rules.n_keepers)
+    match.runner[i, 0], match.runner[i, 1] = runner, cycles
+
+
+@kernel
+def turn_neck(command: Floats, option: int, ball: Floats, me: Floats) -> None:
+    """Look at the ball; while getting open, at the centre of the region; while searching, straight ahead."""
+    x, y = ball[X], ball[Y]
+    if option == GET_OPEN:
+        x, y = 0.0, 0.0
+    wanted = wrap_deg(direction_deg(x - me[X], y - me[Y]) - me[BODY])
+    if command[KIND] == TURN:  # the body's turn takes the head along
+        wanted = wrap_deg(wanted - command[ANGLE] / (1.0 + INERTIA * length(me[VX], me[VY])))
+    if option == SEARCH_BALL:
+        wanted = 0.0
+    wanted = min(max(wanted, -NECK_MAX_DEG), NECK_MAX_DEG)
+    command[NECK_TURN] = float(int(wanted - me[NECK]))

@@ -1,0 +1,328 @@
+"""What each player believes: dead reckoning in every cycle, corrected by what it sees in two of three.
+
+The reference's players carry soccer habits into keepaway - opponents are thought to push forward, a ball near an
+opponent is thought to lie still - and these, not the rounding of what is seen, decide how well a ball is held.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.compiled import kernel
+from core.keepaway.intercept import fastest_to_ball
+from core.keepaway.match import CLOCK, NEVER_SEEN, Match
+from core.keepaway.motion import DEGREES, RADIANS, direction_deg, kick_rate, length, wrap_deg
+from core.keepaway.pitch import (
+    ANGLE,
+    BALL_ACCEL_MAX,
+    BALL_DECAY,
+    BALL_NOISE,
+    BALL_SPEED_MAX,
+    BODY,
+    KICK,
+    KICK_DISTANCE,
+    KIND,
+    NECK,
+    PLAYER_DECAY,
+    POWER,
+    VX,
+    VY,
+    Rules,
+    X,
+    Y,
+)
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+SEE_PERIOD = 3
+"""Visual messages come every 150 ms: in the first two of three cycles of 100 ms."""
+FORGET_PLAYER = 12
+"""Cycles after which a player not seen is unknown (confidence 0.88)."""
+FORGET_BALL = 10
+LOG_STEP = 0.1
+"""Step of the logarithm of a seen distance."""
+DISTANCE_STEP = 0.1
+CHANGE_STEP = 0.02
+"""Step of the relative change of a seen distance."""
+TURN_STEP_DEG = 0.1
+"""Step of the change of a seen direction, degrees per cycle."""
+NUMBER_SEEN = 20.0
+"""Distance up to which a shirt number is always seen; the chance falls to 0 at twice this."""
+FELT_DISTANCE = 3.0
+"""Distance within which something is noticed outside the field of view."""
+RUNNER_STEP = 0.3
+"""How far the opponent fastest to the ball is thought to come towards it per cycle."""
+PUSH_STEP = 0.25
+"""How far other opponents are thought to move along x per cycle; twice as far behind a fast ball."""
+BUMPED_DISTANCE = 0.2
+STALE_BALL = 3
+"""Age in cycles beyond which what a team mate says about the ball is believed."""
+
+
+@kernel
+def rounded(value: float, step: float) -> float:
+    """Return the multiple of `step` nearest to `value`."""
+    return math.floor(value / step + 0.5) * step
+
+
+@kernel
+def seen_distance(distance: float) -> float:
+    """Return a distance as the server reports it: steps of about 10 %, then of 0.1 m."""
+    return rounded(math.exp(rounded(math.log(max(distance, 1e-3)), LOG_STEP)), DISTANCE_STEP)
+
+
+@kernel
+def perceive(match: Match, rules: Rules, rng: np.random.Generator) -> None:
+    """Bring every player's beliefs to the present cycle.
+
+    With exact state players know everything; their belief arrays stay unused.
+    """
+    n = rules.n_keepers + rules.n_takers
+    if rules.exact_state:
+        match.known[:] = True
+        return
+    sees = match.status[CLOCK] % SEE_PERIOD != SEE_PERIOD - 1
+    for i in range(n):
+        first, last = (rules.n_keepers, n) if i < rules.n_keepers else (0, rules.n_keepers)
+        forward = 1.0 if i < rules.n_keepers else -1.0
+        reckon(match, i, first, last, forward)
+        if sees:
+            look(match, i, rules, first, last, rng)
+    if rules.view_angle < 360.0:
+        for i in range(n):
+            first, last = (0, rules.n_keepers) if i < rules.n_keepers else (rules.n_keepers, n)
+            listen(match, i, first, last, rng)
+    for i in range(n):
+        for j in range(n):
+            match.known[i, j] = match.player_age[i, j] <= FORGET_PLAYER
+
+
+@kernel
+def knows_ball(match: Match, i: int) -> bool:
+    """Return whether player i knows where the ball is."""
+    return bool(match.ball_age[i] <= FORGET_BALL)
+
+
+@kernel
+def reckon(match: Match, i: int, first: int, last: int, forward: float) -> None:
+    """Advance player i's beliefs by one cycle from its own senses and habits; opponents are [first, last).
+
+    Args:
+        match: in place.
+        i: the player.
+        first: first opponent.
+        last: one past the last opponent.
+        forward: +1 where the player's team plays towards +x, else -1.
+    """
+    ball, players = match.seen_ball[i], match.seen_players[i]
+    _feel_myself(match.players[i], players[i], bool(match.hit[1 + i]))
+    match.player_age[i, i] = 0
+    if match.ball_age[i] < NEVER_SEEN:
+        match.ball_age[i] += 1
+        _reckon_ball(ball, players[i], match.commands[i])
+        if match.hit[0] and match.hit[1 + i]:
+            _bump(ball, players[i])
+        _still_near_opponent(ball, players, match.known[i], first, last)
+    runner = -1
+    if match.ball_age[i] < NEVER_SEEN:
+        runner = fastest_to_ball(ball, players, match.known[i], first, last)[0]
+    for j in range(players.shape[0]):
+        if j == i or match.player_age[i, j] == NEVER_SEEN:
+            continue
+        match.player_age[i, j] += 1
+        if first <= j < last:
+            _reckon_opponent(players[j], ball, j == runner, forward)
+        else:
+            players[j, X] += players[j, VX]
+            players[j, Y] += players[j, VY]
+            players[j, VX] *= PLAYER_DECAY
+            players[j, VY] *= PLAYER_DECAY
+
+
+@kernel
+def _feel_myself(body: Floats, belief: Floats, bumped: bool) -> None:
+    """Know one's own velocity and directions; advance one's own position by the way covered."""
+    if not bumped:
+        belief[X] += body[VX] / PLAYER_DECAY
+        belief[Y] += body[VY] / PLAYER_DECAY
+    belief[VX], belief[VY] = body[VX], body[VY]
+    belief[BODY], belief[NECK] = body[BODY], body[NECK]
+
+
+@kernel
+def _reckon_ball(ball: Floats, me: Floats, command: Floats) -> None:
+    """Move the believed ball by one cycle, with the effect of my own kick, without noise.
+
+    `me` has been advanced already; the kick was made from where I was one cycle ago.
+    """
+    if command[KIND] == KICK:
+        dx = ball[X] - me[X] + me[VX] / PLAYER_DECAY
+        dy = ball[Y] - me[Y] + me[VY] / PLAYER_DECAY
+        distance = length(dx, dy)
+        if distance <= KICK_DISTANCE:
+            off_axis = abs(wrap_deg(direction_deg(dx, dy) - me[BODY]))
+            accel = min(kick_rate(distance, off_axis) * command[POWER], BALL_ACCEL_MAX)
+            direction = (me[BODY] + command[ANGLE]) * RADIANS
+            ball[VX] += accel * math.cos(direction)
+            ball[VY] += accel * math.sin(direction)
+            speed = length(ball[VX], ball[VY])
+            if speed > BALL_SPEED_MAX:
+                ball[VX] *= BALL_SPEED_MAX / speed
+                ball[VY] *= BALL_SPEED_MAX / speed
+    ball[X] += ball[VX]
+    ball[Y] += ball[VY]
+    ball[VX] *= BALL_DECAY
+    ball[VY] *= BALL_DECAY
+
+
+@kernel
+def _bump(ball: Floats, me: Floats) -> None:
+    """I ran into the ball: it lies just beside me and has lost its speed."""
+    dx, dy = ball[X] - me[X], ball[Y] - me[Y]
+    distance = max(length(dx, dy), 1e-9)
+    ball[X] = me[X] + dx * BUMPED_DISTANCE / distance
+    ball[Y] = me[Y] + dy * BUMPED_DISTANCE / distance
+    ball[VX] *= -0.1
+    ball[VY] *= -0.1
+
+
+@kernel
+def _still_near_opponent(ball: Floats, players: Floats, known: Bools, first: int, last: int) -> None:
+    """A ball within an opponent's reach is thought to lie still."""
+    for j in range(first, last):
+        if known[j] and length(ball[X] - players[j, X], ball[Y] - players[j, Y]) < KICK_DISTANCE:
+            ball[VX], ball[VY] = 0.0, 0.0
+
+
+@kernel
+def _reckon_opponent(player: Floats, ball: Floats, runs: bool, forward: float) -> None:
+    if runs:
+        dx, dy = ball[X] - player[X], ball[Y] - player[Y]
+        distance = length(dx, dy)
+        if distance > 0.0:
+            player[X] += RUNNER_STEP * dx / distance
+            player[Y] += RUNNER_STEP * dy / distance
+    else:
+        speed = ball[VX] * forward
+        step = PUSH_STEP if speed > 0.0 else -PUSH_STEP
+        if abs(speed) > 1.0:
+            step *= 2.0
+        player[X] += step * forward
+
+
+@kernel
+def look(match: Match, i: int, rules: Rules, first: int, last: int, rng: np.random.Generator) -> None:
+    """Take in one visual message: rounded distances, directions and their changes, relative to oneself."""
+    me, belief = match.players[i], match.seen_players[i]
+    # Flags are seen finely enough to know one's own place.
+    belief[i, X], belief[i, Y] = me[X], me[Y]
+    for j in range(belief.shape[0]):
+        if j == i:
+            continue
+        other = match.players[j]
+        dx, dy = other[X] - me[X], other[Y] - me[Y]
+        distance = length(dx, dy)
+        named = distance <= NUMBER_SEEN or NUMBER_SEEN * rng.random() > distance - NUMBER_SEEN
+        seen = in_view(me, dx, dy, rules.view_angle)
+        felt = distance < FELT_DISTANCE and match.known[i, j]
+        if (seen and named) or felt:
+            _see(me, other, dx, dy, distance, rules.quantise, seen, belief[j])
+            match.player_age[i, j] = 0
+            if seen:
+                belief[j, BODY] = wrap_deg(rounded(other[BODY], 1.0)) if rules.quantise else other[BODY]
+    dx, dy = match.ball[X] - me[X], match.ball[Y] - me[Y]
+    distance = length(dx, dy)
+    seen = in_view(me, dx, dy, rules.view_angle)
+    if seen or distance < FELT_DISTANCE:
+        _see_ball(match, i, rules, dx, dy, distance, seen)
+        if distance > KICK_DISTANCE:
+            _still_near_opponent(match.seen_ball[i], belief, match.known[i], first, last)
+
+
+@kernel
+def in_view(me: Floats, dx: float, dy: float, view_angle: float) -> bool:
+    """Return whether a direction lies in the field of view around body + neck."""
+    if view_angle >= 360.0:
+        return True
+    return abs(wrap_deg(direction_deg(dx, dy) - me[BODY] - me[NECK])) <= 0.5 * view_angle
+
+
+@kernel
+def _see_ball(match: Match, i: int, rules: Rules, dx: float, dy: float, distance: float, seen: bool) -> None:
+    ball, belief = match.ball, match.seen_ball[i]
+    vx, vy = belief[VX], belief[VY]
+    fresh = match.ball_age[i] < NEVER_SEEN
+    _see(match.players[i], ball, dx, dy, distance, rules.quantise, seen, belief)
+    slack = 2.0 * BALL_NOISE * length(vx, vy)
+    if seen and fresh and abs(belief[VX] - vx) < slack and abs(belief[VY] - vy) < slack:
+        belief[VX], belief[VY] = 0.5 * (belief[VX] + vx), 0.5 * (belief[VY] + vy)
+    match.ball_age[i] = 0
+
+
+@kernel
+def _see(
+    me: Floats,
+    other: Floats,
+    dx: float,
+    dy: float,
+    distance: float,
+    quantise: bool,
+    moving: bool,
+    belief: Floats,
+) -> None:
+    """Write position, and with `moving` velocity, of something seen at (dx, dy) from me into `belief`."""
+    if not quantise:
+        belief[X], belief[Y] = me[X] + dx, me[Y] + dy
+        if moving:
+            belief[VX], belief[VY] = other[VX], other[VY]
+        return
+    gaze = me[BODY] + me[NECK]
+    heading = rounded(direction_deg(dx, dy) - gaze, 1.0) + gaze
+    reported = seen_distance(distance)
+    cos_way, sin_way = math.cos(heading * RADIANS), math.sin(heading * RADIANS)
+    belief[X], belief[Y] = me[X] + reported * cos_way, me[Y] + reported * sin_way
+    if moving and distance > 0.0:
+        ux, uy = dx / distance, dy / distance
+        rvx, rvy = other[VX] - me[VX], other[VY] - me[VY]
+        nearing = reported * rounded((rvx * ux + rvy * uy) / distance, CHANGE_STEP)
+        turning = rounded((rvy * ux - rvx * uy) / distance * DEGREES, TURN_STEP_DEG)
+        across = turning * RADIANS * reported
+        belief[VX] = me[VX] + nearing * cos_way - across * sin_way
+        belief[VY] = me[VY] + nearing * sin_way + across * cos_way
+
+
+@kernel
+def listen(match: Match, i: int, first: int, last: int, rng: np.random.Generator) -> None:
+    """Hear one team mate of [first, last): its own place, the ball, and the opponent it saw nearest.
+
+    What is heard replaces only what oneself knows less well: an unseen mate, a ball older than 3 cycles.
+    """
+    mates = last - first - 1
+    if mates < 1:
+        return
+    speaker = first + int(mates * rng.random())
+    if speaker >= i:
+        speaker += 1
+    told = match.seen_players[speaker]
+    if match.player_age[i, speaker] > 0:
+        _copy_place(told[speaker], match.seen_players[i, speaker])
+        match.player_age[i, speaker] = 0
+    if match.ball_age[speaker] == 0 and match.ball_age[i] > STALE_BALL:
+        match.seen_ball[i] = match.seen_ball[speaker]
+        match.ball_age[i] = 1
+    rival, nearest = -1, math.inf
+    for j in range(told.shape[0]):
+        if (j < first or j >= last) and match.player_age[speaker, j] == 0:
+            distance = length(told[j, X] - told[speaker, X], told[j, Y] - told[speaker, Y])
+            if distance < nearest:
+                rival, nearest = j, distance
+    if rival >= 0 and match.player_age[i, rival] > 1:
+        _copy_place(told[rival], match.seen_players[i, rival])
+        match.player_age[i, rival] = 1
+
+
+@kernel
+def _copy_place(told: Floats, belief: Floats) -> None:
+    belief[X], belief[Y] = told[X], told[Y]
