@@ -149,10 +149,12 @@ class SimulatedTrainer:
         if self._episode < 0:
             raise ValueError("begin_episode comes before the first step")
         config = self.config
+        if self._given >= config.max_presses or self.press_probability == 0:
+            return ()
         rng = stream(self._root_seed, "trainer", self._episode, step)
         # Always drawn, in this order: a change of one rate leaves the other draws as they were.
         speaks, mistakes, deliberates, anticipates, bursts, moment = rng.random(6)
-        if self._given >= config.max_presses or speaks >= self.press_probability:
+        if speaks >= self.press_probability:
             return ()
         believed = judgement(
             oracle_values, action, good_share=config.good_share, skip_margin=config.skip_margin

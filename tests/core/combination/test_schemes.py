@@ -1,6 +1,8 @@
 """The decision kernels, the schemes' weights and control sharing."""
 
 import math
+import subprocess
+import sys
 
 import msgspec
 import numpy as np
@@ -236,3 +238,14 @@ def test_compiled_and_plain_draws_are_the_same() -> None:
         for decision in (0, 1, 10**9):
             for share in (0.2, 0.5, 0.8):
                 assert takes_control(seed, decision, share) == plain(seed, decision, share)
+
+
+def test_settings_are_read_without_compiled_code() -> None:
+    """The screen's process reads protocols; compiled code and scipy would cost it half a second."""
+    program = (
+        "import sys; import core.combination.config, core.feedback.trainers, core.feedback.source; "
+        "from core.feedback.credit import parse_delay; parse_delay('gamma:2.5,0.3'); "
+        "print(sorted({'numba', 'scipy'} & set(sys.modules)))"
+    )
+    out = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert out.stdout.strip() == "[]"
