@@ -108,7 +108,7 @@ def relearn(
     relearned = Relearned(agent)
     watched = _Watched(steps)
     imported = recording.header.origin == "imported"
-    unseen_from = 0
+    session, unseen_from = protocol.session, 0
     for output in recording.outputs:
         if not isinstance(output, CreditGiven):
             source.taken_before_next_output = output.inputs
@@ -116,10 +116,9 @@ def relearn(
         match output:
             case EpisodeStarted():
                 if imported:
-                    _play_unseen(
-                        agent, play, protocol, root_seed, unseen_from, protocol.session.unseen_between
-                    )
-                    unseen_from += protocol.session.unseen_between
+                    count = session.unseen_between if relearned.w_h else session.unseen_before
+                    _play_unseen(agent, play, protocol, root_seed, unseen_from + output.episode, count)
+                    unseen_from += count
                 watched.begin(agent.begin_episode(output.episode + unseen_from, exploring=False))
             case StepTaken():
                 watched.take(agent, audience, output)

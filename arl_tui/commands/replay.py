@@ -59,12 +59,9 @@ def replay_recording(
 
 
 def protocol_of(recording: Recording) -> Protocol:
-    """Return the protocol of a recording; the defaults on the recorded board for an imported one."""
-    plain = recording.header.protocol
-    if recording.header.origin == "imported":
-        plain = {"domain": {name: value for name, value in plain.get("domain", {}).items() if name != "type"}}
+    """Return the protocol of a recording."""
     try:
-        return msgspec.convert(plain, Protocol)
+        return msgspec.convert(recording.header.protocol, Protocol)
     except msgspec.ValidationError as error:
         raise click.ClickException(f"{recording.path}:1: the protocol cannot be used: {error}") from error
 

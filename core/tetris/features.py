@@ -245,15 +245,22 @@ def _fill_tamer(work: Ints, board: int, out: int, rules: Ints) -> None:
 
 @kernel
 def _well_depth(work: Ints, board: int, n_columns: int, column: int) -> int:
-    """Return the depth of a column's top below the highest cell with both neighbours filled (walls count)."""
+    """Return the number of empty cells from the column's highest well cell down to the next filled one.
+
+    A well cell is empty and has both neighbours filled (walls count); one under an overhang is a well cell too.
+    """
     between = -1
     if column > 0:
         between &= work[board, column - 1]
     if column + 1 < n_columns:
         between &= work[board, column + 1]
-    between >>= work[board + 1, column]
+    wells = between & ~work[board, column]
+    row = -1
+    while wells != 0:
+        wells >>= 1
+        row += 1
     depth = 0
-    while between != 0:
-        between >>= 1
+    while row >= 0 and (work[board, column] >> row) & 1 == 0:
         depth += 1
+        row -= 1
     return depth

@@ -219,10 +219,10 @@ def dellacherie_thiery(board: Board, config: TetrisConfig, outcome: Outcome | No
 
 
 def well_depth(board: Board, column: int) -> int:
-    """Scan from the top: starts at the first cell between two filled ones, ends at the column's top."""
+    """Scan from the top: starts at the first cell between two filled ones, ends at the next filled one."""
     depth = 0
     for row in reversed(range(len(board))):
-        if board[row, column]:
+        if depth > 0 and board[row, column]:
             break
         if depth > 0 or is_well_cell(board, row, column):
             depth += 1

@@ -29,9 +29,15 @@ from pathlib import Path
 import msgspec
 
 from core.clock import NS_PER_S, wall_time_utc
+from core.combination.config import AgentConfig, HumanOnly
 from core.episode import EpisodeEnded, EpisodeStarted, Event, FrameShown, KeyPressed, SessionEnded, StepTaken
+from core.feedback.credit import PreviousStep
+from core.feedback.samples import CreditConfig
+from core.learners.human_config import RidgeModel
+from core.protocol import Protocol, SessionConfig
 from core.recording.recorder import LineWriter
-from core.recording.schema import Header
+from core.recording.schema import Header, to_plain
+from core.tetris.config import TetrisConfig
 
 ROWS, COLUMNS = 20, 10
 N_CELLS = ROWS * COLUMNS
@@ -87,6 +93,24 @@ class ImportReport:
     """The longest time a step was on screen: a pause in the session shows here."""
 
 
+def tamer_protocol() -> Protocol:
+    """Return the agent that what-if replays let live through these logs, if not told otherwise.
+
+    TAMER's features, credit and silence rule; the person alone decides. The human model is least squares instead of
+    TAMER's gradient descent, on the same raw inputs (`docs/decisions/replaying-tamer-logs.md`).
+    """
+    return Protocol(
+        name="tamer-log",
+        domain=TetrisConfig(rows=ROWS, columns=COLUMNS, feedback_features="tamer-46"),
+        agent=AgentConfig(
+            scheme=HumanOnly(),
+            credit=CreditConfig(delay=PreviousStep(), scheme="aggregate", silence="zero-label"),
+            human_model=RidgeModel(l2=50_000.0, intercept="free", standardise=False),
+        ),
+        session=SessionConfig(unseen_before=1000, unseen_between=10),
+    )
+
+
 def import_tamer_log(source: Path, target: Path, *, participant: str | None = None) -> ImportReport:
     """Write the recording of a TAMER Tetris log.
 
@@ -110,7 +134,7 @@ def import_tamer_log(source: Path, target: Path, *, participant: str | None = No
         started_ns=episodes[0][0].start_ns,
         participant=participant or source.stem,
         root_seed=0,
-        protocol={"domain": {"type": "tetris", "rows": ROWS, "columns": COLUMNS}},
+        protocol=to_plain(tamer_protocol()),
         software={},
         departures=[
             "imported: times, boards and presses are those of the source; frames are its steps",
