@@ -36,10 +36,10 @@ def _share(i: int, n: int) -> int:
 def state_variables(config: KeepawayConfig) -> tuple[StateVariable, ...]:
     """Return the variables in the order of the array: K1 has the ball, others are numbered by distance from it.
 
-    Distances are not larger than twice the region's diagonal: players leave the region by a little, never far.
+    Distances reach to 1.25 times the region's diagonal: players leave the region by a little, never far.
     """
     keepers, takers = config.n_keepers, config.n_takers
-    far = 2.0 * math.hypot(config.length_m, config.width_m)
+    far = 1.25 * math.hypot(config.length_m, config.width_m)
     keeper_width = [2.0 + _share(i, keepers - 2) for i in range(1, keepers)]
     taker_width = [3.0 + _share(i, takers - 1) for i in range(takers)]
     mates = [f"K{i + 2}" for i in range(keepers - 1)]

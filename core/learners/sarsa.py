@@ -1,0 +1,246 @@
+"""SMDP Sarsa(lambda) on tile-coded variables (Stone, Sutton & Kuhlmann 2005; UT Austin keepaway 0.6).
+
+Several learners can learn side by side, each from its own decisions: they have weights of their own or share
+them. A decision is an integer per variable (`core.tile_coding`) and an action.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.compiled import kernel
+from core.tile_coding import TileCoder, add_to_windows, window_sum
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+NOT_YET = -1
+"""Last decision time of a learner that has not decided in this episode."""
+
+
+@dataclass(frozen=True, slots=True)
+class SarsaConfig:
+    """Sarsa(lambda); the defaults are those of the released keepaway players."""
+
+    step_size: float = 0.125
+    """alpha, divided by the number of active tiles in every update."""
+    discount: float = 1.0
+    """gamma per cycle, in (0, 1]."""
+    trace_decay: float = 0.0
+    """lambda per decision, in [0, 1]."""
+    exploration: float = 0.01
+    """epsilon: share of decisions taken at random."""
+    replacing_traces: bool = True
+    """True: a visited tile's trace becomes 1, those of the other actions there 0. False: traces accumulate."""
+    least_trace: float = 0.01
+    """Traces below this are dropped."""
+    initial_value: float = 0.0
+    """Action value before any learning, in cycles."""
+    shared_weights: bool = False
+    """All learners learn one weight vector."""
+
+    def __post_init__(self) -> None:
+        if not (self.step_size >= 0 and 0 < self.discount <= 1 and 0 <= self.trace_decay <= 1):
+            raise ValueError(
+                "need step_size >= 0, discount in (0, 1] and trace_decay in [0, 1], got "
+                f"{self.step_size}, {self.discount}, {self.trace_decay}"
+            )
+        if not 0 <= self.exploration <= 1:
+            raise ValueError(f"exploration is a share of decisions in [0, 1], got {self.exploration}")
+
+
+class Sarsa(NamedTuple):
+    """State of n learners of a actions over v variables with t tiles; kernels change the arrays in place."""
+
+    weights: Floats
+    """Shape (n, a, t), or (1, a, t) where shared."""
+    traces: Floats
+    """Eligibility, shape (n, a, t); without traces (lambda 0) shape (n, a, 0)."""
+    windows: Ints
+    """Active tiles of each learner's last decision, shape (n, v)."""
+    last_action: Ints
+    """Shape (n,)."""
+    last_time: Ints
+    """Cycle of the last decision; NOT_YET at the start of an episode, shape (n,)."""
+    values: Floats
+    """Action values at each learner's last decision, before the update it caused, shape (n, a)."""
+    coder: TileCoder
+    step_size: float
+    """alpha / number of active tiles."""
+    discount: float
+    trace_decay: float
+    exploration: float
+    replacing: bool
+    least_trace: float
+
+
+def new_sarsa(config: SarsaConfig, coder: TileCoder, n_learners: int, n_actions: int) -> Sarsa:
+    """Return learners that have not learned yet."""
+    n_variables = len(coder.low)
+    n_active = n_variables * coder.n_tilings
+    n_sets = 1 if config.shared_weights else n_learners
+    with_traces = config.trace_decay > 0
+    return Sarsa(
+        weights=np.full((n_sets, n_actions, coder.n_tiles), config.initial_value / n_active),
+        traces=np.zeros((n_learners, n_actions, coder.n_tiles if with_traces else 0)),
+        windows=np.zeros((n_learners, n_variables), np.int64),
+        last_action=np.zeros(n_learners, np.int64),
+        last_time=np.full(n_learners, NOT_YET, np.int64),
+        values=np.zeros((n_learners, n_actions)),
+        coder=coder,
+        step_size=float(config.step_size) / n_active,
+        discount=float(config.discount),
+        trace_decay=float(config.trace_decay),
+        exploration=float(config.exploration),
+        replacing=bool(config.replacing_traces),
+        least_trace=float(config.least_trace),
+    )
+
+
+def frozen(sarsa: Sarsa, exploration: float = 0.0) -> Sarsa:
+    """Return the same learners, sharing their weights, that act but no longer learn."""
+    return sarsa._replace(
+        step_size=0.0,
+        exploration=float(exploration),
+        windows=sarsa.windows.copy(),
+        last_action=sarsa.last_action.copy(),
+        last_time=np.full_like(sarsa.last_time, NOT_YET),
+        values=sarsa.values.copy(),
+    )
+
+
+@kernel
+def reward_of(cycles: int, discount: float) -> float:
+    """Return the reward of `cycles` cycles of play, 1 for each, discounted from the option's start."""
+    if discount == 1.0:
+        return float(cycles)
+    return (1.0 - math.pow(discount, float(cycles))) / (1.0 - discount)
+
+
+@kernel
+def greedy_or_random(values: Floats, exploration: float, rng: np.random.Generator) -> int:
+    """Return the best action, ties broken at random; with probability `exploration` any. Draws twice."""
+    explore, pick = rng.random() < exploration, rng.random()
+    n = len(values)
+    if explore:
+        return int(pick * n)
+    best = values.max()
+    n_best = 0
+    for a in range(n):
+        n_best += values[a] == best
+    wanted = int(pick * n_best)
+    for a in range(n):
+        if values[a] == best:
+            if wanted == 0:
+                return a
+            wanted -= 1
+    return 0
+
+
+@kernel
+def action_values(sarsa: Sarsa, k: int, windows: Ints, out: Floats) -> None:
+    """Write Q(s, a) of learner k for every action, in cycles still to come."""
+    weights = sarsa.weights[min(k, sarsa.weights.shape[0] - 1)]
+    for a in range(len(out)):
+        out[a] = window_sum(weights[a], windows, sarsa.coder.n_tilings)
+
+
+@kernel
+def decide(sarsa: Sarsa, k: int, windows: Ints, time: int, rng: np.random.Generator) -> int:
+    """Choose learner k's action in the state with these active tiles, and learn from the option that ended.
+
+    Args:
+        sarsa: learners, in place.
+        k: which learner.
+        windows: first active tile per variable, shape (v,) (`core.tile_coding.find_windows`).
+        time: cycle of the decision, within the episode.
+        rng: policy stream; two draws.
+
+    Returns:
+        The action, as `greedy_or_random`.
+    """
+    values = sarsa.values[k]
+    before = 0.0
+    if sarsa.last_time[k] != NOT_YET:
+        before = _last_value(sarsa, k)
+    action_values(sarsa, k, windows, values)
+    action = greedy_or_random(values, sarsa.exploration, rng)
+    take_action(sarsa, k, windows, action, time, before)
+    return action
+
+
+@kernel
+def take_action(sarsa: Sarsa, k: int, windows: Ints, action: int, time: int, before: float) -> None:
+    """Learn from learner k's ended option, now that `action` is chosen, and remember the new decision.
+
+    `before` is the value of the ended option (`_last_value`), unused before the first decision. The values of the
+    present state have been written to `sarsa.values[k]`. Use this where somebody else chooses the action.
+    """
+    last = sarsa.last_time[k]
+    if last != NOT_YET and sarsa.step_size > 0.0:
+        passed = math.pow(sarsa.discount, float(time - last))
+        target = reward_of(time - last, sarsa.discount) + passed * sarsa.values[k, action]
+        _learn(sarsa, k, target - before)
+        _decay_traces(sarsa, k, passed * sarsa.trace_decay)
+    sarsa.windows[k] = windows
+    sarsa.last_action[k] = action
+    sarsa.last_time[k] = time
+    if sarsa.step_size > 0.0:
+        _mark(sarsa, k)
+
+
+@kernel
+def end_episode(sarsa: Sarsa, time: int) -> None:
+    """Give every learner that decided the reward up to the episode's end, and forget traces and decisions."""
+    for k in range(len(sarsa.last_time)):
+        last = sarsa.last_time[k]
+        if last != NOT_YET and sarsa.step_size > 0.0:
+            _learn(sarsa, k, reward_of(time - last, sarsa.discount) - _last_value(sarsa, k))
+        sarsa.last_time[k] = NOT_YET
+    if sarsa.step_size > 0.0:
+        sarsa.traces[:] = 0.0
+
+
+@kernel
+def _last_value(sarsa: Sarsa, k: int) -> float:
+    weights = sarsa.weights[min(k, sarsa.weights.shape[0] - 1)]
+    return window_sum(weights[sarsa.last_action[k]], sarsa.windows[k], sarsa.coder.n_tilings)
+
+
+@kernel
+def _learn(sarsa: Sarsa, k: int, error: float) -> None:
+    """W += alpha * error * trace; without traces only the last decision's tiles have one."""
+    weights = sarsa.weights[min(k, sarsa.weights.shape[0] - 1)]
+    amount = sarsa.step_size * error
+    if sarsa.traces.shape[2] == 0:
+        add_to_windows(weights[sarsa.last_action[k]], sarsa.windows[k], sarsa.coder.n_tilings, amount)
+        return
+    for a in range(weights.shape[0]):
+        for t in range(weights.shape[1]):
+            weights[a, t] += amount * sarsa.traces[k, a, t]
+
+
+@kernel
+def _decay_traces(sarsa: Sarsa, k: int, decay: float) -> None:
+    for a in range(sarsa.traces.shape[1]):
+        for t in range(sarsa.traces.shape[2]):
+            trace = sarsa.traces[k, a, t] * decay
+            sarsa.traces[k, a, t] = trace if trace >= sarsa.least_trace else 0.0
+
+
+@kernel
+def _mark(sarsa: Sarsa, k: int) -> None:
+    """Make the tiles of the last decision eligible."""
+    if sarsa.traces.shape[2] == 0:
+        return
+    n_tilings = sarsa.coder.n_tilings
+    for v in range(sarsa.windows.shape[1]):
+        first = sarsa.windows[k, v]
+        for t in range(first, first + n_tilings):
+            if sarsa.replacing:
+                sarsa.traces[k, :, t] = 0.0
+                sarsa.traces[k, sarsa.last_action[k], t] = 1.0
+            else:
+                sarsa.traces[k, sarsa.last_action[k], t] += 1.0
