@@ -7,7 +7,6 @@ Agrees with `scipy.stats.CensoredData` likelihoods (tested), which is exact for 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,7 +14,8 @@ from numpy.typing import NDArray
 from scipy import optimize, special
 
 from studies.reaction_time import gamma_profile, kernels
-from studies.reaction_time.sample import FitError, Sample
+from studies.reaction_time.ascent import climb
+from studies.reaction_time.sample import Sample
 
 if TYPE_CHECKING:
     from studies.reaction_time.families import Family
@@ -109,47 +109,34 @@ class _Climb:
         alive = waited > 0.0  # a wait shorter than the offset tells nothing: survival is 1
         waited, counts = waited[alive], self._counts[alive]
 
-        def loss(theta: Array) -> float:
+        def height(theta: Array) -> float:
             first, second = self._natural(theta)
             with np.errstate(all="ignore"):
                 total = log_density(self._kind, first, second, y).sum()
                 total += (counts * log_survival(self._kind, first, second, waited)).sum()
-            return -float(total) if np.isfinite(total) else 1e12
+            return float(total) if np.isfinite(total) else -math.inf
 
         start = np.empty(2)
         kernels.fit_at_offset(np.concatenate([y, waited]), 0.0, self._kind, self._bound, start)
         theta = np.array([start[0] if self._is_log_normal else math.log(start[0]), math.log(start[1])])
-        bounds = self._bounds(theta)
+        low, high = self._box(theta)
         # The step from the closed fit to the optimum hardly changes from one offset to the next.
-        guess = np.clip(theta + self._step, [low for low, _ in bounds], [high for _, high in bounds])
-        found, value = _descend(loss, guess, bounds)
-        self._step, theta = found - theta, found
-        return np.array(self._natural(theta)), -value
+        found, value = climb(height, theta + self._step, low, high)
+        self._step = found - theta
+        return np.array(self._natural(found)), value
 
     def _natural(self, theta: Array) -> tuple[float, float]:
         first = float(theta[0]) if self._is_log_normal else math.exp(theta[0])
         return first, math.exp(theta[1])
 
-    def _bounds(self, start: Array) -> list[tuple[float, float]]:
+    def _box(self, start: Array) -> tuple[Array, Array]:
         """Six units of log either way, inside the family's bound."""
-        first, second = (start[0] - 6.0, start[0] + 6.0), (start[1] - 6.0, start[1] + 6.0)
+        low, high = start - 6.0, start + 6.0
         if self._bound > 0.0 and self._is_log_normal:
-            second = (second[0], math.log(self._bound))
+            high[1] = math.log(self._bound)
         elif self._bound > 0.0:
-            first = (math.log(self._bound), first[1])
-        return [first, second]
-
-
-def _descend(
-    loss: Callable[[Array], float], start: Array, bounds: Sequence[tuple[float | None, float | None]]
-) -> tuple[Array, float]:
-    """Quasi-Newton steps to the bottom of `loss`."""
-    found = optimize.minimize(loss, start, method="L-BFGS-B", bounds=bounds, options={"ftol": 1e-11})
-    if not found.fun < 1e11:
-        raise FitError(
-            "the likelihood with time-outs is not finite: look for time-outs far above every response"
-        )
-    return np.asarray(found.x), float(found.fun)
+            low[0] = math.log(self._bound)
+        return low, high
 
 
 def _fit_gamma(family: Family, sample: Sample) -> tuple[Array, float]:
@@ -172,21 +159,18 @@ def _fit_ex_gaussian(sample: Sample) -> tuple[Array, float]:
     waited, counts = np.unique(sample.censored_s, return_counts=True)
     everything = np.concatenate([sample.observed_s, sample.censored_s])
     mean, sd = float(everything.mean()), float(everything.std())
-    widths = (math.log(kernels.SMALLEST_WIDTH_S), math.log(10.0 * float(np.ptp(everything)) + 1.0))
+    least = math.log(kernels.SMALLEST_WIDTH_S)
+    most = math.log(10.0 * float(np.ptp(everything)) + 1.0)
 
-    def loss(theta: Array) -> float:
-        mu, sigma, tau = float(theta[0]), math.exp(theta[1]), math.exp(theta[2])
+    def height(theta: Array) -> float:
+        mu, sigma, tau = sd * float(theta[0]), math.exp(theta[1]), math.exp(theta[2])
         total = log_density(None, mu, sigma, sample.observed_s, tau).sum()
-        total += (counts * log_survival(None, mu, sigma, waited, tau)).sum()
-        return -float(total) if np.isfinite(total) else 1e12
+        return float(total + (counts * log_survival(None, mu, sigma, waited, tau)).sum())
 
     tops = []
     for share in (0.05, 0.5, 0.95):
         tau, sigma = sd * math.sqrt(share), sd * math.sqrt(1.0 - share)
-        tops.append(
-            _descend(
-                loss, np.array([mean - tau, math.log(sigma), math.log(tau)]), [(None, None), widths, widths]
-            )
-        )
-    theta, value = min(tops, key=lambda top: top[1])
-    return np.array([theta[0], math.exp(theta[1]), math.exp(theta[2])]), -value
+        start = [(mean - tau) / sd, math.log(sigma), math.log(tau)]
+        tops.append(climb(height, start, [-math.inf, least, least], [math.inf, most, most]))
+    theta, total = max(tops, key=lambda top: top[1])
+    return np.array([sd * theta[0], math.exp(theta[1]), math.exp(theta[2])]), total

@@ -14,9 +14,10 @@ from typing import Any
 import msgspec
 import numpy as np
 from numpy.typing import NDArray
-from scipy import optimize, stats
+from scipy import stats
 
 from studies.reaction_time import kernels
+from studies.reaction_time.ascent import climb
 from studies.reaction_time.censored import fit_censored
 from studies.reaction_time.kernels import SMALLEST_WIDTH_S
 from studies.reaction_time.sample import Sample
@@ -220,28 +221,17 @@ def _at_bound(family: Family, values: Array, low: float) -> tuple[str, ...]:
 
 
 def _fit_ex_gaussian(x: Array) -> tuple[Array, float]:
-    """Climb from several shares of the variance in tau; keep the highest top."""
+    """Climb from several shares of the variance in tau; keep the highest top. Unknowns: mu / sd, logs of widths."""
     mean, sd = float(x.mean()), float(x.std())
-    gradient = np.empty(3)
-    widths = (math.log(SMALLEST_WIDTH_S), math.log(10.0 * (x[-1] - x[0]) + 1.0))
+    low = [-math.inf, math.log(SMALLEST_WIDTH_S), math.log(SMALLEST_WIDTH_S)]
+    high = [math.inf, *2 * [math.log(10.0 * float(x[-1] - x[0]) + 1.0)]]
 
-    def loss(theta: Array) -> tuple[float, Array]:
-        total = kernels.ex_gaussian_terms(x, theta[0], math.exp(theta[1]), math.exp(theta[2]), gradient)
-        return -total / x.size, -gradient / x.size
+    def height(theta: Array) -> float:
+        return float(kernels.ex_gaussian(x, sd * theta[0], math.exp(theta[1]), math.exp(theta[2])))
 
-    best: Any = None
+    tops = []
     for share in (0.05, 0.5, 0.95):
         tau, sigma = sd * math.sqrt(share), sd * math.sqrt(1.0 - share)
-        start = np.array([mean - tau, math.log(sigma), math.log(tau)])
-        found = optimize.minimize(
-            loss,
-            start,
-            jac=True,
-            method="L-BFGS-B",
-            bounds=[(None, None), widths, widths],
-            options={"ftol": 1e-14, "gtol": 1e-9, "maxiter": 500},
-        )
-        if best is None or found.fun < best.fun:
-            best = found
-    values = np.array([best.x[0], math.exp(best.x[1]), math.exp(best.x[2])])
-    return values, float(-best.fun * x.size)
+        tops.append(climb(height, [(mean - tau) / sd, math.log(sigma), math.log(tau)], low, high))
+    theta, total = max(tops, key=lambda top: top[1])
+    return np.array([sd * theta[0], math.exp(theta[1]), math.exp(theta[2])]), total

@@ -1,5 +1,6 @@
 """Speeds of the reaction-time fits: CPU seconds, medians. Run with `pytest -m benchmark_run -s`."""
 
+import resource
 import statistics
 import time
 
@@ -38,11 +39,14 @@ def test_all_families_of_a_participant_with_100_trials_take_under_half_a_second(
 
 def test_257_participants_with_bootstrap_intervals_take_under_two_minutes_on_two_cores():
     people = {name: sample(times) for name, times in real.go_times().items()}
-    start = time.perf_counter()
+    before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
     group = fit_group(people, FitSettings(), n_workers=2)
-    spent = time.perf_counter() - start
+    after, spent = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter() - start
+    cpu = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     print(
-        f"\n{len(people)} participants, {FitSettings().n_resamples} resamples: {spent:.0f} s on two workers"
+        f"\n{len(people)} participants, {FitSettings().n_resamples} resamples, two workers: "
+        f"{cpu:.0f} CPU seconds, {spent:.0f} s on this machine as it was"
     )
     assert len(group.participants) == len(people)
-    assert spent < 120.0
+    # Two cores of our own would need half the CPU time; other processes may share them.
+    assert cpu / 2 < 120.0
