@@ -19,6 +19,10 @@ class Companion:
     """Judges each step by an oracle's values, as `protocol.trainer` says."""
 
     def __init__(self, session: "Session", protocol: Protocol, root_seed: int) -> None:
+        # Here, not above: compiled code, and the screen's process imports this module with the worker's.
+        from core.tetris.oracle import TetrisOracle
+
+        self._oracle = TetrisOracle(protocol.domain)
         self._domain = session.domain
         self._keys = protocol.keys
         self._trainer = SimulatedTrainer(protocol.trainer, root_seed=root_seed)
@@ -31,11 +35,8 @@ class Companion:
 
     def watch(self, step: StepTaken, *, shown_ns: int, hidden_ns: int) -> list[PressSuggested]:
         """Return the presses about a step that is about to be shown, in order of time."""
-        # Here, not above: compiled code, and the screen's process imports this module in its tests.
-        from core.tetris.oracle import oracle_values
-
         assert self._state is not None, "an episode starts before its first step"
-        values = oracle_values(self._domain, self._state)
+        values = self._oracle(self._state)
         presses = self._trainer.watch(step.step, values, step.action, shown_ns=shown_ns, hidden_ns=hidden_ns)
         self._state = self._domain.transition(self._state, step.action).next_state
         good, bad = self._keys.good, self._keys.bad

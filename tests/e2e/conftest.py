@@ -11,10 +11,10 @@ name = "short"
 episodes = 2
 unseen_between = 4
 unseen_steps = 50
-watched_steps = 8
+watched_steps = 7
 
 [screen]
-tick_ms = 40
+tick_ms = 70
 pause_between_episodes_s = 0.3
 
 [keys]

@@ -10,8 +10,10 @@ import pexpect
 import pyte
 
 COLUMNS, LINES = 80, 24
-PATIENCE_S = 60.0
-"""Nothing takes longer; compiling for the first time comes close."""
+TROUBLE = "had to end early"
+"""What the last screen says when something failed."""
+PATIENCE_S = 180.0
+"""Compiling everything for the first time on a busy machine takes a minute and more."""
 REPOSITORY = Path(__file__).resolve().parents[2]
 
 
@@ -70,6 +72,8 @@ class Terminal:
             for text in texts:
                 if text in self.text:
                     return text
+            if TROUBLE in self.text and TROUBLE not in texts:
+                raise AssertionError(f"trouble before {texts} was seen:\n{self.text}")
             if not running:
                 raise AssertionError(f"the program ended before {texts} was seen:\n{self.text}")
         raise AssertionError(f"{texts} was not seen within {patience_s:.0f} s:\n{self.text}")
