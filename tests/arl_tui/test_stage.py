@@ -37,7 +37,7 @@ def test_the_board_on_screen_is_the_board_of_the_game(seed: int) -> None:
             assert pictures[0].counts.next_piece == game.detail(next_state, 0)["piece"]
         shown = np.frombuffer(stage.picture.cells, dtype=np.uint8).reshape(config.rows, config.columns)[::-1]
         columns = [sum(1 << row for row in np.flatnonzero(column != EMPTY).tolist()) for column in shown.T]
-        assert columns == list(next_state.cols)
+        assert columns == list(next_state.columns)
         assert stage.picture.counts.lines == game.performance(next_state)
         state = next_state
 
