@@ -84,10 +84,13 @@ def _run_both(recording: Recording, session: Session) -> Iterator[tuple[Output |
     run = session.run(source, clock)
     for number, recorded in enumerate(outputs):
         timed = next((output for output in outputs[number:] if not isinstance(output, CreditGiven)), None)
-        if timed is None:
+        if timed is not None:
+            source.taken_before_next_output = timed.inputs
+            clock.advance_to_ns(timed.time_ns)
+        elif recording.complete:
+            source.taken_before_next_output = len(recording.inputs)
+        else:
             return  # cut off while presses were being credited: what had been taken in is not known
-        source.taken_before_next_output = timed.inputs
-        clock.advance_to_ns(timed.time_ns)
         yield recorded, next(run, None)
     if recording.complete:
         yield None, next(run, None)
