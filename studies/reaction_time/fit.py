@@ -12,6 +12,7 @@ from studies.reaction_time.bootstrap import critical_values, percentile_interval
 from studies.reaction_time.families import FAMILIES, GAMMA, SHIFTED_GAMMA, FamilyFit, compare, fit_all
 from studies.reaction_time.goodness import Goodness, goodness_of_fit
 from studies.reaction_time.intervals import Interval, profile_intervals
+from studies.reaction_time.pooling import FEWEST_PEOPLE, Group, PooledDelay, pool
 from studies.reaction_time.quantities import quantities_of
 from studies.reaction_time.sample import FitError, Sample
 
@@ -34,6 +35,8 @@ class FitSettings(msgspec.Struct, frozen=True, kw_only=True):
     n_goodness: int = 0
     """Resamples of the goodness-of-fit test per gamma family; 0 leaves it out."""
     root_seed: int = 0
+    pooled: bool = True
+    """Also pool the two-parameter gamma over participants, if there are at least five."""
 
 
 class DelayEstimate(msgspec.Struct, frozen=True, kw_only=True):
@@ -81,6 +84,10 @@ class GroupFit(msgspec.Struct, frozen=True, kw_only=True):
     participants: dict[str, ParticipantFit]
     failures: dict[str, str]
     """Participant to the reason why there is no fit."""
+    spread: Group | None = None
+    """How the participants differ; None where they were not pooled."""
+    pooled: dict[str, PooledDelay] = {}
+    """Participant to the delay pooled over the group: for few trials each."""
 
 
 def fit_participant(participant: str, sample: Sample, settings: FitSettings) -> ParticipantFit:
@@ -184,16 +191,24 @@ def fit_group(
     else:
         # "spawn": the caller may have threads (a terminal app has), which "fork" would copy in mid-air.
         context = multiprocessing.get_context("spawn")
-        with ProcessPoolExecutor(n_workers, mp_context=context) as pool:
+        with ProcessPoolExecutor(n_workers, mp_context=context) as workers:
             futures = {
-                pool.submit(_fit_or_reason, name, sample, settings): name for name, sample in samples.items()
+                workers.submit(_fit_or_reason, name, sample, settings): name
+                for name, sample in samples.items()
             }
             for future in as_completed(futures):
                 note(futures[future], future.result())
+    fitted = {n: one for n in samples if isinstance(one := done[n], ParticipantFit)}
+    spread: Group | None = None
+    pooled: dict[str, PooledDelay] = {}
+    if settings.pooled and len(fitted) >= FEWEST_PEOPLE:
+        spread, pooled = pool({n: samples[n] for n in fitted})
     return GroupFit(
         settings=settings,
-        participants={n: done[n] for n in samples if isinstance(done[n], ParticipantFit)},  # type: ignore[misc]
-        failures={n: str(done[n]) for n in samples if not isinstance(done[n], ParticipantFit)},
+        participants=fitted,
+        failures={n: str(done[n]) for n in samples if n not in fitted},
+        spread=spread,
+        pooled=pooled,
     )
 
 

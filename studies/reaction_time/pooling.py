@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import special
 
+from core.feedback.credit import GammaDelay
 from studies.reaction_time.ascent import climb
 from studies.reaction_time.censored import log_survival
 from studies.reaction_time.kernels import GAMMA
@@ -47,6 +48,10 @@ class PooledDelay(msgspec.Struct, frozen=True, kw_only=True):
     offset_s: float
     own_share: float
     """How much of the log mean comes from the participant's own data: 1 - posterior variance / group variance."""
+
+    def gamma_delay(self) -> GammaDelay:
+        """Return the density that credit assignment takes."""
+        return GammaDelay(shape=self.shape, scale_s=self.scale_s, offset_s=self.offset_s)
 
 
 def pool(
