@@ -9,7 +9,6 @@ from typing import Any
 from textual import constants, events
 from textual.app import App
 
-from arl_tui import facts
 from arl_tui.driver import FlushClock, stamped_driver
 from arl_tui.garbage import GarbageControl
 from arl_tui.link import Link, PressSuggested, Ready
@@ -126,6 +125,8 @@ class ArlApp(App[Outcome], inherit_bindings=False):
         self.exit(Outcome(None, self.live.tally))
 
     def _header(self, created_utc: str) -> Header:
+        from arl_tui import facts  # Not needed before the first paint.
+
         name, resolution_ns = facts.clock_facts()
         stamps = "flush" if self._flush_clock.running else "queued"
         protocol = self.sitting.protocol

@@ -50,13 +50,13 @@ class ClosingScreen(Page):
             return "No game was shown."
         games = len(tally.performances)
         lines = ", ".join(f"{performance:g}" for performance in tally.performances) or "-"
-        told = f"{tally.good} times good, {tally.bad} times bad"
+        told = f"good {tally.good}, bad {tally.bad}"
         if tally.taken_back:
             told += f" ({tally.taken_back} taken back)"
         return (
             f"You watched {games} {'game' if games == 1 else 'games'} ({tally.steps} pieces).\n"
             f"Lines cleared: {lines}\n"
-            f"You told the computer: {told}\n"
+            f"What you told the computer: {told}\n"
             f"On its own it practised {tally.unseen} games.\n"
             f"How much it listens to you now: {tally.w_h:.0%}"
         )

@@ -55,7 +55,7 @@ class HelpScreen(Page):
         yield Static(feedback_keys(keys))
         yield Static(
             f"\nYou have {keys.max_presses_per_episode} presses in each game. A press counts once, however long you "
-            "hold the key. Presses that do not count are greyed out, and the screen says why.\n"
+            "hold the key. If a press does not count, the screen says why.\n"
         )
         yield Static(session_keys(keys))
         yield Static("Press [reverse] H [/] or [reverse] Space [/] to go on", classes="call")

@@ -42,8 +42,8 @@ def key_cap(key: str) -> str:
 def feedback_keys(keys: KeyConfig) -> str:
     """Return the three feedback keys and what they mean, one per line, in markup."""
     return (
-        f"  {key_cap(keys.good)}  [$success]good[/] - the agent did well\n"
-        f"  {key_cap(keys.bad)}  [$error]bad[/] - the agent did badly\n"
+        f"  {key_cap(keys.good)}  [$text-success]good[/] - the computer did well\n"
+        f"  {key_cap(keys.bad)}  [$text-error]bad[/] - the computer did badly\n"
         f"  {key_cap(keys.retract)}  take my last press back"
     )
 
