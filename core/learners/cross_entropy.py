@@ -113,7 +113,7 @@ class CrossEntropy:
         return samples
 
     def elite(self, performance: ArrayLike) -> NDArray[np.intp]:
-        """Return the indices of the best samples, best first; of equal ones the first drawn.
+        """Return the indices of the best samples, in the order drawn; of equal ones the first drawn are taken.
 
         Args:
             performance: of each sample, shape (population,).
@@ -123,7 +123,9 @@ class CrossEntropy:
             raise ValueError(
                 f"need {self.config.population} performances without NaN, got shape {values.shape}: {values}"
             )
-        return np.argsort(-values, kind="stable")[: self.config.elite_size]
+        # In the order drawn: who is best among the best then changes no sum, so games of the elite need not be
+        # played to their end.
+        return np.sort(np.argsort(-values, kind="stable")[: self.config.elite_size])
 
     def update(self, performance: ArrayLike) -> None:
         """Move to the elite and begin the next iteration.

@@ -20,18 +20,31 @@ from core.tetris.board import (
     ROWS,
     SEVEN_BAG,
     Ints,
+    allow_all,
     fill_heights,
     mark_ruled_out,
     new_work,
     piece_at,
-    place,
+    put_down,
+    remove_rows,
     rule_codes,
     scan_placements,
     wall_height,
 )
 from core.tetris.config import MAX_COLUMNS, TetrisConfig
-from core.tetris.evaluation import Floats, empty_policy, fill_values, grid_weights, linear_policy, set_weights
-from core.tetris.features import feature_set
+from core.tetris.evaluation import (
+    Floats,
+    empty_policy,
+    fill_sums,
+    fill_values_21,
+    fill_values_any,
+    fill_values_of_clearing,
+    grid_weights,
+    linear_policy,
+    set_weights,
+)
+from core.tetris.features import BERTSEKAS_21, feature_set
+from core.tetris.pieces import MAX_SHAPE_SIZE
 
 PIECE_LIMIT = 2**40
 """A piece cap that no game reaches."""
@@ -223,15 +236,50 @@ def _play_greedily(
     over = False
     while not over:
         n = scan_placements(work, rules, piece_at(seed, pieces, rules[SEVEN_BAG]))
-        n_open = mark_ruled_out(work, rules, n, ruled_out)
+        if wall_height(work, NOW, n_columns) + MAX_SHAPE_SIZE <= rules[ROWS]:
+            n_open = allow_all(ruled_out, n)
+        else:
+            n_open = mark_ruled_out(work, rules, n, ruled_out)
         over = must_fit and n_open == 0
         if over or pieces >= cap:
             break
-        fill_values(code, table, numbers, work, rules, n, False, values)
-        lines += place(work, NOW, n_columns, best_action(values, ruled_out, n))
+        if code != BERTSEKAS_21:
+            fill_values_any(code, numbers, work, rules, n, False, values)
+        else:
+            fill_sums(table, work, n_columns)
+            if fill_values_21(table, numbers, work, n_columns, n, 0, values):
+                fill_values_of_clearing(table, numbers, work, n_columns, n, 0, values)
+        action = best_of(values, n) if n_open == n else best_action(values, ruled_out, n)
+        full = put_down(work, NOW, action)
+        if full != 0:
+            lines += remove_rows(work, NOW, n_columns, full)
         pieces += 1
         over = not must_fit and wall_height(work, NOW, n_columns) > rules[ROWS]
     counters[PIECES], counters[LINES], counters[FINISHED] = pieces, lines, over
+
+
+@kernel
+def best_of(values: Floats, n: int) -> int:
+    """Return `best_action` where no action is ruled out, in half the time."""
+    best = 0
+    highest = values[0]
+    for action in range(1, n):
+        value = values[action]
+        best = action if value > highest else best
+        highest = max(highest, value)
+    return best
+
+
+@kernel
+def worst_of(values: Floats, n: int) -> int:
+    """Return `worst_action` where no action is ruled out."""
+    worst = 0
+    lowest = values[0]
+    for action in range(1, n):
+        value = values[action]
+        worst = action if value < lowest else worst
+        lowest = min(lowest, value)
+    return worst
 
 
 @kernel
@@ -261,22 +309,42 @@ def _play_combined(
     over = False
     while not over:
         n = scan_placements(work, rules, piece_at(seed, decision, rules[SEVEN_BAG]))
-        n_open = mark_ruled_out(work, rules, n, ruled_out)
+        if wall_height(work, NOW, n_columns) + MAX_SHAPE_SIZE <= rules[ROWS]:
+            n_open = allow_all(ruled_out, n)
+        else:
+            n_open = mark_ruled_out(work, rules, n, ruled_out)
         over = must_fit and n_open == 0
         if over or decision >= cap:
             break
         for column in range(n_columns):
             ring[decision % len(ring), column] = work[NOW, column]
-        fill_values(env_code, env_table, env_numbers, work, rules, n, False, env_values)
-        fill_values(human_code, human_table, human_numbers, work, rules, n, True, human_values)
-        human_best = best_action(human_values, ruled_out, n)
-        env_best = best_action(env_values, ruled_out, n)
+        if env_code != BERTSEKAS_21:
+            fill_values_any(env_code, env_numbers, work, rules, n, False, env_values)
+        else:
+            fill_sums(env_table, work, n_columns)
+            if fill_values_21(env_table, env_numbers, work, n_columns, n, 0, env_values):
+                fill_values_of_clearing(env_table, env_numbers, work, n_columns, n, 0, env_values)
+        if human_code != BERTSEKAS_21:
+            fill_values_any(human_code, human_numbers, work, rules, n, True, human_values)
+        else:
+            before = fill_sums(human_table, work, n_columns)
+            if fill_values_21(human_table, human_numbers, work, n_columns, n, before, human_values):
+                fill_values_of_clearing(human_table, human_numbers, work, n_columns, n, before, human_values)
+        if n_open == n:
+            env_best, human_best = best_of(env_values, n), best_of(human_values, n)
+            human_worst = worst_of(human_values, n)
+        else:
+            env_best = best_action(env_values, ruled_out, n)
+            human_best = best_action(human_values, ruled_out, n)
+            human_worst = worst_action(human_values, ruled_out, n)
         n_agree += env_best == human_best
-        n_agree_worst += env_best == worst_action(human_values, ruled_out, n)
+        n_agree_worst += env_best == human_worst
         action = choose(env_values, human_values, ruled_out, n, form, w_r, w_h)
         if share > 0.0 and takes_control(share_seed, decision, share):
             action = human_best
-        lines += place(work, NOW, n_columns, action)
+        full = put_down(work, NOW, action)
+        if full != 0:
+            lines += remove_rows(work, NOW, n_columns, full)
         decision += 1
         over = not must_fit and wall_height(work, NOW, n_columns) > rules[ROWS]
     return decision, lines, n_agree, n_agree_worst, over

@@ -39,11 +39,11 @@ SHAPE, LEFT, ROW, FULL = range(4, 8)
 """Of each placement: row in the SHAPE_ tables, leftmost column, landing row, mask of the rows it fills."""
 COMMON_LEFT, COMMON_RIGHT = 8, 9
 """Rows filled in all columns left of c, and in all from c on."""
-VALUE_LEFT, VALUE_RIGHT, HEIGHT_LEFT, NEIGHBOUR = range(10, 14)
-"""Value of the columns left of c and from c on; sum of heights left of c; height of column c - 1."""
-FEATURES, FEATURES_BEFORE = 14, 15
+VALUE_LEFT, VALUE_RIGHT, NEIGHBOUR = 10, 11, 12
+"""Value of the columns left of c and from c on; height of column c - 1 (0 beyond the walls)."""
+FEATURES, FEATURES_BEFORE = 13, 14
 """Features of the board AFTER and of the board NOW."""
-N_WORK_ROWS, WORK_WIDTH = 16, 80
+N_WORK_ROWS, WORK_WIDTH = 15, 80
 
 # Places in the array of rules that kernels take.
 ROWS, COLUMNS, OVERFLOW, CLEAR_ON_OVERFLOW, TERMINAL_BY_FEATURES, SEVEN_BAG, LINES_IN_VALUE = range(7)
@@ -119,15 +119,23 @@ def cell_count(mask: int) -> int:
 
 
 @kernel
+def height_of(column: int) -> int:
+    """Return one more than the row of the topmost cell; 0 for an empty column."""
+    # Every bit below the highest one is set; no loop whose length the processor would have to guess.
+    column |= column >> 1
+    column |= column >> 2
+    column |= column >> 4
+    column |= column >> 8
+    column |= column >> 16
+    column |= column >> 32
+    return cell_count(column)
+
+
+@kernel
 def fill_heights(work: Ints, board: int, n_columns: int) -> None:
     """Write the height of each column of a board (NOW or AFTER)."""
     for column in range(n_columns):
-        rest = work[board, column]
-        height = 0
-        while rest != 0:
-            rest >>= 1
-            height += 1
-        work[board + 1, column] = height
+        work[board + 1, column] = height_of(work[board, column])
 
 
 @kernel
@@ -191,16 +199,18 @@ def scan_placements(work: Ints, rules: Ints, piece: int) -> int:
                 max(work[NOW + 1, left + 2] - bottom_2, work[NOW + 1, left + 3] - bottom_3),
             )
             row = max(row, 0)
-            full = work[COMMON_LEFT, left] & work[COMMON_RIGHT, left + width] & (15 << row)
+            # Unsigned, or the compiler would look at each for a count from the end.
+            at, right = np.uint64(n + left), np.uint64(left + width)
+            full = work[COMMON_LEFT, left] & work[COMMON_RIGHT, right] & (15 << row)
             if full != 0:
                 if row + height > last_clearing_row:
                     full = 0
                 for offset in range(width):
                     full &= work[NOW, left + offset] | (SHAPE_COLUMNS[shape, offset] << row)
-            work[SHAPE, n + left] = shape
-            work[LEFT, n + left] = left
-            work[ROW, n + left] = row
-            work[FULL, n + left] = full
+            work[SHAPE, at] = shape
+            work[LEFT, at] = left
+            work[ROW, at] = row
+            work[FULL, at] = full
         n += n_columns - width + 1
     return n
 
@@ -218,22 +228,30 @@ def _fill_common(work: Ints, n_columns: int) -> None:
 
 
 @kernel
-def place(work: Ints, board: int, n_columns: int, action: int) -> int:
-    """Put the piece down on a board (NOW or AFTER) as placement `action` says; return the lines cleared."""
-    shape, left, row, full = work[SHAPE, action], work[LEFT, action], work[ROW, action], work[FULL, action]
+def put_down(work: Ints, board: int, action: int) -> int:
+    """Put the piece down on a board (NOW or AFTER) as placement `action` says; return the rows to be removed."""
+    shape, left, row = work[SHAPE, action], work[LEFT, action], work[ROW, action]
     for offset in range(SHAPE_WIDTHS[shape]):
-        work[board, left + offset] |= SHAPE_COLUMNS[shape, offset] << row
-        work[board + 1, left + offset] = row + SHAPE_TOPS[shape, offset]
-    if full == 0:
-        return 0
+        column = np.uint64(left + offset)
+        work[board, column] |= SHAPE_COLUMNS[shape, offset] << row
+        work[board + 1, column] = row + SHAPE_TOPS[shape, offset]
+    return int(work[FULL, action])
+
+
+@kernel
+def remove_rows(work: Ints, board: int, n_columns: int, full: int) -> int:
+    """Remove the rows set in `full` from a board; return how many there were."""
     for column in range(n_columns):
         left_over = without_rows(work[board, column], full)
-        height = work[board + 1, column]
-        while height > 0 and (left_over >> (height - 1)) == 0:
-            height -= 1
         work[board, column] = left_over
-        work[board + 1, column] = height
+        work[board + 1, column] = height_of(left_over)
     return cell_count(full)
+
+
+@kernel
+def place(work: Ints, board: int, n_columns: int, action: int) -> int:
+    """Put the piece down, remove full rows; return the lines cleared."""
+    return remove_rows(work, board, n_columns, put_down(work, board, action))
 
 
 @kernel
@@ -273,9 +291,16 @@ def mark_above(work: Ints, rules: Ints, n: int, above: Mask) -> int:
 
 
 @kernel
+def allow_all(ruled_out: Mask, n: int) -> int:
+    """Rule out none of the first n placements; return n."""
+    for action in range(n):
+        ruled_out[action] = False
+    return n
+
+
+@kernel
 def mark_ruled_out(work: Ints, rules: Ints, n: int, ruled_out: Mask) -> int:
     """Mark the placements that are not allowed or have a value of minus infinity; return how many remain."""
     if rules[TERMINAL_BY_FEATURES] != 0:
-        ruled_out[:n] = False
-        return n
+        return allow_all(ruled_out, n)
     return n - mark_above(work, rules, n, ruled_out)

@@ -14,12 +14,11 @@ from numpy.typing import NDArray
 from core.compiled import kernel
 from core.fixed_point import fixed_point, fixed_point_shift
 from core.tetris.board import (
-    AFTER,
     COLUMNS,
     FEATURES,
     FEATURES_BEFORE,
     FULL,
-    HEIGHT_LEFT,
+    LEFT,
     LINES_IN_VALUE,
     NEIGHBOUR,
     NOW,
@@ -29,9 +28,11 @@ from core.tetris.board import (
     VALUE_RIGHT,
     WORK_WIDTH,
     Ints,
+    cell_count,
     count_holes,
-    place_on_copy,
+    height_of,
     rule_codes,
+    without_rows,
 )
 from core.tetris.config import TetrisConfig
 from core.tetris.features import (
@@ -42,10 +43,17 @@ from core.tetris.features import (
     FeatureSet,
     feature_set,
     fill_after,
-    fill_bertsekas,
     fill_features,
 )
-from core.tetris.pieces import N_SHAPES, SHAPE_BOTTOMS, SHAPE_HEIGHTS, SHAPE_TOPS, SHAPE_WIDTHS
+from core.tetris.pieces import (
+    MAX_SHAPE_SIZE,
+    N_SHAPES,
+    SHAPE_BOTTOMS,
+    SHAPE_COLUMNS,
+    SHAPE_HEIGHTS,
+    SHAPE_TOPS,
+    SHAPE_WIDTHS,
+)
 
 Floats = NDArray[np.float64]
 
@@ -53,9 +61,9 @@ Floats = NDArray[np.float64]
 WEIGHTS, EDGES = 0, 1
 """Weights, the cleared line's last; weight of the difference between columns c - 1 and c, 0 at the walls."""
 PER_ROW = 2
-"""[shape, c]: what each row higher is worth to the columns covered."""
+"""[shape, c]: what each row higher is worth: to the columns covered, and in holes."""
 OUTLINE = PER_ROW + N_SHAPES
-"""[shape, c]: value of the shape's own outline, lying in row 0."""
+"""[shape, c]: value of the shape's own outline, lying in row 0, and of the cells below it."""
 _N_TABLE_ROWS = OUTLINE + N_SHAPES
 
 # Rows of a policy's table of numbers; UNIT has one entry, the power of two in which the integers count.
@@ -138,10 +146,12 @@ def set_weights(code: int, table: Ints, numbers: Floats, rules: Ints, integers: 
     table[EDGES, 0] = table[EDGES, n_columns] = 0
     for column in range(1, n_columns):
         table[EDGES, column] = integers[n_columns + column - 1]
+    per_hole = integers[2 * n_columns]
     for shape in range(N_SHAPES):
         width = SHAPE_WIDTHS[shape]
         for left in range(n_columns - width + 1):
-            per_row = outline = 0
+            per_row = per_hole * width
+            outline = per_hole * _BOTTOM_SUMS[shape]
             for offset in range(width):
                 per_row += integers[left + offset]
                 outline += integers[left + offset] * SHAPE_TOPS[shape, offset]
@@ -168,10 +178,12 @@ def fill_values(
         relative: value the change from the board before to the afterstate instead of the afterstate.
         values: written, shape (>= n,).
     """
-    if code == BERTSEKAS_21:
-        _fill_values_21(table, numbers[UNIT, 0], work, rules[COLUMNS], n, relative, values)
-    else:
-        _fill_values_any(code, numbers, work, rules, n, relative, values)
+    if code != BERTSEKAS_21:
+        fill_values_any(code, numbers, work, rules, n, relative, values)
+        return
+    before = fill_sums(table, work, rules[COLUMNS])
+    if fill_values_21(table, numbers, work, rules[COLUMNS], n, before * relative, values):
+        fill_values_of_clearing(table, numbers, work, rules[COLUMNS], n, before * relative, values)
 
 
 @kernel
@@ -187,9 +199,10 @@ def n_features_of(code: int, n_columns: int) -> int:
 
 
 @kernel
-def _fill_values_any(
+def fill_values_any(
     code: int, numbers: Floats, work: Ints, rules: Ints, n: int, relative: bool, values: Floats
 ) -> None:
+    """Do what `fill_values` says for any feature set, one afterstate after the other."""
     n_features = n_features_of(code, rules[COLUMNS])
     if relative:
         fill_features(code, work, NOW, FEATURES_BEFORE, rules, NO_MOVE, 0, 0)
@@ -207,74 +220,109 @@ def _fill_values_any(
 
 
 @kernel
-def _fill_sums(table: Ints, work: Ints, n_columns: int) -> int:
-    """Write the rows VALUE_LEFT, VALUE_RIGHT, HEIGHT_LEFT and NEIGHBOUR; return the wall's height."""
-    heights = NOW + 1
-    left = heights_left = highest = previous = 0
-    work[VALUE_LEFT, 0] = work[HEIGHT_LEFT, 0] = work[NEIGHBOUR, 0] = 0
+def fill_sums(table: Ints, work: Ints, n_columns: int) -> int:
+    """Write the rows VALUE_LEFT, VALUE_RIGHT and NEIGHBOUR; return the value of the board NOW.
+
+    A hole more costs the same everywhere, so the cells a placement would bury are counted in here: those up to
+    its landing row less those up to the heights of the columns it covers.
+    """
+    heights, per_hole = NOW + 1, table[WEIGHTS, 2 * n_columns]
+    left = buried = highest = previous = 0
+    work[VALUE_LEFT, 0] = work[NEIGHBOUR, 0] = 0
     for column in range(n_columns):
         height = work[heights, column]
         # The difference to a column belongs to neither side of a placement between the two.
         left += table[EDGES, column] * abs(height - previous) + table[WEIGHTS, column] * height
-        heights_left += height
+        buried += per_hole * height
         highest = max(highest, height)
-        work[VALUE_LEFT, column + 1] = left
-        work[HEIGHT_LEFT, column + 1] = heights_left
+        work[VALUE_LEFT, column + 1] = left + buried
         work[NEIGHBOUR, column + 1] = height
         previous = height
     work[NEIGHBOUR, n_columns + 1] = 0
-    right = 0
+    # What all placements share: the present holes, and the wall's height unless they raise it.
+    shared = table[WEIGHTS, 2 * n_columns - 1] * highest + per_hole * count_holes(work, NOW, n_columns)
+    right = shared
     for column in range(n_columns, 0, -1):
-        work[VALUE_RIGHT, column] = right
+        work[VALUE_RIGHT, column] = right - buried
         height = work[heights, column - 1]
+        buried -= per_hole * height
         right += (
             table[EDGES, column] * abs(work[heights, column] - height) + table[WEIGHTS, column - 1] * height
         )
-    work[VALUE_RIGHT, 0] = right
-    return highest
+    return int(right)
 
 
 @kernel
-def _fill_values_21(
-    table: Ints, unit: float, work: Ints, n_columns: int, n: int, relative: bool, values: Floats
-) -> None:
-    per_height, per_hole = table[WEIGHTS, 2 * n_columns - 1], table[WEIGHTS, 2 * n_columns]
-    highest = _fill_sums(table, work, n_columns)
-    holes = count_holes(work, NOW, n_columns)
-    base = 0
-    if relative:
-        base = work[VALUE_RIGHT, 0] + per_height * highest + per_hole * holes
+def fill_values_21(
+    table: Ints, numbers: Floats, work: Ints, n_columns: int, n: int, base: int, values: Floats
+) -> bool:
+    """Do what `fill_values` says for the 21 features, as if no rows were removed.
+
+    Args:
+        table: of the policy, as `numbers`.
+        numbers: of the policy.
+        work: memory, after `fill_sums`.
+        n_columns: width of the board.
+        n: number of placements.
+        base: value in units of the grid that counts as 0.
+        values: written, shape (>= n,).
+
+    Returns:
+        Whether placements do remove rows: their values are left to `fill_values_of_clearing`. (Apart, because
+        only a kernel that calls no other can do without counting references to its arrays.)
+    """
+    per_height, unit = table[WEIGHTS, 2 * n_columns - 1], numbers[UNIT, 0]
+    highest = 0
+    for column in range(n_columns):
+        highest = max(highest, work[NOW + 1, column])
     clearing = 0
     action = 0
     while action < n:
         shape = work[SHAPE, action]
-        width, height = SHAPE_WIDTHS[shape], SHAPE_HEIGHTS[shape]
+        width, raised = SHAPE_WIDTHS[shape], SHAPE_HEIGHTS[shape] - highest
         first_top, last_top = SHAPE_TOPS[shape, 0], _LAST_TOPS[shape]
-        rest = per_hole * (holes + _BOTTOM_SUMS[shape]) - base
         for left in range(n_columns - width + 1):
-            row = work[ROW, action + left]
-            clearing |= work[FULL, action + left]
-            right = left + width
-            value = work[VALUE_LEFT, left] + work[VALUE_RIGHT, right] + rest
+            # Unsigned, or the compiler would look at each for a count from the end.
+            at, right, beyond = np.uint64(action + left), np.uint64(left + width), np.uint64(left + width + 1)
+            row = work[ROW, at]
+            clearing |= work[FULL, at]
+            value = work[VALUE_LEFT, left] + work[VALUE_RIGHT, right] - base
             value += row * table[PER_ROW + shape, left] + table[OUTLINE + shape, left]
             value += table[EDGES, left] * abs(work[NEIGHBOUR, left] - row - first_top)
-            value += table[EDGES, right] * abs(work[NEIGHBOUR, right + 1] - row - last_top)
-            value += per_height * max(highest, row + height)
-            value += per_hole * (width * row - (work[HEIGHT_LEFT, right] - work[HEIGHT_LEFT, left]))
-            values[action + left] = value * unit
+            value += table[EDGES, right] * abs(work[NEIGHBOUR, beyond] - row - last_top)
+            value += per_height * max(0, row + raised)
+            values[at] = value * unit
         action += n_columns - width + 1
-    if clearing != 0:
-        for action in range(n):
-            if work[FULL, action] != 0:
-                values[action] = (_value_after_clearing(table, work, n_columns, action) - base) * unit
+    return clearing != 0
+
+
+@kernel
+def fill_values_of_clearing(
+    table: Ints, numbers: Floats, work: Ints, n_columns: int, n: int, base: int, values: Floats
+) -> None:
+    """Write the values of the placements that remove rows, after `fill_values_21`; the same arguments."""
+    for action in range(n):
+        if work[FULL, action] != 0:
+            value = _value_after_clearing(table, work, n_columns, action)
+            values[action] = (value - base) * numbers[UNIT, 0]
 
 
 @kernel
 def _value_after_clearing(table: Ints, work: Ints, n_columns: int, action: int) -> int:
-    """Return the value, in units of the grid, of a placement that fills rows: every column changes."""
-    lines = place_on_copy(work, n_columns, action)
-    fill_bertsekas(work, AFTER, FEATURES, n_columns)
-    value = table[WEIGHTS, 2 * n_columns + 1] * lines
-    for feature in range(2 * n_columns + 1):
-        value += table[WEIGHTS, feature] * work[FEATURES, feature]
+    """Return the value of a placement that removes rows under the 21 features, in units of the grid."""
+    shape, left = work[SHAPE, action], work[LEFT, action]
+    row, full = work[ROW, action], work[FULL, action]
+    value = table[WEIGHTS, 2 * n_columns + 1] * cell_count(full)
+    highest = previous = holes = 0
+    for column in range(n_columns):
+        cells = work[NOW, column]
+        if left <= column < left + MAX_SHAPE_SIZE:
+            cells |= SHAPE_COLUMNS[shape, column - left] << row
+        cells = without_rows(cells, full)
+        height = height_of(cells)
+        value += table[WEIGHTS, column] * height + table[EDGES, column] * abs(height - previous)
+        highest = max(highest, height)
+        holes += height - cell_count(cells)
+        previous = height
+    value += table[WEIGHTS, 2 * n_columns - 1] * highest + table[WEIGHTS, 2 * n_columns] * holes
     return int(value)
