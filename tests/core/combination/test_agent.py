@@ -23,6 +23,7 @@ from core.combination.config import (
     Signed,
 )
 from core.combination.schemes import takes_control
+from core.combination.trust import Comparison
 from core.domain import Choices
 from core.feedback.credit import CurrentStep, PreviousStep
 from core.feedback.samples import CreditConfig
@@ -150,15 +151,19 @@ def test_agreement_is_not_counted_before_there_is_a_human_policy() -> None:
     play(pupil, 0, Outcome(5.0, steps=20, agreed=20))
     teach(pupil)
     assert pupil.w_h == 0.0
+    play(pupil, 1, Outcome(5.0, steps=20, agreed=4))
+    assert pupil.w_h == 0.2
     # The first press came in the middle of a watched episode: two decisions were compared, one agreed.
     other = agent()
     policy = other.begin_episode(0, exploring=True)
     other.choose(choices((1, 2), (3, 1)), policy, step=0)
     teach(other)
-    other.choose(choices((1, 2), (3, 1)), policy, step=1)  # environment 0, human 1
-    other.choose(choices((1, 2), (0, 1)), policy, step=2)  # both 0
-    other.learn_from_domain(policy, Outcome(5.0, steps=3, agreed=1, agreed_worst=1))
-    assert other.w_h == 0.5
+    other.choose(choices((1, 2), (3, 1)), policy, step=1)  # environment 0, human 1, and 0 their worst
+    other.choose(choices((2, 2), (0, 1), (1, 1)), policy, step=2)  # both 0
+    other.choose(choices((0, 3), (3, 1), (0, 4)), policy, step=3)  # environment 2, human 1, and 2 their worst
+    other.learn_from_domain(policy, Outcome(5.0, steps=4, agreed=1, agreed_worst=2))
+    assert other.bootstrap.ranked[0].comparison == Comparison(3, 1, 2)
+    assert other.w_h == 1 / 3
 
 
 def test_exploring_episodes_play_the_learners_proposals_and_report_them() -> None:

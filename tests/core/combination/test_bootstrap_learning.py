@@ -150,6 +150,8 @@ def test_window_counts_best_and_worst_choices() -> None:
     assert len(window) == 2
     # theta = (0, 1): action 1 (human's worst of 1, 0), then action 2 (human's best of 0, 1, 2)
     assert window.compare(np.array([0.0, 1.0]), HUMAN) == Comparison(2, 1, 1)
+    window.remember(choices((0, 0), (5, 5)))  # pushes out the decision that went against the human
+    assert window.compare(np.array([0.0, 1.0]), HUMAN) == Comparison(2, 2, 0)
 
 
 def test_ruled_out_actions_are_nobodys_choice_in_the_window() -> None:

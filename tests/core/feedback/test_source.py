@@ -11,7 +11,7 @@ from core.combination.agent import ArlAgent
 from core.combination.config import AgentConfig, Constant
 from core.domain import Choices, Transition
 from core.episode import EpisodeEnded, Event, FrameShown, KeyPressed, Output, StepTaken
-from core.feedback.credit import PreviousStep
+from core.feedback.credit import PreviousStep, UniformDelay
 from core.feedback.samples import CreditConfig
 from core.feedback.source import SimulatedParticipant
 from core.feedback.trainers import SimulatedTrainer, TrainerConfig
@@ -143,6 +143,16 @@ def test_inputs_come_in_order_of_time_and_presses_name_the_step_on_screen() -> N
             assert event.source == "simulated"
             presses += 1
     assert presses > 20
+
+
+def test_a_step_is_judged_when_its_outcome_has_been_seen() -> None:
+    prompt = TrainerConfig(press_probability=1.0, max_presses=1, delay=UniformDelay(0.5, 0.6))
+    sitting = sit(prompt, episodes=1)
+    [press] = sitting.of(KeyPressed)
+    shown_ns = sitting.of(FrameShown)[0].flushed_ns
+    # One second on screen, then the delay: the press falls on the next step.
+    assert 1.5 * NS_PER_S <= press.time_ns - shown_ns <= 1.6 * NS_PER_S
+    assert press.step == 1
 
 
 def test_outputs_count_the_inputs_that_were_taken_in() -> None:
