@@ -19,6 +19,8 @@ _MAX_SHIFT = 500
 def fixed_point_shift(weights: ArrayLike) -> int:
     """Return the s for which the largest of |weights| times 2**s lies in [2**39, 2**40); 0 if all are zero.
 
+    Weights that are all below 1e-130 get fewer bits: s is at most 500.
+
     Raises:
         ValueError: a weight is not finite.
     """

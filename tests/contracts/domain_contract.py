@@ -1,0 +1,81 @@
+"""The contract of a domain, written once: a test class that gets a domain inherits all of it."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from core.domain import Domain
+from core.streams import stream
+
+MAX_STEPS = 5000
+
+
+class DomainContract:
+    """Inherit, and give the fixtures `domain` and, where episodes are long, `long_enough`."""
+
+    @pytest.fixture
+    def domain(self) -> Domain[Any]:
+        raise NotImplementedError("the test class gives its domain")
+
+    def random_episode(
+        self, domain: Domain[Any], seed: int, *, policy_seed: int = 0
+    ) -> list[tuple[Any, int]]:
+        """Play at random; return states and actions, the terminal state last with action -1."""
+        rng = stream(policy_seed, "random policy", seed)
+        state = domain.initial(seed)
+        trajectory = []
+        while not domain.terminal(state) and len(trajectory) < MAX_STEPS:
+            n_actions = len(domain.choices(state).ruled_out)
+            action = int(rng.integers(n_actions))
+            trajectory.append((state, action))
+            state = domain.transition(state, action).next_state
+        return [*trajectory, (state, -1)]
+
+    def test_the_same_seed_gives_the_same_episode(self, domain):
+        assert self.random_episode(domain, 3) == self.random_episode(domain, 3)
+
+    def test_another_seed_gives_another_episode(self, domain):
+        assert self.random_episode(domain, 3) != self.random_episode(domain, 4)
+
+    def test_random_play_ends(self, domain):
+        assert len(self.random_episode(domain, 5)) <= MAX_STEPS
+        assert domain.terminal(self.random_episode(domain, 5)[-1][0])
+
+    def test_a_transition_leaves_the_old_state_as_it_was(self, domain):
+        state = domain.initial(7)
+        before = repr(state)
+        for action in range(len(domain.choices(state).ruled_out)):
+            domain.transition(state, action)
+        assert repr(state) == before
+
+    def test_every_listed_action_can_be_taken_and_described(self, domain):
+        for state, _ in self.random_episode(domain, 11)[:-1]:
+            for action in range(len(domain.choices(state).ruled_out)):
+                assert np.isfinite(domain.transition(state, action).reward)
+                assert all(isinstance(value, int) for value in domain.detail(state, action).values())
+
+    def test_an_action_that_is_not_listed_is_refused(self, domain):
+        state = domain.initial(1)
+        for action in (-1, len(domain.choices(state).ruled_out)):
+            with pytest.raises(ValueError, match=f"no action {action}"):
+                domain.transition(state, action)
+
+    def test_features_are_finite_and_have_the_shape_their_names_say(self, domain):
+        for state, _ in self.random_episode(domain, 13)[:-1]:
+            choices = domain.choices(state)
+            n_actions = len(choices.ruled_out)
+            assert choices.features.shape == (n_actions, len(domain.feature_names))
+            assert choices.feedback_features.shape == (n_actions, len(domain.feedback_feature_names))
+            assert np.isfinite(choices.features).all()
+            assert np.isfinite(choices.feedback_features).all()
+
+    def test_performance_begins_at_zero_and_never_falls(self, domain):
+        values = [domain.performance(state) for state, _ in self.random_episode(domain, 17)]
+        assert values[0] == 0
+        assert values == sorted(values)
+
+    def test_a_terminal_state_has_no_choices(self, domain):
+        end = self.random_episode(domain, 19)[-1][0]
+        with pytest.raises(ValueError, match=r"terminal|at least one action"):
+            domain.choices(end)
