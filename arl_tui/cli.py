@@ -97,7 +97,7 @@ def demo(game: str, seed: int | None, recordings: Path) -> None:
 @click.option(
     "--games",
     type=click.IntRange(1),
-    default=30,
+    default=100,
     show_default=True,
     help="What-if: games that each resulting policy plays.",
 )

@@ -1,10 +1,12 @@
 """Running a recording again: shared by `arl replay` and `arl demo`."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import click
 import msgspec
 
+from core.episode import SessionEnded
 from core.protocol import Protocol
 from core.recording.reader import Recording, RecordingError, read_recording
 
@@ -17,17 +19,25 @@ def read_or_stop(path: Path, *, allow_truncated: bool) -> Recording:
         raise click.ClickException(str(error)) from error
 
 
+def protocol_of(recording: Recording) -> Protocol:
+    """Return the protocol in a recording's header."""
+    try:
+        return msgspec.convert(recording.header.protocol, Protocol)
+    except msgspec.ValidationError as error:
+        raise click.ClickException(f"{recording.path}:1: the protocol cannot be used: {error}") from error
+
+
 def run_again(recording: Recording) -> None:
     """Run a recording again and say that it came out the same; leave with status 1 where it did not."""
     # Compiled code comes with these.
     from core.replay import replay_exactly
     from core.session import build_session
 
+    session = build_session(protocol_of(recording), recording.header.root_seed)
+    finished = any(isinstance(output, SessionEnded) for output in recording.outputs)
     try:
-        protocol = msgspec.convert(recording.header.protocol, Protocol)
-        result = replay_exactly(recording, build_session(protocol, recording.header.root_seed))
-    except msgspec.ValidationError as error:
-        raise click.ClickException(f"{recording.path}:1: the protocol cannot be used: {error}") from error
+        # The file of a session whose learner died is closed properly, but more would have come from the agent.
+        result = replay_exactly(replace(recording, complete=recording.complete and finished), session)
     except RecordingError as error:
         raise click.ClickException(str(error)) from error
     if result.difference is not None:
@@ -35,5 +45,5 @@ def run_again(recording: Recording) -> None:
             f"the replay differs from the recording after {result.outputs} equal outputs\n  {result.difference}"
         )
     click.echo(f"Replay: exact ({result.outputs} outputs equal, the weights bit for bit)")
-    if not recording.complete:
+    if not finished:
         click.echo("The session was cut off; everything up to there came out the same.")

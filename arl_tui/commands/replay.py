@@ -8,12 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
-import msgspec
 
-from arl_tui.commands.exact import read_or_stop, run_again
+from arl_tui.commands.exact import protocol_of, read_or_stop, run_again
 from arl_tui.commands.play import read_protocol
 from core.protocol import Protocol
-from core.recording.reader import Recording
 
 if TYPE_CHECKING:
     from core.feedback.credit import Delay
@@ -56,14 +54,6 @@ def replay_recording(
 
         draw(rows, plot_path)
         click.echo(f"Figure: {plot_path}")
-
-
-def protocol_of(recording: Recording) -> Protocol:
-    """Return the protocol of a recording."""
-    try:
-        return msgspec.convert(recording.header.protocol, Protocol)
-    except msgspec.ValidationError as error:
-        raise click.ClickException(f"{recording.path}:1: the protocol cannot be used: {error}") from error
 
 
 def compare(
