@@ -93,6 +93,10 @@ class Listener(Protocol):
         """Forget a press as if it had never been made."""
         ...
 
+    def finish(self, time_ns: int) -> None:
+        """Learn from the steps that still waited for presses: the session is over."""
+        ...
+
 
 class Agent(Listener, Protocol):
     """What a session asks of an agent."""

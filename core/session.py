@@ -52,8 +52,10 @@ class Session:
                 yield from self._play_watched(audience, clock)
             if audience.stop_asked is not None:
                 break
+        now_ns = clock.now_ns()
+        self.agent.finish(now_ns)
         yield SessionEnded(
-            time_ns=clock.now_ns(),
+            time_ns=now_ns,
             inputs=audience.inputs,
             reason="finished" if audience.stop_asked is None else audience.stop_asked.reason,
             weights=self.agent.export(),

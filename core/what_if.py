@@ -23,6 +23,7 @@ from core.episode import (
     KeyPressed,
     PressRetracted,
     Resumed,
+    SessionEnded,
     StepTaken,
     UnseenPlayed,
 )
@@ -125,9 +126,11 @@ def relearn(
             case EpisodeEnded():
                 agent.learn_from_domain(watched.policy, watched.played(output))
                 relearned.w_h.append(agent.w_h)
+            case SessionEnded():
+                agent.finish(output.time_ns)
             case UnseenPlayed():
                 _play_unseen(agent, play, protocol, root_seed, output.first_episode, len(output.policies))
-    relearned.credits.extend(_attend_rest(audience, source, len(recording.inputs)))
+    relearned.credits.extend(_attend_rest(audience, source, recording))
     return relearned
 
 
@@ -157,7 +160,9 @@ def hear(
             credits.extend(audience.attend(-1))
         if isinstance(output, StepTaken):
             audience.expect(output.step, steps[output.step].taken)
-    credits.extend(_attend_rest(audience, source, len(inputs)))
+        elif isinstance(output, SessionEnded):
+            human.finish(output.time_ns)
+    credits.extend(_attend_rest(audience, source, recording))
     return Heard(human, credits)
 
 
@@ -221,7 +226,9 @@ def _observed_step(domain: Tetris, output: StepTaken) -> WatchedStep:
     return WatchedStep(output.step, choices, taken)
 
 
-def _attend_rest(audience: Audience, source: Recorded, n_inputs: int) -> Iterator[CreditGiven]:
-    """Take in what came after the last output."""
-    source.taken_before_next_output = n_inputs
+def _attend_rest(audience: Audience, source: Recorded, recording: Recording) -> Iterator[CreditGiven]:
+    """Take in what came after the last output of a session that was cut off; a closed one has heard everything."""
+    if recording.outputs and isinstance(recording.outputs[-1], SessionEnded):
+        return
+    source.taken_before_next_output = len(recording.inputs)
     yield from audience.attend(-1)

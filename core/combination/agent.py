@@ -234,6 +234,10 @@ class ArlAgent:
         """Forget a press as if it had never been made."""
         self.human.retract(press)
 
+    def finish(self, time_ns: int) -> None:
+        """Learn from the steps that still waited for presses: the session is over, and none can follow."""
+        self.human.finish(time_ns)
+
     def final_policy(self, episode: int) -> EpisodePolicy:
         """Return what the agent would play to be judged, as episode `episode` >= 0.
 
