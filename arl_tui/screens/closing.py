@@ -38,10 +38,8 @@ class ClosingScreen(Page):
             yield Static(Text("\n".join(details.strip().splitlines()[-10:])), id="trace")
         yield Static(self._what_happened())
         if outcome.recording is not None:
-            complete = (
-                "" if outcome.trouble is None else "Everything up to this moment is in the recording:\n"
-            )
-            yield Static(Text(f"{complete}{outcome.recording}"), classes="path")
+            what = "The session" if outcome.trouble is None else "Everything up to this moment"
+            yield Static(Text(f"{what} is recorded in\n{outcome.recording}"), classes="path")
         yield Static("Press [reverse] Enter [/] to leave", classes="call")
 
     def _what_happened(self) -> str:

@@ -5,14 +5,12 @@ from typing import ClassVar
 
 from textual import events
 from textual.binding import Binding, BindingType
+from textual.geometry import Size
 from textual.widget import Widget
 from textual.widgets import Static
 
 from arl_tui.screens.page import Page, feedback_keys, session_keys
 from core.keys import KeyConfig
-
-SMALLEST = (80, 24)
-"""Columns and lines that the game needs."""
 
 
 class PauseScreen(Page):
@@ -95,19 +93,23 @@ class SmallWindowScreen(Page):
 
     HEADING = "This window is too small"
 
+    def __init__(self, needed: Size) -> None:
+        super().__init__()
+        self._needed = needed
+
     def body(self) -> Iterable[Widget]:
         """Return the text."""
-        columns, lines = SMALLEST
         yield Static(
-            f"The game needs {columns} columns and {lines} lines. It goes on when the window is larger."
+            f"The game needs {self._needed.width} columns and {self._needed.height} lines. It goes on when the "
+            "window is larger, or the letters are smaller."
         )
 
     def on_resize(self, event: events.Resize) -> None:
         """Go on when there is room."""
-        if is_large_enough(event.size.width, event.size.height):
+        if fits_into(self._needed, event.size):
             self.leave(True)
 
 
-def is_large_enough(columns: int, lines: int) -> bool:
-    """Return whether the game fits."""
-    return columns >= SMALLEST[0] and lines >= SMALLEST[1]
+def fits_into(needed: Size, available: Size) -> bool:
+    """Return whether a game of this size can be shown in full."""
+    return available.width >= needed.width and available.height >= needed.height

@@ -7,14 +7,16 @@ from textual import events
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical
+from textual.geometry import Size
 from textual.screen import Screen
 from textual.widgets import Static
 
 from arl_tui.link import Picture
 from arl_tui.live import Cover, LiveSession, Occurrence
 from arl_tui.palette import Palette
-from arl_tui.screens.covers import HelpScreen, PauseScreen, SmallWindowScreen, StopScreen, is_large_enough
+from arl_tui.screens.covers import HelpScreen, PauseScreen, SmallWindowScreen, StopScreen, fits_into
 from arl_tui.screens.page import Page, session_keys
+from arl_tui.widgets.blocks import CELLS_PER_BLOCK
 from arl_tui.widgets.board import TetrisBoard
 from arl_tui.widgets.feedback_bar import FeedbackBar
 from arl_tui.widgets.next_piece import NextPiece
@@ -32,6 +34,13 @@ from core.protocol import Protocol
 
 if TYPE_CHECKING:
     from arl_tui.app import ArlApp
+
+SMALLEST = Size(80, 24)
+"""Terminals are at least this large by custom; the board of 20 x 10 fits."""
+BESIDE = 58
+"""Columns that the game takes beside its blocks."""
+BELOW = 3
+"""Lines that it takes beside its rows: border and keys."""
 
 COMMANDS: dict[str, tuple[str, str]] = {
     # action: (letter, keys that are there even if the letter is a feedback key)
@@ -61,6 +70,10 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         """
         super().__init__()
         self.board = TetrisBoard(protocol.domain.rows, protocol.domain.columns, palette=palette)
+        self._needed = Size(
+            max(SMALLEST.width, protocol.domain.columns * CELLS_PER_BLOCK + BESIDE),
+            max(SMALLEST.height, protocol.domain.rows + BELOW),
+        )
         self.feedback = FeedbackBar(protocol.keys)
         self._next = NextPiece(palette=palette)
         self._stats = StatsPanel()
@@ -183,8 +196,8 @@ class PlayScreen(Screen[None], inherit_bindings=False):
 
     def on_resize(self, event: events.Resize) -> None:
         """Ask for a larger window where the game does not fit."""
-        if self.is_current and not is_large_enough(event.size.width, event.size.height):
-            self._lay_over(SmallWindowScreen(), "resize")
+        if self.is_current and not fits_into(self._needed, event.size):
+            self._lay_over(SmallWindowScreen(self._needed), "resize")
 
     def _lay_over(self, page: Page, reason: Cover, then: Callable[[bool | None], None] | None = None) -> None:
         if self._live.phase != "running" or self._live.gate.covered:

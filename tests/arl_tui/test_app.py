@@ -3,10 +3,11 @@
 import gc
 from pathlib import Path
 
+from msgspec.structs import replace
 from textual.pilot import Pilot
 from textual.widgets import Static
 
-from arl_tui.app import ArlApp, Outcome, build_app, key_name
+from arl_tui.app import ArlApp, Outcome, Sitting, build_app, key_name
 from arl_tui.link import Begin, Crashed, Picture, PressSuggested, Ready
 from arl_tui.screens.closing import ClosingScreen
 from arl_tui.screens.covers import HelpScreen, PauseScreen, SmallWindowScreen, StopScreen
@@ -26,6 +27,7 @@ from core.episode import (
 from core.keys import KeyConfig
 from core.protocol import Protocol
 from core.recording.reader import Recording, read_recording
+from core.tetris.config import TetrisConfig
 from tests.arl_tui.fakes import FakeLink, episode_ended, episode_started, session_ended, step_taken
 
 SIZE = (80, 24)
@@ -229,7 +231,7 @@ async def test_a_worker_that_dies_ends_the_session_with_a_message_and_a_complete
         text = text_of(app)
         await pilot.press("enter")
     assert "ZeroDivisionError: oh" in text
-    assert "Everything up to this moment" in text
+    assert "Everything up to this moment is recorded" in text
     recording = recorded(tmp_path)
     assert recording.complete
     assert isinstance(recording.events[-1], StopAsked)
@@ -298,9 +300,6 @@ async def test_capital_letters_are_the_same_keys(app: ArlApp, link: FakeLink, pr
 async def test_a_command_letter_can_be_given_to_feedback(
     protocol: Protocol, link: FakeLink, tmp_path: Path
 ) -> None:
-    from msgspec.structs import replace
-
-    from arl_tui.app import Sitting
 
     keys = KeyConfig(good="p", bad="q", retract="h")
     sitting = Sitting(
@@ -334,6 +333,22 @@ async def test_a_window_that_is_too_small_covers_the_game_until_it_grows(
         assert isinstance(app.screen, PlayScreen)
     reasons = [message.reason for message in link.sent if isinstance(message, ScreenCleared)]
     assert reasons == ["resize"]
+
+
+async def test_a_larger_board_asks_for_a_larger_window(
+    protocol: Protocol, link: FakeLink, tmp_path: Path
+) -> None:
+    large = replace(protocol, domain=TetrisConfig(rows=26, columns=12))
+    app = build_app(Sitting(protocol=large, root_seed=1, participant="P01", recordings=tmp_path), link)
+    async with app.run_test(size=SIZE) as pilot:
+        await begin(pilot, link, large)
+        assert isinstance(app.screen, SmallWindowScreen)
+        assert "82 columns and 29 lines" in text_of(app)
+        await pilot.resize_terminal(82, 29)
+        await settle(pilot)
+        assert isinstance(app.screen, PlayScreen)
+        assert app.play.board.region.bottom <= 29
+        assert app.play.feedback.region.right <= 82
 
 
 async def test_the_collector_rests_during_an_episode_and_works_after_it(
