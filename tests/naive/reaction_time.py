@@ -11,7 +11,7 @@ from scipy import optimize, special, stats
 Array = NDArray[np.float64]
 
 
-def offsets_below(low: float, n: int = 800) -> Array:
+def offsets_below(low: float, n: int = 400) -> Array:
     """Return offsets from 0 to just below the fastest response, half of them crowding towards it."""
     return np.unique(
         np.concatenate([np.linspace(0.0, low - 1e-9, n // 2), low - np.geomspace(1e-9, low, n // 2)])

@@ -83,6 +83,7 @@ def test_fits_reach_the_top_found_by_the_naive_search(name, seed):
     assert fit_family(FAMILIES[name], sample(x)).log_likelihood >= naive.best_log_likelihood(name, x) - 1e-5
 
 
+@pytest.mark.jit
 @settings(max_examples=40, deadline=None)
 @given(st.lists(st.floats(0.05, 5.0), min_size=6, max_size=40, unique=True), st.sampled_from(SHIFTED))
 def test_a_shifted_fit_is_never_worse_than_the_same_family_inside_its_bounds_at_offset_zero(values, family):
@@ -93,6 +94,7 @@ def test_a_shifted_fit_is_never_worse_than_the_same_family_inside_its_bounds_at_
     assert 0.0 <= fit.parameters["offset_s"] < data.observed_s[0]
 
 
+@pytest.mark.jit
 @settings(max_examples=20, deadline=None)
 @given(st.integers(0, 10_000), st.floats(0.2, 5.0), st.sampled_from(list(FAMILIES)))
 def test_times_in_another_unit_give_the_same_fit(seed, factor, name):
@@ -137,6 +139,7 @@ def test_the_censored_gamma_agrees_with_scipys_censored_data():
     )
 
 
+@pytest.mark.jit
 def test_waiting_a_very_short_time_tells_nothing():
     x = times(6)
     alone = fit_family(SHIFTED_GAMMA, sample(x))
@@ -190,6 +193,7 @@ def test_the_better_family_is_named_in_a_sentence():
 GROUPS = {"go": real.go_times, "flanker": real.flanker_times}
 
 
+@pytest.mark.jit
 @pytest.mark.parametrize("group", GROUPS)
 @pytest.mark.parametrize("name", ["gamma", "shifted gamma", "log-normal", "Wald", "Weibull"])
 def test_every_real_participants_fit_is_the_independent_optimum(group, name):
@@ -209,6 +213,7 @@ def test_every_real_participants_other_fits_are_the_independent_optimum(group, n
         assert fit.log_likelihood == pytest.approx(naive.best_log_likelihood(name, x), abs=1e-3), participant
 
 
+@pytest.mark.jit
 @pytest.mark.parametrize(
     ("group", "order", "aics"),
     [
@@ -224,6 +229,7 @@ def test_the_published_ranking_of_pooled_real_times_is_reproduced(group, order, 
         assert aic is None or fit.aic == pytest.approx(aic, abs=0.6)
 
 
+@pytest.mark.jit
 @pytest.mark.parametrize("group", GROUPS)
 def test_shifted_log_normal_leads_the_pooled_real_times_and_the_papers_gamma_never_does(group):
     fits = fit_all(sample(np.concatenate(list(GROUPS[group]().values()))))

@@ -17,7 +17,8 @@ from studies.reaction_time.goodness import goodness_of_fit, q_q
 from studies.reaction_time.intervals import Interval
 from studies.reaction_time.sample import FitError, sample
 
-QUICK = FitSettings(families=("gamma", "ex-Gaussian"), n_resamples=20)
+pytestmark = pytest.mark.jit  # bootstraps: minutes in plain Python
+QUICK = FitSettings(families=("gamma", "ex-Gaussian"), n_resamples=10)
 
 
 def draw(n, *seed, shape=4.8, scale=0.065, offset=0.2):

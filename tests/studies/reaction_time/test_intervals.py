@@ -91,6 +91,7 @@ def test_the_shifted_profile_agrees_with_a_naive_search(quantity):
     assert profile_log_likelihood(data, SHIFTED_GAMMA, quantity, value) == pytest.approx(expected, abs=1e-3)
 
 
+@pytest.mark.jit
 @pytest.mark.parametrize("family", [GAMMA, SHIFTED_GAMMA], ids=lambda family: family.name)
 def test_the_profile_is_highest_at_the_fit_and_falls_by_the_cut_at_the_ends(family):
     data = draw(GO, 80, "ends")
@@ -117,6 +118,7 @@ def test_more_confidence_needs_a_wider_interval_and_more_trials_a_narrower_one()
     assert tight.high / tight.low < (narrow.high / narrow.low) ** 0.5
 
 
+@pytest.mark.jit
 def test_an_interval_that_meets_the_edge_of_the_region_says_so():
     fast = sample(stream(2, "edge").gamma(30.0, 0.01, 40))  # hardly skewed: offset 0 is as good as any
     fit = fit_family(SHIFTED_GAMMA, fast)
@@ -125,6 +127,7 @@ def test_an_interval_that_meets_the_edge_of_the_region_says_so():
     assert profile_interval(skewed, fit_family(SHIFTED_GAMMA, skewed), "shape").low_is_bound
 
 
+@pytest.mark.jit
 def test_a_resample_has_the_trials_and_the_time_outs_of_the_data():
     x = draw(GO, 60, "resample").observed_s
     data = sample(x[x < 0.6], np.full(np.count_nonzero(x >= 0.6), 0.6))
@@ -135,6 +138,7 @@ def test_a_resample_has_the_trials_and_the_time_outs_of_the_data():
     assert set(drawn.quantities) == set(QUANTITIES)
 
 
+@pytest.mark.jit
 def test_a_resample_without_responses_is_refused():
     data = sample([0.1, 0.11, 0.12, 0.13, 0.14], np.full(100, 0.15))
     fit = fit_family(GAMMA, data)
@@ -142,6 +146,7 @@ def test_a_resample_without_responses_is_refused():
         resample(fit, data, 200, rng=stream(1, "r"))
 
 
+@pytest.mark.jit
 def test_calibration_never_narrows_an_interval():
     data = draw(GO, 80, "calibrated")
     fit = fit_family(SHIFTED_GAMMA, data)
@@ -194,6 +199,7 @@ def test_95_percent_intervals_hold_the_truth_for_95_percent_of_500_participants(
             assert share == pytest.approx(0.95, abs=binomial_tolerance(500)), (method, name)
 
 
+@pytest.mark.jit
 @pytest.mark.statistical
 def test_intervals_of_the_mean_hold_the_truth_for_most_of_100_participants():
     hits = 0
@@ -210,6 +216,7 @@ def test_other_families_have_no_delay_intervals():
         profile_log_likelihood(data, FAMILIES["Wald"], "mean_s", 0.5)
 
 
+@pytest.mark.jit
 @settings(max_examples=15, deadline=None)
 @given(st.integers(0, 1000), st.sampled_from([GAMMA, SHIFTED_GAMMA]))
 def test_no_value_of_a_quantity_beats_the_fit(seed, family):

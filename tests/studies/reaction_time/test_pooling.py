@@ -96,6 +96,7 @@ def test_pinball_loss_by_hand():
     assert pinball_loss(narrow, np.array([0.0])) == pytest.approx(0.5, rel=1e-4)
 
 
+@pytest.mark.jit
 def test_the_held_out_comparison_scores_every_method_on_trials_it_has_not_seen():
     times = {name: one.observed_s for name, one in people(8, 40)[0].items()}
     scores = compare_held_out(times, n_fitted=20, root_seed=1, n_splits=1)
@@ -106,6 +107,7 @@ def test_the_held_out_comparison_scores_every_method_on_trials_it_has_not_seen()
         compare_held_out(times, n_fitted=60, root_seed=1)
 
 
+@pytest.mark.jit
 @pytest.mark.statistical
 def test_with_twenty_trials_each_real_people_are_foretold_better_together_than_alone():
     # The first 60 people and one split (docs/results/reaction_time_pooling.md has all 257 and more).

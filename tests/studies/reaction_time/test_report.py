@@ -19,6 +19,7 @@ from studies.reaction_time.report import (
     write_report,
 )
 
+pytestmark = pytest.mark.jit  # fits and intervals of a group: minutes in plain Python
 QUICK = FitSettings(families=("gamma", "shifted gamma", "ex-Gaussian"), n_resamples=0)
 
 
