@@ -156,6 +156,8 @@ def play_combined(
 ) -> CombinedEpisode:
     """Play one episode in which every decision combines R = theta . phi and H = v . psi (Eqs. 1 to 3).
 
+    All placements are open, also those that primitive actions could not reach (`TetrisConfig.placements`).
+
     Args:
         environment_weights: theta, under `config.features`, shape (F,).
         human_weights: v, under `config.feedback_features`, shape (G,).

@@ -79,3 +79,29 @@ class DomainContract:
         end = self.random_episode(domain, 19)[-1][0]
         with pytest.raises(ValueError, match=r"terminal|at least one action"):
             domain.choices(end)
+
+    def test_performance_is_the_sum_of_the_rewards(self, domain):
+        for seed in range(3):
+            total = 0.0
+            for state, action in self.random_episode(domain, seed)[:-1]:
+                transition = domain.transition(state, action)
+                total += transition.reward
+                assert domain.performance(transition.next_state) == pytest.approx(total)
+
+    def test_looking_and_acting_twice_gives_the_same_twice(self, domain):
+        for state, action in self.random_episode(domain, 5)[:-1]:
+            one, other = domain.choices(state), domain.choices(state)
+            np.testing.assert_array_equal(one.features, other.features)
+            np.testing.assert_array_equal(one.feedback_features, other.feedback_features)
+            np.testing.assert_array_equal(one.ruled_out, other.ruled_out)
+            assert domain.transition(state, action) == domain.transition(state, action)
+
+    def test_two_episodes_side_by_side_do_not_disturb_each_other(self, domain):
+        alone = self.random_episode(domain, 1)
+        state, other = domain.initial(1), domain.initial(2)
+        for expected, action in alone[:-1]:
+            assert state == expected
+            state = domain.transition(state, action).next_state
+            if not domain.terminal(other):
+                other = domain.transition(other, 0).next_state
+        assert state == alone[-1][0]

@@ -1,0 +1,94 @@
+"""Speeds of Tetris, in CPU time on one core: medians of interleaved runs. Run with `pytest -m benchmark_run -s`.
+
+The slow thing beside it is the naive twin, which anybody can run. The C reference (MDPTetris, gcc -O2) was measured at
+212,592 pieces/s for the same work (greedy, 21 features, the published record weights) on the machine the project was
+begun on; its program is not part of this project.
+"""
+
+import gzip
+import json
+import resource
+import statistics
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+from core.combination.config import LINEAR, EpisodeWeights
+from core.tetris.autoplay import play_combined, play_greedy
+from core.tetris.config import TetrisConfig
+from tests.core.tetris.test_autoplay import naive_game
+from tests.data_folder import data_folder
+
+pytestmark = pytest.mark.benchmark_run
+
+C_REFERENCE_PIECES_PER_S = 212_592
+CONFIG = TetrisConfig(game_over="overflow")
+
+
+@pytest.fixture(scope="module")
+def record_weights() -> np.ndarray:
+    path = data_folder("tetris_oracle") / "26_record_bertsekas.jsonl.gz"
+    with gzip.open(path, "rt") as lines:
+        return np.array(json.loads(lines.readline())["weights"])
+
+
+def pieces_per_s(play) -> float:
+    """`play` returns the pieces it placed."""
+    start = time.process_time()
+    pieces = play()
+    return pieces / (time.process_time() - start)
+
+
+def test_greedy_play_places_two_million_pieces_a_second(record_weights):
+    def compiled() -> int:
+        return int(play_greedy(record_weights, range(30), CONFIG, piece_cap=50_000).pieces.sum())
+
+    compiled()
+    fast, slow = [], []
+    for _ in range(7):
+        fast.append(pieces_per_s(compiled))
+        slow.append(pieces_per_s(lambda: naive_game(record_weights, 1, CONFIG, 8)[0]))
+    speed, naive = statistics.median(fast), statistics.median(slow)
+    print(
+        f"\ngreedy: {speed:,.0f} pieces/s [{min(fast):,.0f} - {max(fast):,.0f}] = {speed / C_REFERENCE_PIECES_PER_S:.1f} x "
+        f"the C reference's recorded figure; naive twin {naive:,.0f} pieces/s"
+    )
+    assert speed > 4 * C_REFERENCE_PIECES_PER_S
+    assert speed > 2_000_000
+
+
+def test_combined_play_places_800_thousand_pieces_a_second(record_weights):
+    human = record_weights * np.linspace(0.8, 1.2, 21)
+
+    def play() -> int:
+        weights = EpisodeWeights(LINEAR, 1.0, 0.5)
+        return sum(
+            play_combined(
+                record_weights, human, seed, CONFIG, weights, piece_cap=50_000, window=500
+            ).n_decisions
+            for seed in range(10)
+        )
+
+    play()
+    speeds = [pieces_per_s(play) for _ in range(7)]
+    print(f"\ncombined: {statistics.median(speeds):,.0f} pieces/s [{min(speeds):,.0f} - {max(speeds):,.0f}]")
+    assert statistics.median(speeds) > 800_000
+
+
+def test_a_warm_start_gives_its_first_result_within_1_2_s():
+    code = (
+        "import numpy as np; from core.tetris.autoplay import play_greedy; from core.tetris.config import TetrisConfig; "
+        "assert play_greedy(-np.ones(21), [1], TetrisConfig(), 20).pieces[0] == 20"
+    )
+    spent = []
+    for run in range(6):
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        subprocess.run([sys.executable, "-c", code], check=True)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        if run:  # the first one may have to compile
+            spent.append(after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime)
+    print(f"\nwarm start to first result: {statistics.median(spent):.2f} s of CPU time")
+    assert statistics.median(spent) < 1.2
