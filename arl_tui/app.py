@@ -14,7 +14,7 @@ from arl_tui.garbage import GarbageControl
 from arl_tui.link import Link, PressSuggested, Ready
 from arl_tui.live import LiveSession, Occurrence, Tally
 from arl_tui.palette import palette_for
-from arl_tui.recordings import new_path
+from arl_tui.recordings import new_path, rescue
 from arl_tui.screens.closing import ClosingScreen
 from arl_tui.screens.play import PlayScreen
 from arl_tui.screens.welcome import WelcomeScreen
@@ -115,7 +115,13 @@ class ArlApp(App[Outcome], inherit_bindings=False):
         """Start the session: the participant has pressed the start key."""
         created_utc = wall_time_utc()
         path = new_path(self.sitting.recordings, self.sitting.participant, created_utc)
-        self._recorder = Recorder(path, self._header(created_utc))
+        try:
+            self._recorder = Recorder(path, self._header(created_utc))
+        except OSError as error:
+            self._on_over(
+                f"The recording cannot be written: {error}\nChoose another folder: --recordings DIR"
+            )
+            return
         self._garbage.first_paint()
         self.switch_screen(self.play)
         self.live.begin(self._recorder)
@@ -193,6 +199,9 @@ class ArlApp(App[Outcome], inherit_bindings=False):
                 delay_s = max(0, time_ns - self._clock.now_ns()) / NS_PER_S
                 self.set_timer(delay_s, lambda: self._press_simulated(key))
         self.play.show(occurrence)
+        if self._recorder is not None and self._recorder.failure is not None and self.live.phase == "running":
+            # Nobody shall go on for minutes for a recording that is not written.
+            self.ask_to_stop()
 
     def ask_to_stop(self) -> None:
         """End the session; the closing screen comes when the worker has said its last word."""
@@ -212,10 +221,8 @@ class ArlApp(App[Outcome], inherit_bindings=False):
         path = None
         if self._recorder is not None:
             path = self._recorder.path
-            try:
-                await asyncio.to_thread(self._recorder.close)
-            except (OSError, TimeoutError) as error:
-                trouble = f"The recording is not complete: {error}\n\n{trouble or ''}"
+            problem = await asyncio.to_thread(close_recorder, self._recorder)
+            trouble = "\n\n".join(part for part in (problem, trouble) if part) or None
         while len(self.screen_stack) > 1:
             self.pop_screen()
         self.push_screen(ClosingScreen(Outcome(path, self.live.tally, trouble)))
@@ -227,6 +234,21 @@ class ArlApp(App[Outcome], inherit_bindings=False):
             self.call_later(_raise, error)
         else:
             loop.default_exception_handler(context)
+
+
+def close_recorder(recorder: Recorder) -> str | None:
+    """Close a recording; return what is wrong with it, and where the rest of it is."""
+    try:
+        recorder.close()
+    except TimeoutError as error:
+        return str(error)
+    except OSError as error:
+        try:
+            rest = str(rescue(recorder.unwritten, recorder.path.stem))
+        except OSError:
+            rest = "nowhere: that failed, too"
+        return f"The recording is not complete: {error}\nWhat could not be written to it is in {rest}"
+    return None
 
 
 def _raise(error: Exception) -> None:

@@ -195,8 +195,8 @@ class LiveSession:
         """End the session: the worker truncates the episode and says its last word."""
         if self.phase == "running":
             self.collect_frames()
-            self._enter(StopAsked(time_ns=self._clock.now_ns(), reason=reason))
             self.phase = "stopping"
+            self._enter(StopAsked(time_ns=self._clock.now_ns(), reason=reason))
 
     def give_up(self, reason: str) -> None:
         """End without the worker's last word."""

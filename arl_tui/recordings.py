@@ -1,7 +1,12 @@
 """The folder of recordings: names of new files, and what is there."""
 
-from collections.abc import Iterator
+import tempfile
+from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from core.episode import Event
 
 DEFAULT_FOLDER = Path("recordings")
 
@@ -27,3 +32,21 @@ def new_path(folder: Path, participant: str, created_utc: str) -> Path:
 def all_recordings(folder: Path) -> Iterator[Path]:
     """Yield the recordings in a folder and below, sorted by name."""
     yield from sorted(folder.rglob("*.jsonl"))
+
+
+def rescue(unwritten: "Iterable[Event]", stem: str) -> Path:
+    """Save events that the recording's disk did not take, one JSON object per line; return where.
+
+    Args:
+        unwritten: what is missing from the file, in order.
+        stem: name of the recording.
+
+    Raises:
+        OSError: the folder for temporary files takes nothing either.
+    """
+    from core.recording.schema import encode  # Not for `arl --help`.
+
+    with tempfile.NamedTemporaryFile(prefix=f"{stem}-unwritten-", suffix=".jsonl", delete=False) as file:
+        for event in unwritten:
+            file.write(encode(event) + b"\n")
+    return Path(file.name)

@@ -1,8 +1,10 @@
 """The app with a faked worker: what the participant does, what the worker is told, and what is in the file."""
 
 import gc
+import json
 from pathlib import Path
 
+import pytest
 from msgspec.structs import replace
 from textual.pilot import Pilot
 from textual.widgets import Static
@@ -16,6 +18,7 @@ from arl_tui.screens.welcome import WelcomeScreen
 from arl_tui.stage import TetrisStage
 from core.clock import MonotonicClock
 from core.episode import (
+    Event,
     FrameShown,
     KeyPressed,
     PressRetracted,
@@ -27,6 +30,7 @@ from core.episode import (
 from core.keys import KeyConfig
 from core.protocol import Protocol
 from core.recording.reader import Recording, read_recording
+from core.recording.recorder import LineWriter
 from core.tetris.config import TetrisConfig
 from tests.arl_tui.fakes import FakeLink, episode_ended, episode_started, session_ended, step_taken
 
@@ -349,6 +353,56 @@ async def test_a_larger_board_asks_for_a_larger_window(
         assert isinstance(app.screen, PlayScreen)
         assert app.play.board.region.bottom <= 29
         assert app.play.feedback.region.right <= 82
+
+
+async def test_a_full_disk_stops_the_session_and_the_rest_is_saved_elsewhere(
+    app: ArlApp, link: FakeLink, protocol: Protocol, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    write = LineWriter.write
+
+    def until_a_press(self: LineWriter, event: Event) -> None:
+        if isinstance(event, KeyPressed):
+            raise OSError(28, "No space left on device")
+        write(self, event)
+
+    monkeypatch.setattr(LineWriter, "write", until_a_press)
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / ".."))
+    async with app.run_test(size=SIZE) as pilot:
+        worker = await begin(pilot, link, protocol)
+        worker.step(0)
+        await settle(pilot)
+        await pilot.press("j")
+        worker.step(1)
+        await settle(pilot)
+        assert any(isinstance(message, StopAsked) for message in link.sent)
+        link.say(session_ended("participant"))
+        await settle(pilot)
+        text = text_of(app)
+        await pilot.press("enter")
+    assert "No space left on device" in text
+    assert app.return_value is not None
+    assert app.return_value.trouble is not None
+    rest = Path(
+        app.return_value.trouble.splitlines()[1].removeprefix("What could not be written to it is in ")
+    )
+    assert json.loads(rest.read_text().splitlines()[0])["key"] == "j"
+    assert not recorded(tmp_path).complete
+
+
+async def test_a_folder_that_takes_no_files_is_reported(
+    protocol: Protocol, link: FakeLink, tmp_path: Path
+) -> None:
+    (tmp_path / "file").touch()
+    sitting = Sitting(protocol=protocol, root_seed=1, participant="P01", recordings=tmp_path / "file" / "r")
+    app = build_app(sitting, link)
+    async with app.run_test(size=SIZE) as pilot:
+        link.say(Ready(warm_up_ns=1))
+        await pilot.press("enter")
+        await settle(pilot)
+        assert "cannot be written" in text_of(app)
+        await pilot.press("enter")
+    assert app.return_value is not None
+    assert app.return_value.recording is None
 
 
 async def test_the_collector_rests_during_an_episode_and_works_after_it(
