@@ -4,6 +4,7 @@ from pathlib import Path
 
 import click
 
+from arl_tui.commands.fit import fit
 from arl_tui.recordings import DEFAULT_FOLDER
 
 FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
@@ -198,6 +199,9 @@ def list_recordings(recordings: Path) -> None:
     from arl_tui.commands.recordings import list_all
 
     list_all(recordings)
+
+
+main.add_command(fit)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,268 @@
+"""`arl fit`: reaction times in, delay densities with their uncertainty out."""
+
+import os
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import click
+
+if TYPE_CHECKING:
+    from studies.reaction_time.fit import GroupFit
+    from studies.reaction_time.read import Unit
+    from studies.reaction_time.report import Result
+    from studies.reaction_time.sample import Sample
+
+IN_FULL = 3
+"""Up to this many participants are shown in full, more of them in a line each."""
+WORTH_A_PROCESS = 8
+"""Fewer participants are fitted sooner here than in processes that have to start first."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Request:
+    """Everything asked of the command. See its options."""
+
+    column: tuple[str, ...]
+    unit: "Unit | None"
+    keep: tuple[str, ...]
+    waited: float | None
+    trust_magnitudes: bool
+    task: str | None
+    only: tuple[str, ...]
+    as_one: bool
+    anticipation_below: float
+    slow_above: float
+    absurd_above: float
+    keep_practice: bool
+    time_outs: Literal["censor", "exclude"]
+    pooled: bool
+    level: float
+    resamples: int
+    goodness: int | None
+    seed: int
+    workers: int | None
+    figure: Path | None
+    json_path: str | None
+    html: Path | None
+    out: Path | None
+
+
+_PATH = click.Path(dir_okay=False, path_type=Path)
+
+
+@click.command()
+@click.argument(
+    "files", nargs=-1, required=True, type=click.Path(exists=True, dir_okay=False, path_type=Path)
+)
+@click.option(
+    "--column",
+    multiple=True,
+    metavar="WHAT=NAME",
+    help="Which column of a table holds what: rt=NAME (response_time by default), participant=NAME "
+    "(participant_id; without such a column the file's name tells).",
+)
+@click.option(
+    "--unit",
+    type=click.Choice(["s", "ms", "us", "ns"]),
+    help="Unit of the rt column, unless its name (rt_ms), a BIDS sidecar or BIDS itself states it. Never guessed.",
+)
+@click.option(
+    "--keep",
+    multiple=True,
+    metavar="COLUMN=VALUE",
+    help="Read only rows with this value; several values of one column: any of them.",
+)
+@click.option(
+    "--waited",
+    type=float,
+    metavar="SECONDS",
+    help="The task's time-out: rows without a response are censored there.",
+)
+@click.option("--trust-magnitudes", is_flag=True, help="Take times that no person has, in any number.")
+@click.option("--task", metavar="TEXT", help="What was measured, for the report; our recordings say it.")
+@click.option(
+    "--only", multiple=True, metavar="CODE", help="Fit only this participant. May be given several times."
+)
+@click.option("--as-one", is_flag=True, help="Take all rows as one person's.")
+@click.option(
+    "--anticipation-below",
+    type=float,
+    default=0.1,
+    show_default=True,
+    help="Seconds; faster is not a reaction.",
+)
+@click.option(
+    "--slow-above", type=float, default=3.0, show_default=True, help="Seconds; slower is something else."
+)
+@click.option(
+    "--absurd-above",
+    type=float,
+    default=30.0,
+    show_default=True,
+    help="Seconds; slower is a fault of the file.",
+)
+@click.option("--keep-practice", is_flag=True, help="Use practice trials, too.")
+@click.option(
+    "--time-outs",
+    type=click.Choice(["censor", "exclude"]),
+    default="censor",
+    show_default=True,
+    help="Trials without a response, where it is known how long they waited.",
+)
+@click.option(
+    "--pooled",
+    is_flag=True,
+    help="Also let participants inform each other: for few trials each, from 5 people.",
+)
+@click.option(
+    "--level", type=click.FloatRange(0.5, 0.999), default=0.95, show_default=True, help="Of all intervals."
+)
+@click.option(
+    "--resamples",
+    type=click.IntRange(0),
+    default=200,
+    show_default=True,
+    help="Parametric bootstrap; 0 leaves it out.",
+)
+@click.option(
+    "--goodness",
+    type=click.IntRange(0),
+    help=f"Resamples of the goodness-of-fit test; 199 for up to {IN_FULL} participants, none for more.",
+)
+@click.option(
+    "--seed",
+    type=click.IntRange(0, 2**63 - 1),
+    default=0,
+    show_default=True,
+    help="Root seed of the resampling.",
+)
+@click.option("--workers", type=click.IntRange(1), help="Processes. The result does not depend on it.")
+@click.option(
+    "--figure", type=_PATH, help="Draw the fit, or the means of several participants (PNG, SVG or PDF)."
+)
+@click.option(
+    "--json",
+    "json_path",
+    metavar="FILE",
+    help="Write everything for machines; - prints it instead of the tables.",
+)
+@click.option("--html", type=_PATH, help="Write a report of one page.")
+@click.option(
+    "--out",
+    type=click.Path(file_okay=False, path_type=Path),
+    help="Write JSON, report, the verdict on each row and all figures into a new folder.",
+)
+def fit(files: tuple[Path, ...], **options: object) -> None:
+    """Fit delay densities to the reaction times in FILES: our recordings, BIDS _beh.tsv and _events.tsv, CSV.
+
+    Gamma and seven other families by maximum likelihood, with intervals. Status 2 and a message if a file cannot be
+    used. When to trust the numbers: docs/trusting-a-fit.md.
+    """
+    request = Request(**options)  # type: ignore[arg-type]
+    fit_files(files, request)
+
+
+def fit_files(files: Sequence[Path], request: Request) -> None:
+    """Read, select, fit, print and write."""
+    from arl_tui.commands.fit_input import InputError, read_and_select, task_of
+    from arl_tui.commands.fit_tables import fault_lines, reading_lines
+    from core.clock import wall_time_utc
+    from studies.reaction_time.report import Result, write_report
+
+    if request.out is not None and request.out.exists():
+        raise InputError(f"{request.out} exists: reports are never overwritten; name a new folder")
+    task = request.task or task_of(files)
+    rows, samples, selection = read_and_select(files, request)
+    for line in fault_lines(rows, selection):
+        click.echo(line, err=True)
+    group = fit_with_bar(samples, request)
+    names = tuple(path.name for path in files)
+    result = Result(created_utc=wall_time_utc(), task=task, files=names, selection=selection, group=group)
+    if request.json_path != "-":
+        for line in reading_lines(rows, selection):
+            click.echo(line)
+        show(group, samples, request)
+    write(result, samples, request)
+    if request.out is not None:
+        write_report(
+            request.out, task=task, files=names, rows=rows, samples=samples, selection=selection, group=group
+        )
+        click.echo(f"Report: {request.out}", err=True)
+
+
+def fit_with_bar(samples: "Mapping[str, Sample]", request: Request) -> "GroupFit":
+    """Fit everybody with a bar that shows how far it is; stop where nobody can be fitted."""
+    from arl_tui.commands.fit_input import InputError
+    from studies.reaction_time.fit import FitSettings, fit_group
+    from studies.reaction_time.pooling import FEWEST_PEOPLE
+
+    if request.pooled and len(samples) < FEWEST_PEOPLE:
+        raise InputError(
+            f"--pooled needs at least {FEWEST_PEOPLE} participants, there are {len(samples)} to fit"
+        )
+    in_full = len(samples) <= IN_FULL
+    settings = FitSettings(
+        level=request.level,
+        n_resamples=request.resamples,
+        n_goodness=199 * in_full if request.goodness is None else request.goodness,
+        root_seed=request.seed,
+        pooled=request.pooled,
+    )
+    enough = len(samples) >= WORTH_A_PROCESS
+    workers = request.workers or (os.cpu_count() or 1 if enough else 1)
+    with click.progressbar(length=len(samples), label="Fitting", file=sys.stderr) as bar:
+        group = fit_group(
+            samples, settings, n_workers=workers, progress=lambda _done, _all, _participant: bar.update(1)
+        )
+    if not group.participants:
+        raise InputError(
+            "nobody can be fitted: " + "; ".join(f"{n}: {why}" for n, why in group.failures.items())
+        )
+    return group
+
+
+def show(group: "GroupFit", samples: "Mapping[str, Sample]", request: Request) -> None:
+    """Print the tables."""
+    from arl_tui.commands.fit_tables import group_lines, participant_lines, pooled_lines
+
+    people = list(group.participants.values())
+    if len(people) <= IN_FULL:
+        for one in people:
+            click.echo()
+            click.echo("\n".join(participant_lines(one, samples[one.participant])))
+    else:
+        click.echo()
+        click.echo("\n".join(group_lines(group)))
+        click.echo(f"One participant in full, with plots: --only {people[0].participant}")
+    if request.pooled:
+        click.echo()
+        click.echo("\n".join(pooled_lines(group)))
+
+
+def write(result: "Result", samples: "Mapping[str, Sample]", request: Request) -> None:
+    """Write the files that were asked for, and say so."""
+    import msgspec
+
+    if request.json_path is not None:
+        text = msgspec.json.format(msgspec.json.encode(result), indent=1).decode()
+        if request.json_path == "-":
+            click.echo(text)
+        else:
+            Path(request.json_path).write_text(text, encoding="utf-8")
+            click.echo(f"JSON: {request.json_path}", err=True)
+    if request.figure is not None:
+        from arl_tui.commands.fit_figure import draw_fit
+
+        try:
+            draw_fit(result.group, samples, request.figure)
+        except ValueError as error:
+            raise click.BadParameter(str(error), param_hint="--figure") from error
+        click.echo(f"Figure: {request.figure}", err=True)
+    if request.html is not None:
+        from studies.reaction_time.report import html_report
+
+        request.html.write_text(html_report(result, samples), encoding="utf-8")
+        click.echo(f"Page: {request.html}", err=True)
