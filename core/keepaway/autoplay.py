@@ -48,7 +48,7 @@ class Episodes:
     @property
     def duration_s(self) -> Floats:
         """Durations in seconds, shape (n,)."""
-        return self.cycles * CYCLE_S
+        return np.asarray(self.cycles * CYCLE_S, np.float64)
 
 
 def keepaway_tiles(config: KeepawayConfig, n_tilings: int = 32) -> TileCoder:

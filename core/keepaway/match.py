@@ -118,6 +118,8 @@ class Match(NamedTuple):
     """Cycles since each player last saw the ball, shape (n,)."""
     player_age: Ints
     """Cycles since each player last saw each player, shape (n, n)."""
+    sight: Floats
+    """Scratch of the visual messages, shape (5,)."""
     known: Bools
     """Whether each player knows where each player is, shape (n, n)."""
     stuck: Floats
@@ -174,6 +176,7 @@ def new_match(config: KeepawayConfig, streams: Streams) -> Match:
         seen_players=np.zeros((n, n, PLAYER_COLUMNS)),
         ball_age=np.zeros(n, np.int64),
         player_age=np.zeros((n, n), np.int64),
+        sight=np.zeros(5),
         known=np.zeros((n, n), np.bool_),
         stuck=np.full(3, np.inf),
         push=np.zeros((n + 1, 2)),

@@ -49,6 +49,8 @@ Floats = NDArray[np.float64]
 RADIANS = math.pi / 180.0
 DEGREES = 180.0 / math.pi
 COLLISION_PASSES = 10
+TOUCHING = 1e-9
+"""Overlap in square metres that is a rounding error: the two just touch."""
 COLLISION_FACTOR = -0.1
 """What a collision leaves of a velocity."""
 
@@ -194,7 +196,7 @@ def _overlap(a: Floats, b: Floats, reach: float, moves: Floats, row_a: int, row_
     """Add to `moves` (columns: sum of shifts in x, in y, their number) what parts two overlapping objects."""
     dx, dy = b[X] - a[X], b[Y] - a[Y]
     gap = reach * reach - (dx * dx + dy * dy)
-    if gap <= 0.0:
+    if gap <= TOUCHING:
         return False
     distance = length(dx, dy)
     if distance < 1e-9:  # on the same spot: part them along x

@@ -42,7 +42,7 @@ from core.keepaway.pitch import (
     Y,
 )
 from core.keepaway.positioning import get_open
-from core.keepaway.prediction import BALL_ROLL, send_turn
+from core.keepaway.prediction import BALL_ROLL, cut, send_turn
 from core.keepaway.variables import observe
 
 Floats = NDArray[np.float64]
@@ -167,4 +167,4 @@ def turn_neck(command: Floats, option: int, ball: Floats, me: Floats) -> None:
     if option == SEARCH_BALL:
         wanted = 0.0
     wanted = min(max(wanted, -NECK_MAX_DEG), NECK_MAX_DEG)
-    command[NECK_TURN] = float(int(wanted - me[NECK]))
+    command[NECK_TURN] = cut(wanted - me[NECK])

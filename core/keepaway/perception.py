@@ -60,6 +60,13 @@ BUMPED_DISTANCE = 0.2
 STALE_BALL = 3
 """Age in cycles beyond which what a team mate says about the ball is believed."""
 
+# Entries of `Match.sight`.
+DISTANCE = 0
+DIRECTION = 1
+REPORTED = 2
+AWAY = 3
+ACROSS = 4
+
 
 @kernel
 def rounded(value: float, step: float) -> float:
@@ -88,8 +95,8 @@ def perceive(match: Match, rules: Rules, rng: np.random.Generator) -> None:
         first, last = (rules.n_keepers, n) if i < rules.n_keepers else (0, rules.n_keepers)
         forward = 1.0 if i < rules.n_keepers else -1.0
         reckon(match, i, first, last, forward)
-        if sees:
-            look(match, i, rules, first, last, rng)
+    if sees:
+        look(match, rules, rng)
     if rules.view_angle < 360.0:
         for i in range(n):
             first, last = (0, rules.n_keepers) if i < rules.n_keepers else (rules.n_keepers, n)
@@ -118,7 +125,8 @@ def reckon(match: Match, i: int, first: int, last: int, forward: float) -> None:
     """
     ball, players = match.seen_ball[i], match.seen_players[i]
     _feel_myself(match.players[i], players[i], bool(match.hit[1 + i]))
-    match.player_age[i, i] = 0
+    if match.player_age[i, i] < NEVER_SEEN:
+        match.player_age[i, i] = 0
     if match.ball_age[i] < NEVER_SEEN:
         match.ball_age[i] += 1
         _reckon_ball(ball, players[i], match.commands[i])
@@ -213,91 +221,111 @@ def _reckon_opponent(player: Floats, ball: Floats, runs: bool, forward: float) -
 
 
 @kernel
-def look(match: Match, i: int, rules: Rules, first: int, last: int, rng: np.random.Generator) -> None:
-    """Take in one visual message: rounded distances, directions and their changes, relative to oneself."""
-    me, belief = match.players[i], match.seen_players[i]
-    # Flags are seen finely enough to know one's own place.
-    belief[i, X], belief[i, Y] = me[X], me[Y]
-    for j in range(belief.shape[0]):
-        if j == i:
-            continue
-        other = match.players[j]
-        dx, dy = other[X] - me[X], other[Y] - me[Y]
-        distance = length(dx, dy)
-        named = distance <= NUMBER_SEEN or NUMBER_SEEN * rng.random() > distance - NUMBER_SEEN
-        seen = in_view(me, dx, dy, rules.view_angle)
-        felt = distance < FELT_DISTANCE and match.known[i, j]
-        if (seen and named) or felt:
-            _see(me, other, dx, dy, distance, rules.quantise, seen, belief[j])
-            match.player_age[i, j] = 0
-            if seen:
-                belief[j, BODY] = wrap_deg(rounded(other[BODY], 1.0)) if rules.quantise else other[BODY]
-    dx, dy = match.ball[X] - me[X], match.ball[Y] - me[Y]
+def measure(a: Floats, b: Floats, quantise: bool, out: Floats) -> None:
+    """Measure object b from object a (rows of x, y, vx, vy): what both see of each other is the same.
+
+    Args:
+        a: the one.
+        b: the other.
+        quantise: round as the server does.
+        out: distance, direction from a to b (degrees), distance as reported, speed away from each other, speed
+            across (counter-clockwise), shape (5,).
+    """
+    dx, dy = b[X] - a[X], b[Y] - a[Y]
     distance = length(dx, dy)
-    seen = in_view(me, dx, dy, rules.view_angle)
-    if seen or distance < FELT_DISTANCE:
-        _see_ball(match, i, rules, dx, dy, distance, seen)
-        if distance > KICK_DISTANCE:
-            _still_near_opponent(match.seen_ball[i], belief, match.known[i], first, last)
+    ux, uy = (dx / distance, dy / distance) if distance > 0.0 else (1.0, 0.0)
+    rvx, rvy = b[VX] - a[VX], b[VY] - a[VY]
+    away, across = rvx * ux + rvy * uy, rvy * ux - rvx * uy
+    out[DISTANCE], out[DIRECTION], out[REPORTED] = distance, direction_deg(dx, dy), distance
+    if quantise:
+        reported = seen_distance(distance)
+        apart = max(distance, 1e-3)
+        out[REPORTED] = reported
+        away = reported * rounded(away / apart, CHANGE_STEP)
+        across = reported * RADIANS * rounded(across / apart * DEGREES, TURN_STEP_DEG)
+    out[AWAY], out[ACROSS] = away, across
 
 
 @kernel
-def in_view(me: Floats, dx: float, dy: float, view_angle: float) -> bool:
-    """Return whether a direction lies in the field of view around body + neck."""
-    if view_angle >= 360.0:
-        return True
-    return abs(wrap_deg(direction_deg(dx, dy) - me[BODY] - me[NECK])) <= 0.5 * view_angle
+def look(match: Match, rules: Rules, rng: np.random.Generator) -> None:
+    """Let everybody take in a visual message: rounded distances, directions and their changes."""
+    n = rules.n_keepers + rules.n_takers
+    sight = match.sight
+    for i in range(n):
+        # Flags are seen finely enough to know one's own place.
+        match.seen_players[i, i, X], match.seen_players[i, i, Y] = match.players[i, X], match.players[i, Y]
+        match.player_age[i, i] = 0
+    for i in range(n):
+        for j in range(i + 1, n):
+            measure(match.players[i], match.players[j], rules.quantise, sight)
+            _look_at(match, i, j, sight[DIRECTION], rules, rng)
+            _look_at(match, j, i, wrap_deg(sight[DIRECTION] + 180.0), rules, rng)
+    for i in range(n):
+        measure(match.players[i], match.ball, rules.quantise, sight)
+        first, last = (rules.n_keepers, n) if i < rules.n_keepers else (0, rules.n_keepers)
+        _look_at_ball(match, i, rules, first, last)
 
 
 @kernel
-def _see_ball(match: Match, i: int, rules: Rules, dx: float, dy: float, distance: float, seen: bool) -> None:
-    ball, belief = match.ball, match.seen_ball[i]
+def in_view(me: Floats, direction: float, view_angle: float) -> bool:
+    """Return whether a global direction lies in the field of view around body + neck."""
+    return view_angle >= 360.0 or abs(wrap_deg(direction - me[BODY] - me[NECK])) <= 0.5 * view_angle
+
+
+@kernel
+def _look_at(match: Match, i: int, j: int, direction: float, rules: Rules, rng: np.random.Generator) -> None:
+    """Let player i see player j, measured in `match.sight`."""
+    distance = match.sight[DISTANCE]
+    # Far away the shirt number gets lost.
+    named = distance <= NUMBER_SEEN or NUMBER_SEEN * rng.random() > distance - NUMBER_SEEN
+    seen = named and in_view(match.players[i], direction, rules.view_angle)
+    if not seen and (distance >= FELT_DISTANCE or not match.known[i, j]):
+        return
+    belief = match.seen_players[i, j]
+    _note(match.players[i], match.sight, direction, rules.quantise, seen, belief)
+    match.player_age[i, j] = 0
+    if seen:
+        body = match.players[j, BODY]
+        belief[BODY] = wrap_deg(rounded(body, 1.0)) if rules.quantise else body
+
+
+@kernel
+def _look_at_ball(match: Match, i: int, rules: Rules, first: int, last: int) -> None:
+    """Let player i, whose opponents are [first, last), see the ball, measured in `match.sight`."""
+    me, belief, sight = match.players[i], match.seen_ball[i], match.sight
+    seen = in_view(me, sight[DIRECTION], rules.view_angle)
+    if not seen and sight[DISTANCE] >= FELT_DISTANCE:
+        return
     vx, vy = belief[VX], belief[VY]
-    fresh = match.ball_age[i] < NEVER_SEEN
-    _see(match.players[i], ball, dx, dy, distance, rules.quantise, seen, belief)
+    _note(me, sight, sight[DIRECTION], rules.quantise, seen, belief)
     slack = 2.0 * BALL_NOISE * length(vx, vy)
-    if seen and fresh and abs(belief[VX] - vx) < slack and abs(belief[VY] - vy) < slack:
+    expected = match.ball_age[i] < NEVER_SEEN
+    if seen and expected and abs(belief[VX] - vx) < slack and abs(belief[VY] - vy) < slack:
         belief[VX], belief[VY] = 0.5 * (belief[VX] + vx), 0.5 * (belief[VY] + vy)
     match.ball_age[i] = 0
+    if sight[DISTANCE] > KICK_DISTANCE:
+        _still_near_opponent(belief, match.seen_players[i], match.known[i], first, last)
 
 
 @kernel
-def _see(
-    me: Floats,
-    other: Floats,
-    dx: float,
-    dy: float,
-    distance: float,
-    quantise: bool,
-    moving: bool,
-    belief: Floats,
-) -> None:
-    """Write position, and with `moving` velocity, of something seen at (dx, dy) from me into `belief`."""
-    if not quantise:
-        belief[X], belief[Y] = me[X] + dx, me[Y] + dy
-        if moving:
-            belief[VX], belief[VY] = other[VX], other[VY]
-        return
-    gaze = me[BODY] + me[NECK]
-    heading = rounded(direction_deg(dx, dy) - gaze, 1.0) + gaze
-    reported = seen_distance(distance)
-    cos_way, sin_way = math.cos(heading * RADIANS), math.sin(heading * RADIANS)
-    belief[X], belief[Y] = me[X] + reported * cos_way, me[Y] + reported * sin_way
-    if moving and distance > 0.0:
-        ux, uy = dx / distance, dy / distance
-        rvx, rvy = other[VX] - me[VX], other[VY] - me[VY]
-        nearing = reported * rounded((rvx * ux + rvy * uy) / distance, CHANGE_STEP)
-        turning = rounded((rvy * ux - rvx * uy) / distance * DEGREES, TURN_STEP_DEG)
-        across = turning * RADIANS * reported
-        belief[VX] = me[VX] + nearing * cos_way - across * sin_way
-        belief[VY] = me[VY] + nearing * sin_way + across * cos_way
+def _note(me: Floats, sight: Floats, direction: float, quantise: bool, moving: bool, belief: Floats) -> None:
+    """Write the place, and with `moving` the velocity, of something measured into `belief`."""
+    if quantise:
+        gaze = me[BODY] + me[NECK]
+        direction = rounded(direction - gaze, 1.0) + gaze
+    cos_way, sin_way = math.cos(direction * RADIANS), math.sin(direction * RADIANS)
+    belief[X] = me[X] + sight[REPORTED] * cos_way
+    belief[Y] = me[Y] + sight[REPORTED] * sin_way
+    if moving:
+        belief[VX] = me[VX] + sight[AWAY] * cos_way - sight[ACROSS] * sin_way
+        belief[VY] = me[VY] + sight[AWAY] * sin_way + sight[ACROSS] * cos_way
 
 
 @kernel
 def listen(match: Match, i: int, first: int, last: int, rng: np.random.Generator) -> None:
     """Hear one team mate of [first, last): its own place, the ball, and the opponent it saw nearest.
 
-    What is heard replaces only what oneself knows less well: an unseen mate, a ball older than 3 cycles.
+    Who has seen nothing in this episode yet says nothing. What is heard replaces only what oneself knows less well: an unseen mate, a ball older than 3 cycles.
     """
     mates = last - first - 1
     if mates < 1:
@@ -306,6 +334,8 @@ def listen(match: Match, i: int, first: int, last: int, rng: np.random.Generator
     if speaker >= i:
         speaker += 1
     told = match.seen_players[speaker]
+    if match.player_age[speaker, speaker] > 0:
+        return
     if match.player_age[i, speaker] > 0:
         _copy_place(told[speaker], match.seen_players[i, speaker])
         match.player_age[i, speaker] = 0

@@ -51,10 +51,16 @@ FULL_DASH: Floats = DASH_RATE * MAX_POWER * np.cumsum(np.append(0.0, PLAYER_ROLL
 
 
 @kernel
+def cut(value: float) -> float:
+    """Cut the fraction off, as the players do; what is an integer but for rounding stays that integer."""
+    return float(int(value + math.copysign(1e-9, value)))
+
+
+@kernel
 def send_dash(power: float, command: Floats) -> None:
     """Write a dash; power is clipped to +-100 and cut to an integer."""
     command[KIND] = DASH
-    command[POWER] = float(int(min(max(power, -MAX_POWER), MAX_POWER)))
+    command[POWER] = cut(min(max(power, -MAX_POWER), MAX_POWER))
 
 
 @kernel
@@ -62,15 +68,15 @@ def send_turn(angle: float, speed: float, command: Floats) -> None:
     """Write the turn that turns a body moving at `speed` by `angle` degrees, as far as that is possible."""
     moment = wrap_deg(angle) * (1.0 + INERTIA * speed)
     command[KIND] = TURN
-    command[ANGLE] = float(int(min(max(moment, -180.0), 180.0)))
+    command[ANGLE] = cut(min(max(moment, -180.0), 180.0))
 
 
 @kernel
 def send_kick(power: float, global_direction: float, body: float, command: Floats) -> None:
     """Write a kick in a global direction; power is clipped to 0..100."""
     command[KIND] = KICK
-    command[POWER] = float(int(min(max(power, 0.0), MAX_POWER)))
-    command[ANGLE] = float(int(wrap_deg(global_direction - body)))
+    command[POWER] = cut(min(max(power, 0.0), MAX_POWER))
+    command[ANGLE] = cut(wrap_deg(global_direction - body))
 
 
 @kernel
@@ -133,20 +139,29 @@ def move_command(me: Floats, tx: float, ty: float, cycles: int, command: Floats)
 
 
 @kernel
+def _too_far(dx: float, dy: float, speed: float, cycles: int, within: float) -> bool:
+    """Return whether not even full dashes in the right direction cover (dx, dy) but for `within`."""
+    reach = within + FULL_DASH[cycles] + PLAYER_ROLL[cycles] * speed + 1e-9
+    return bool(dx * dx + dy * dy > reach * reach)
+
+
+@kernel
 def can_arrive(me: Floats, tx: float, ty: float, cycles: int, within: float) -> bool:
     """Return whether `cycles` cycles of the move policy, without noise, end less than `within` from (tx, ty).
 
     Gives up as soon as full dashes in the right direction could not make it: the same answer, much earlier.
     """
     x, y, vx, vy, body = me[X], me[Y], me[VX], me[VY], me[BODY]
+    speed = length(vx, vy)
+    if _too_far(tx - x, ty - y, speed, cycles, within):
+        return False
     cos_body, sin_body = math.cos(body * RADIANS), math.sin(body * RADIANS)
     for left in range(cycles, 0, -1):
-        distance, speed = length(tx - x, ty - y), length(vx, vy)
-        if distance > within + FULL_DASH[left] + PLAYER_ROLL[left] * speed + 1e-9:
-            return False
         roll = PLAYER_ROLL[min(left, ROLL_OUT_CYCLES)]
         dx, dy = tx - x - roll * vx, ty - y - roll * vy
-        if off_course(dx, dy, distance, cos_body, sin_body):
+        if off_course(dx, dy, length(tx - x, ty - y), cos_body, sin_body):
+            if _too_far(tx - x - vx, ty - y - vy, PLAYER_DECAY * speed, left - 1, within):
+                return False
             inertia = 1.0 + INERTIA * speed
             turn = wrap_deg(direction_deg(dx, dy) - body)
             body = wrap_deg(body + min(max(turn * inertia, -180.0), 180.0) / inertia)
@@ -161,4 +176,7 @@ def can_arrive(me: Floats, tx: float, ty: float, cycles: int, within: float) -> 
                 vx, vy = vx * PLAYER_SPEED_MAX / speed, vy * PLAYER_SPEED_MAX / speed
         x, y = x + vx, y + vy
         vx, vy = vx * PLAYER_DECAY, vy * PLAYER_DECAY
+        speed = length(vx, vy)
+        if _too_far(tx - x, ty - y, speed, left - 1, within):
+            return False
     return length(tx - x, ty - y) < within
