@@ -46,7 +46,10 @@ def read_and_select(
             time_outs=request.time_outs,
         )
         rows = read_rows(files, columns_of(request))
-    except (ReadError, ValueError, OSError) as error:
+    except ReadError as error:
+        hint = "Options that may help: --column rt=NAME, --unit s|ms|us|ns, --keep COLUMN=VALUE, --trust-magnitudes."
+        raise InputError(f"{error}\n{hint}") from error
+    except (ValueError, OSError) as error:
         raise InputError(str(error)) from error
     if request.as_one:
         rows = [msgspec.structs.replace(row, participant="everybody") for row in rows]
