@@ -91,6 +91,8 @@ class Tally:
     """Of the watched episodes."""
     unseen: int = 0
     """Episodes played out of sight."""
+    practised: list[float] = field(default_factory=list)
+    """Mean performance of each block of them."""
     good: int = 0
     bad: int = 0
     taken_back: int = 0
@@ -241,6 +243,7 @@ class LiveSession:
                 self.tally.w_h = output.w_h
             case UnseenPlayed():
                 self.tally.unseen += len(output.policies)
+                self.tally.practised.append(sum(output.performances) / len(output.performances))
                 self.tally.w_h = output.w_h
         self._listener(output)
         if isinstance(output, SessionEnded):

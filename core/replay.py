@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import msgspec
 
 from core.clock import ManualClock
-from core.episode import CreditGiven, Input, Output
+from core.episode import CreditGiven, Input, Output, SessionEnded
 from core.recording.reader import Recording, RecordingError
 from core.session import Session
 
@@ -56,7 +56,7 @@ def replay_exactly(recording: Recording, session: Session) -> ReplayResult:
     """Run `session` with the recording as clock and participant, and compare.
 
     Args:
-        recording: a live or simulated session; may be cut off.
+        recording: a live or simulated session. One that was cut off, or whose agent died, is replayed up to there.
         session: a new session built from the recording's own protocol and root seed.
 
     Raises:
@@ -87,12 +87,10 @@ def _run_both(recording: Recording, session: Session) -> Iterator[tuple[Output |
         if timed is not None:
             source.taken_before_next_output = timed.inputs
             clock.advance_to_ns(timed.time_ns)
-        elif recording.complete:
-            source.taken_before_next_output = len(recording.inputs)
         else:
             return  # cut off while presses were being credited: what had been taken in is not known
         yield recorded, next(run, None)
-    if recording.complete:
+    if outputs and isinstance(outputs[-1], SessionEnded):
         yield None, next(run, None)
 
 

@@ -21,7 +21,7 @@ def demo_protocol() -> Protocol:
     """Return a session of about a minute with somebody who speaks often."""
     return Protocol(
         name="demo",
-        session=SessionConfig(episodes=3, unseen_between=100, watched_steps=15),
+        session=SessionConfig(episodes=3, unseen_between=500, watched_steps=15),
         screen=ScreenConfig(tick_ms=110, pause_between_episodes_s=2.0),
         trainer=TrainerConfig(press_probability=0.35),
     )

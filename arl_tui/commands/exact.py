@@ -1,6 +1,5 @@
 """Running a recording again: shared by `arl replay` and `arl demo`."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import click
@@ -36,8 +35,7 @@ def run_again(recording: Recording) -> None:
     session = build_session(protocol_of(recording), recording.header.root_seed)
     finished = any(isinstance(output, SessionEnded) for output in recording.outputs)
     try:
-        # The file of a session whose learner died is closed properly, but more would have come from the agent.
-        result = replay_exactly(replace(recording, complete=recording.complete and finished), session)
+        result = replay_exactly(recording, session)
     except RecordingError as error:
         raise click.ClickException(str(error)) from error
     if result.difference is not None:

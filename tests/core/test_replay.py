@@ -94,12 +94,21 @@ def test_a_missing_press_is_noticed(tmp_path):
     assert difference.field in ("type", "press")
 
 
-def test_a_lost_output_at_the_end_is_noticed(tmp_path):
+def test_a_session_whose_agent_died_is_replayed_up_to_there(tmp_path):
     recording = simulated(tmp_path)
+    # The screen closed the file, so it is complete; but the agent's last word is missing.
     shorter = Recording(recording.path, recording.header, recording.events[:-1], complete=True)
-    difference = replayed(shorter).difference
+    assert replayed(shorter).difference is None
+
+
+def test_an_output_too_many_is_noticed(tmp_path):
+    recording = simulated(tmp_path)
+    longer = Recording(
+        recording.path, recording.header, (*recording.events, recording.events[-1]), complete=True
+    )
+    difference = replayed(longer).difference
     assert difference is not None
-    assert difference.recorded == "NoneType"
+    assert (difference.recorded, difference.replayed) == ("SessionEnded", "NoneType")
 
 
 def test_an_imported_recording_has_nothing_to_run_again(tmp_path):

@@ -3,7 +3,6 @@
 import os
 import signal
 import time
-from dataclasses import replace
 from pathlib import Path
 
 import msgspec
@@ -130,7 +129,7 @@ def test_a_worker_that_is_killed_ends_the_session_with_a_message(tmp_path: Path,
     assert isinstance(last, StopAsked)
     assert last.reason == "worker-died"
     # Nobody heard the stop: what there is replays, and no more is to come.
-    replayed(replace(recording, complete=False))
+    replayed(recording)
 
 
 def worker_of(pid: int) -> int:
