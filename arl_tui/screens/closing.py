@@ -1,6 +1,6 @@
 """The last screen: thanks, what happened, and where the recording is; or what went wrong."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, ClassVar, cast
 
 from rich.text import Text
@@ -12,21 +12,6 @@ from arl_tui.screens.page import Page
 
 if TYPE_CHECKING:
     from arl_tui.app import ArlApp, Outcome
-
-
-def learning_curve(practised: Sequence[float]) -> Widget:
-    """Return a plot of the mean lines per game in each block of unseen games."""
-    from textual_plot import HiResMode, PlotWidget  # here, not above: nobody needs it before the end
-
-    plot = PlotWidget(id="learning-curve", allow_pan_and_zoom=False)
-    blocks = list(range(1, len(practised) + 1))
-    plot.plot(blocks, list(practised), line_style="bright_cyan", hires_mode=HiResMode.BRAILLE)
-    plot.set_xlabel("practice")
-    plot.set_ylabel("lines per game")
-    plot.set_xlimits(1, len(practised))
-    plot.set_ylimits(0, max(*practised, 1.0) * 1.05)
-    plot.set_xticks(blocks if len(blocks) <= 10 else [1, len(blocks)])
-    return plot
 
 
 class ClosingScreen(Page):
@@ -53,7 +38,9 @@ class ClosingScreen(Page):
             yield Static(Text("\n".join(details.strip().splitlines()[-10:])), id="trace")
         yield Static(self._what_happened())
         if len(outcome.tally.practised) >= 2:
-            yield learning_curve(outcome.tally.practised)
+            from arl_tui.widgets.learning_curve import LearningCurve  # here: nobody needs it before the end
+
+            yield LearningCurve(outcome.tally.practised)
         if outcome.recording is not None:
             what = "The session" if outcome.trouble is None else "Everything up to this moment"
             yield Static(Text(f"{what} is recorded in\n{outcome.recording}"), classes="path")

@@ -1,0 +1,32 @@
+"""How practice went: lines per game over the blocks of unseen games. Import it late: plotting brings numpy."""
+
+from collections.abc import Sequence
+
+from textual_plot import HiResMode, PlotWidget
+
+MAX_TICKS = 10
+
+
+class LearningCurve(PlotWidget):
+    """A line through the mean performance of each block."""
+
+    DEFAULT_CSS = "LearningCurve { height: 9; margin-top: 1; }"
+
+    def __init__(self, practised: Sequence[float]) -> None:
+        """Draw two blocks or more."""
+        super().__init__(allow_pan_and_zoom=False)
+        self._practised = list(practised)
+
+    def on_mount(self) -> None:
+        """Plot once the plot has made its own preparations, which clear it."""
+        self.call_later(self._draw)
+
+    def _draw(self) -> None:
+        blocks = list(range(1, len(self._practised) + 1))
+        self.plot(blocks, self._practised, line_style="bright_cyan", hires_mode=HiResMode.BRAILLE)
+        self.set_xlabel("block of practice")
+        self.set_ylabel("lines per game")
+        self.set_xlimits(1, len(blocks))
+        top = max(*self._practised, 1.0)
+        self.set_ylimits(-0.05 * top, 1.05 * top)  # a little room, or a line along the floor is cut off
+        self.set_xticks(blocks if len(blocks) <= MAX_TICKS else [1, len(blocks)])
