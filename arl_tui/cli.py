@@ -5,6 +5,7 @@ from pathlib import Path
 import click
 
 from arl_tui.commands.fit import fit
+from arl_tui.commands.timing import timing
 from arl_tui.recordings import DEFAULT_FOLDER
 
 FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
@@ -174,6 +175,46 @@ def import_tamer_log(log: Path, out: Path | None, recordings: Path) -> None:
 
 
 @main.command()
+@click.option("--participant", callback=_pseudonym, required=True, help="Code of the participant.")
+@click.option(
+    "--tasks",
+    default="simple,choice,feedback-lag",
+    show_default=True,
+    metavar="LIST",
+    help="Which: simple, choice, go-no-go, memory-search, visual-search, recognition, feedback-lag.",
+)
+@click.option("--trials", type=click.IntRange(1), help="Scored trials per task; 40 by default.")
+@click.option("--practice", type=click.IntRange(0), help="Practice trials per task; 8 by default.")
+@seed_option
+@recordings_option
+@click.option("--dry-run", is_flag=True, help="Print every trial as it would be run, and stop.")
+def calibrate(
+    participant: str,
+    tasks: str,
+    trials: int | None,
+    practice: int | None,
+    seed: int | None,
+    recordings: Path,
+    dry_run: bool,
+) -> None:
+    """Measure how long a participant takes to react, and to judge what the agent does.
+
+    The delay of judging (feedback-lag) is the one by which `arl play --credit participant` assigns credit.
+    """
+    from arl_tui.commands.calibrate import calibrate as run
+
+    run(
+        participant,
+        tasks=tasks,
+        seed=seed,
+        trials=trials,
+        practice=practice,
+        recordings=recordings,
+        dry_run=dry_run,
+    )
+
+
+@main.command()
 @click.argument("game", type=GAMES, default="tetris")
 @seed_option
 def practice(game: str, seed: int | None) -> None:
@@ -202,6 +243,7 @@ def list_recordings(recordings: Path) -> None:
 
 
 main.add_command(fit)
+main.add_command(timing)
 
 
 if __name__ == "__main__":

@@ -9,6 +9,8 @@ if TYPE_CHECKING:
     from core.episode import Event
 
 DEFAULT_FOLDER = Path("recordings")
+CALIBRATION_FOLDER = "calibration"
+"""Trials of the reaction-time study: files of another format, in a folder of their own."""
 
 
 def new_path(folder: Path, participant: str, created_utc: str) -> Path:
@@ -30,8 +32,8 @@ def new_path(folder: Path, participant: str, created_utc: str) -> Path:
 
 
 def all_recordings(folder: Path) -> Iterator[Path]:
-    """Yield the recordings in a folder and below, sorted by name."""
-    yield from sorted(folder.rglob("*.jsonl"))
+    """Yield the recordings of sessions in a folder and below, sorted by name."""
+    yield from sorted(path for path in folder.rglob("*.jsonl") if path.parent.name != CALIBRATION_FOLDER)
 
 
 def rescue(unwritten: "Iterable[Event]", stem: str) -> Path:

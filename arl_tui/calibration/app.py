@@ -1,0 +1,345 @@
+"""The app of a calibration: leads a participant through tasks, and keeps each trial at once."""
+
+import asyncio
+import signal
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import msgspec
+from textual import constants, events
+from textual.app import App
+
+from arl_tui.app import key_name
+from arl_tui.calibration.fitting import FitOrder, Fitted
+from arl_tui.calibration.helper import HelperError, ask_helper
+from arl_tui.calibration.pages import (
+    BreakPage,
+    HindrancePage,
+    InstructionPage,
+    OldSittingPage,
+    PausePage,
+    SmallPage,
+    SummaryPage,
+    WaitingPage,
+    WelcomePage,
+)
+from arl_tui.calibration.plan import PLANNED, Part, Sitting, new_parts, slug, unfinished
+from arl_tui.calibration.scenes import Scene
+from arl_tui.calibration.trial_screen import SMALLEST, TrialScreen
+from arl_tui.calibration.views import BoxView, GameView, View
+from arl_tui.driver import FlushClock, stamped_driver
+from arl_tui.garbage import GarbageControl
+from arl_tui.palette import palette_for
+from arl_tui.recordings import CALIBRATION_FOLDER, new_path
+from arl_tui.screens.covers import fits_into
+from arl_tui.screens.page import Page
+from core.clock import Clock, MonotonicClock, wall_time_utc
+from core.keys import nanoseconds
+from studies.reaction_time.protocol import BlockPlan, Schedule, TrialRecord
+from studies.reaction_time.trial import TrialTiming
+from studies.reaction_time.trial_log import TrialFileError, TrialHeader, TrialWriter
+
+ANY_FRAME = -1
+"""Mark of a frame without a stimulus."""
+Helper = Callable[[str, object], Awaitable[bytes]]
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What is left when the app has closed."""
+
+    files: tuple[Path, ...]
+    """Trial files that were written to."""
+    finished: bool
+    fitted: Fitted
+    trouble: str | None = None
+
+
+class CalibrationApp(App[Outcome], inherit_bindings=False):
+    """Tasks, one after another, and what came of them."""
+
+    CSS_PATH = "../app.tcss"
+    TITLE = "arl calibrate"
+    ENABLE_COMMAND_PALETTE = False
+    ALLOW_SELECT = False
+    AUTO_FOCUS = None
+
+    def __init__(
+        self,
+        sitting: Sitting,
+        *,
+        clock: Clock | None = None,
+        helper: Helper = ask_helper,
+        timing: TrialTiming | None = None,
+    ) -> None:
+        """Prepare.
+
+        Args:
+            sitting: who does what.
+            clock: of trials and frames; keys bring their own time (the monotonic clock's).
+            helper: asks another process; see `arl_tui.calibration.helper`.
+            timing: limits for keys.
+        """
+        self._clock = clock or MonotonicClock()
+        self._flush_clock = FlushClock(self._clock)
+        super().__init__(driver_class=stamped_driver(self._flush_clock))
+        self.animation_level = "none"
+        self._sitting = sitting
+        self._helper = helper
+        self._timing = timing
+        self._garbage = GarbageControl()
+        self._writer: TrialWriter | None = None
+        self._comment = ""
+        self._files: list[Path] = []
+        self._complete: list[Path] = []
+        self._trouble: str | None = None
+        self._stamps_without_driver: list[tuple[int, int]] = []
+        self._last_flush_ns: int | None = None
+        self._stopping = False
+
+    # --- keys and frames ----------------------------------------------------------------------------------------
+
+    def on_mount(self) -> None:
+        """Listen to flushes and to requests to end, and begin."""
+        loop = asyncio.get_running_loop()
+
+        def tell() -> None:
+            if not loop.is_closed():
+                loop.call_soon_threadsafe(self._take_flushes)
+
+        self._flush_clock.on_stamp = tell
+        for number in (signal.SIGTERM, signal.SIGHUP):
+            loop.add_signal_handler(number, self._end_at_once)
+        self.run_worker(self._conduct(), exclusive=True, name="conduct")
+
+    def on_unmount(self) -> None:
+        """Leave the process as it was found."""
+        self._garbage.restore()
+        if self._writer is not None:
+            self._writer.close()
+
+    async def on_event(self, event: events.Event) -> None:
+        """Hand every key press to the running trial before anything else is done with it."""
+        if isinstance(event, events.Key) and not event.is_forwarded and isinstance(self.screen, TrialScreen):
+            self.screen.press(key_name(event), nanoseconds(event.time))
+        await super().on_event(event)
+
+    def post_display_hook(self) -> None:
+        """Note that a frame has just been handed to the terminal's writer, and whose stimulus it shows."""
+        screen = self.screen_stack[-1] if self.screen_stack else None
+        shown = screen.take_drawn() if isinstance(screen, TrialScreen) else ANY_FRAME
+        if self._flush_clock.running:
+            self._flush_clock.mark(shown)
+        else:
+            self._stamps_without_driver.append((shown, self._clock.now_ns()))
+            self.call_later(self._take_flushes)
+
+    def _take_flushes(self) -> None:
+        stamps, self._stamps_without_driver = self._stamps_without_driver, []
+        for shown, time_ns in stamps + self._flush_clock.take():
+            interval_ns = None if self._last_flush_ns is None else time_ns - self._last_flush_ns
+            self._last_flush_ns = time_ns
+            screen = self.screen_stack[-1] if self.screen_stack else None
+            if shown != ANY_FRAME and isinstance(screen, TrialScreen):
+                screen.flushed(shown, time_ns, interval_ns)
+
+    # --- the sitting --------------------------------------------------------------------------------------------
+
+    async def _conduct(self) -> None:
+        sitting = self._sitting
+        if sitting.hindrances and not await self._ask(HindrancePage(sitting.hindrances)):
+            self.exit(Outcome((), False, Fitted()))
+            return
+        parts, resumed = await self._parts()
+        if not await self._ask(WelcomePage(parts, sitting.participant, resumed=resumed)):
+            self.exit(Outcome((), False, Fitted()))
+            return
+        finished = True
+        for part in parts:
+            try:
+                finished = await self._run_part(part)
+            except (OSError, TrialFileError, HelperError) as error:
+                finished, self._trouble = False, str(error)
+            if not finished or self._trouble is not None:
+                break
+        fitted = await self._fit()
+        finished = finished and self._trouble is None
+        await self._ask(SummaryPage(fitted, finished=finished, trouble=self._trouble))
+        self.exit(Outcome(tuple(self._files), finished, fitted, self._trouble))
+
+    async def _ask(self, page: Page) -> bool:
+        answer = await self.push_screen_wait(page)
+        return bool(answer)
+
+    async def _parts(self) -> tuple[tuple[Part, ...], bool]:
+        """Return what is to be done, and whether that goes on with an earlier sitting."""
+        old = unfinished(self._sitting, wall_time_utc())
+        if old is not None and (not old.is_old or await self._ask(OldSittingPage(old))):
+            return old.parts, True
+        return new_parts(self._sitting), False
+
+    async def _run_part(self, part: Part) -> bool:
+        """Run what is left of one task; return whether it went to its end."""
+        schedule, done = part.schedule, set(part.done)
+        if part.complete:
+            assert part.path is not None
+            self._complete.append(part.path)
+            return True
+        view = await self._view(schedule)
+        if view is None:
+            return False
+        finished = await self._run_blocks(part, schedule, done, view)
+        if self._writer is not None:
+            if finished and self._trouble is None:
+                self._complete.append(self._writer.path)
+            self._writer.close()
+            self._writer = None
+        return finished
+
+    async def _run_blocks(self, part: Part, schedule: Schedule, done: set[int], view: View) -> bool:
+        n_trials = len(schedule.trials)
+        fresh, last_block = True, -1
+        while len(done) < n_trials and self._trouble is None:
+            next_trial = next(plan.index for plan in schedule.trials if plan.index not in done)
+            block = schedule.block_of(next_trial)
+            if block.index != last_block:
+                page = self._page_before(schedule, block, done, fresh=fresh, resumed=bool(part.done))
+                if not await self._ask(page):
+                    return False
+            if not fits_into(SMALLEST, self.size) and not await self._ask(SmallPage()):
+                return False
+            if self._writer is None:
+                self._open(part)
+            plans = [plan for plan in block.trials if plan.index not in done]
+            screen = TrialScreen(
+                schedule,
+                block,
+                plans,
+                view,
+                clock=self._clock,
+                garbage=self._garbage,
+                keep=lambda record: self._keep(record, done),
+                study=block.index != last_block,
+                timing=self._timing,
+            )
+            self._garbage.first_paint()
+            if not await self.push_screen_wait(screen) and (
+                self._stopping or not await self._ask(PausePage())
+            ):
+                return False
+            view = view.renewed()
+            fresh, last_block = False, block.index
+        return True
+
+    def _page_before(
+        self, schedule: Schedule, block: BlockPlan, done: set[int], *, fresh: bool, resumed: bool
+    ) -> Page:
+        first_scored = next(each.index for each in schedule.blocks if not each.practice)
+        if fresh or block.index == first_scored:
+            return InstructionPage(schedule, block, resumed=fresh and resumed)
+        return BreakPage(len(done), len(schedule.trials))
+
+    async def _view(self, schedule: Schedule) -> View | None:
+        """Return what trials look like; None where nobody waited for the game to get ready."""
+        if schedule.config.task != "feedback lag":
+            return BoxView()
+        answer = await self._wait_for(
+            "arl_tui.calibration.scenes",
+            schedule,
+            WaitingPage(
+                "Getting ready", "The game is being prepared. The first time this takes up to a minute."
+            ),
+        )
+        if answer is None:
+            return None
+        scenes = msgspec.json.decode(answer, type=list[Scene])
+        return GameView(scenes, palette_for("standard", self.console.color_system))
+
+    async def _wait_for(self, module: str, question: object, page: WaitingPage) -> bytes | None:
+        """Ask another process while a page says so; None where the participant would not wait.
+
+        Raises:
+            HelperError: the process failed.
+        """
+        task = asyncio.ensure_future(self._helper(module, question))
+        task.add_done_callback(lambda _: self.call_later(page.leave, True))
+        try:
+            if not await self._ask(page):
+                return None
+            return await task
+        finally:
+            task.cancel()
+
+    # --- trials to the disk -------------------------------------------------------------------------------------
+
+    def _open(self, part: Part) -> None:
+        if part.path is not None:
+            self._writer, _ = TrialWriter.resume(part.path, despite_age=True)
+            about = self._facts()
+            self._comment = f"resumed ({about['connection']}, {about.get('hindrances', 'no hindrance')})"
+        else:
+            folder = self._sitting.recordings / CALIBRATION_FOLDER
+            folder.mkdir(parents=True, exist_ok=True)
+            created_utc = wall_time_utc()
+            name = f"{self._sitting.participant}-{slug(part.schedule.config.task)}"
+            header = TrialHeader(
+                participant=self._sitting.participant,
+                created_utc=created_utc,
+                schedule=part.schedule,
+                facts=self._facts(),
+            )
+            self._writer = TrialWriter.create(new_path(folder, name, created_utc), header)
+        self._files.append(self._writer.path)
+
+    def _facts(self) -> dict[str, str]:
+        from arl_tui import facts  # Not needed before the first paint.
+
+        stamps = "flush" if self._flush_clock.running else "queued"
+        found = facts.software() | facts.terminal(
+            self.size.width, self.size.height, stamps=stamps, frames_per_s=constants.MAX_FPS
+        )
+        name, resolution_ns = facts.clock_facts()
+        found |= {"clock": name, "clock_resolution_ns": str(resolution_ns), PLANNED: self._sitting.planned}
+        if self._sitting.hindrances:
+            found["hindrances"] = " and ".join(self._sitting.hindrances)
+        return found
+
+    def _keep(self, record: TrialRecord, done: set[int]) -> bool:
+        """Write a trial to the disk; return whether that went well."""
+        assert self._writer is not None, "a file is open while trials run"
+        if self._comment:
+            comment = "; ".join(part for part in (record.comment, self._comment) if part)
+            record, self._comment = msgspec.structs.replace(record, comment=comment), ""
+        try:
+            self._writer.write(record)
+        except OSError as error:
+            self._trouble = f"The disk does not take the measurement: {error}"
+            return False
+        if not record.comment.startswith("abandoned"):
+            done.add(record.trial)
+        return True
+
+    def _end_at_once(self) -> None:
+        """Keep what there is and close: the window is gone, or the system asks for it."""
+        self._stopping = True
+        if isinstance(self.screen, TrialScreen):
+            self.screen.interrupt("window closed")
+        self.call_later(self.exit, Outcome(tuple(self._files), False, Fitted()))
+
+    # --- the fit ------------------------------------------------------------------------------------------------
+
+    async def _fit(self) -> Fitted:
+        if not self._complete:
+            return Fitted()
+        order = FitOrder(
+            recordings=str(self._sitting.recordings),
+            participant=self._sitting.participant,
+            files=tuple(str(path) for path in self._complete),
+        )
+        page = WaitingPage("That was it", "Your times are being worked out ...")
+        try:
+            answer = await self._wait_for("arl_tui.calibration.fitting", order, page)
+        except HelperError as error:
+            return Fitted(failures={"all": f"{error}. The trials are kept: `arl fit` reads them."})
+        return Fitted() if answer is None else msgspec.json.decode(answer, type=Fitted)

@@ -1,0 +1,40 @@
+"""Work for another process: a module of ours reads JSON from its standard input and writes JSON to its output."""
+
+import asyncio
+import sys
+from asyncio.subprocess import PIPE
+
+import msgspec
+
+
+class HelperError(RuntimeError):
+    """The other process failed; the message ends with what it said last."""
+
+
+async def ask_helper(module: str, question: object) -> bytes:
+    """Run `module` on a question; the screen goes on meanwhile.
+
+    Args:
+        module: dotted name of a module with a `main`.
+        question: anything that msgspec encodes.
+
+    Returns:
+        Its answer, JSON.
+
+    Raises:
+        HelperError: the process failed.
+    """
+    # All three streams are pipes: Textual has replaced the standard ones by objects without a file.
+    process = await asyncio.create_subprocess_exec(
+        sys.executable, "-m", module, stdin=PIPE, stdout=PIPE, stderr=PIPE
+    )
+    try:
+        answer, words = await process.communicate(msgspec.json.encode(question))
+    except asyncio.CancelledError:
+        process.kill()
+        await process.wait()
+        raise
+    if process.returncode:
+        lines = words.decode(errors="replace").strip().splitlines() or ["no message"]
+        raise HelperError(f"{module} left with status {process.returncode}: {lines[-1]}")
+    return answer

@@ -1,0 +1,180 @@
+"""Which tasks a calibration has, and what of it has been done already: no screen, no keys."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from pathlib import Path
+
+import msgspec
+
+from arl_tui.recordings import CALIBRATION_FOLDER
+from studies.reaction_time.protocol import Schedule, Task, TaskConfig
+from studies.reaction_time.schedule import expected_minutes, make_schedule
+from studies.reaction_time.trial_log import LONGEST_PAUSE_H, TrialFile, read_trials
+
+TASKS: dict[str, Task] = {
+    "simple": "simple",
+    "choice": "choice",
+    "go-no-go": "go/no-go",
+    "memory-search": "memory search",
+    "visual-search": "visual search",
+    "recognition": "recognition",
+    "feedback-lag": "feedback lag",
+}
+"""Names on the command line, in the order in which they are run."""
+DEFAULT_TASKS = ("simple", "choice", "feedback-lag")
+"""Together about six minutes."""
+JUDGING_S = 3.0
+"""Time-out of the feedback-lag task: the paper's density reaches 1.7 s (95 %)."""
+PLANNED = "planned_tasks"
+"""Key in a trial file's facts: all tasks of the sitting."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sitting:
+    """Who is measured, how, and where it is written."""
+
+    participant: str
+    """Pseudonym; never a name."""
+    configs: tuple[TaskConfig, ...]
+    """The tasks, in order."""
+    root_seed: int
+    recordings: Path
+    hindrances: tuple[str, ...] = ()
+    """What stands between keyboard and program, in words; measuring needs an explicit yes then."""
+
+    @property
+    def planned(self) -> str:
+        """Names of the tasks, as they stand in the trial files."""
+        return ",".join(slug(config.task) for config in self.configs)
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """One task of a sitting, and what of it is done."""
+
+    schedule: Schedule
+    path: Path | None = None
+    """The trial file; None where the task has not begun."""
+    done: frozenset[int] = frozenset()
+    """Trials that are finished."""
+
+    @property
+    def complete(self) -> bool:
+        """Whether all trials are done."""
+        return len(self.done) >= len(self.schedule.trials)
+
+
+@dataclass(frozen=True, slots=True)
+class Unfinished:
+    """A sitting that stopped before its end."""
+
+    parts: tuple[Part, ...]
+    root_seed: int
+    age_h: float
+
+    @property
+    def is_old(self) -> bool:
+        """Whether it must not go on without being asked about: another day is another measurement."""
+        return self.age_h > LONGEST_PAUSE_H
+
+
+def task_names(text: str) -> tuple[str, ...]:
+    """Return the tasks in a comma-separated list, each once, in our order.
+
+    Raises:
+        ValueError: one of them is unknown.
+    """
+    asked = [part.strip() for part in text.split(",") if part.strip()]
+    unknown = [name for name in asked if name not in TASKS]
+    if unknown or not asked:
+        raise ValueError(f"unknown task {', '.join(unknown) or text!r}: choose from {', '.join(TASKS)}")
+    return tuple(name for name in TASKS if name in asked)
+
+
+def configure(
+    names: Sequence[str], *, n_trials: int | None = None, n_practice: int | None = None
+) -> tuple[TaskConfig, ...]:
+    """Return the configuration of each task.
+
+    Args:
+        names: keys of `TASKS`.
+        n_trials: scored trials per task; the task's default without.
+        n_practice: practice trials per task; the task's default without.
+    """
+    changes: dict[str, int] = {}
+    if n_trials is not None:
+        changes["n_trials"] = n_trials
+    if n_practice is not None:
+        changes["n_practice"] = n_practice
+    configs = []
+    for name in names:
+        config = msgspec.structs.replace(TaskConfig(task=TASKS[name]), **changes)
+        if config.task == "feedback lag":
+            config = msgspec.structs.replace(config, time_out_s=JUDGING_S)
+        configs.append(config)
+    return tuple(configs)
+
+
+def slug(task: Task) -> str:
+    """Return a task's name on the command line and in file names."""
+    return next(name for name, known in TASKS.items() if known == task)
+
+
+def new_parts(sitting: Sitting) -> tuple[Part, ...]:
+    """Return the parts of a sitting that begins now."""
+    return tuple(Part(make_schedule(config, sitting.root_seed)) for config in sitting.configs)
+
+
+def minutes_left(parts: Sequence[Part]) -> float:
+    """Return the expected length of what is not done, without breaks."""
+    return sum(
+        expected_minutes(part.schedule) * (1.0 - len(part.done) / len(part.schedule.trials)) for part in parts
+    )
+
+
+def unfinished(sitting: Sitting, now_utc: str) -> Unfinished | None:
+    """Return the participant's newest sitting if it had the same tasks and is not finished.
+
+    Raises:
+        TrialFileError: one of the participant's trial files is damaged.
+    """
+    files = [
+        (path, file)
+        for path in sorted((sitting.recordings / CALIBRATION_FOLDER).glob(f"{sitting.participant}-*.jsonl"))
+        if (file := read_trials(path)).header.participant == sitting.participant
+    ]
+    if not files:
+        return None
+    newest = max((file for _, file in files), key=lambda file: file.header.created_utc).header
+    if newest.facts.get(PLANNED) != sitting.planned:
+        return None
+    seed = newest.schedule.root_seed
+    begun = {
+        file.header.schedule.config.task: Part(file.header.schedule, path, done_trials(file))
+        for path, file in files
+        if file.header.schedule.root_seed == seed
+    }
+    parts = tuple(begun.get(config.task) or Part(make_schedule(config, seed)) for config in sitting.configs)
+    if all(part.complete for part in parts):
+        return None
+    age = datetime.fromisoformat(now_utc) - datetime.fromisoformat(newest.created_utc)
+    return Unfinished(parts, seed, age / timedelta(hours=1))
+
+
+def newest_complete(recordings: Path, task: Task) -> Iterator[Path]:
+    """Yield the newest finished session of each participant in this task."""
+    found: dict[str, tuple[str, Path]] = {}
+    for path in sorted((recordings / CALIBRATION_FOLDER).glob(f"*-{slug(task)}-*.jsonl")):
+        file = read_trials(path)
+        header = file.header
+        if header.schedule.config.task == task and file.next_trial >= len(header.schedule.trials):
+            found[header.participant] = max(
+                found.get(header.participant, ("", path)), (header.created_utc, path)
+            )
+    yield from (path for _, path in found.values())
+
+
+def done_trials(file: TrialFile) -> frozenset[int]:
+    """Return the trials that were finished."""
+    return frozenset(record.trial for record in file.trials if not record.comment.startswith("abandoned"))

@@ -1,0 +1,140 @@
+"""What a trial looks like: a box for stimuli, or the board of a game. The trial decides when, the view shows."""
+
+from collections.abc import Sequence
+from typing import Protocol
+
+from textual.widget import Widget
+
+from arl_tui.calibration.scenes import TICK_MS, Scene
+from arl_tui.calibration.stimulus import StimulusBox
+from arl_tui.palette import Palette
+from arl_tui.widgets.board import TetrisBoard
+from core.keys import NS_PER_MS
+from studies.reaction_time.protocol import TrialPlan
+
+
+class View(Protocol):
+    """Shows trials."""
+
+    tick_ns: int | None
+    """What is seen before the stimulus changes after each such time; None: it stands still."""
+
+    @property
+    def widget(self) -> Widget:
+        """The widget that is laid out."""
+        ...
+
+    def renewed(self) -> "View":
+        """Return a view like this one with a widget of its own: a widget goes with its screen."""
+        ...
+
+    def study(self, item: str) -> None:
+        """Show something to remember."""
+        ...
+
+    def wait(self, plan: TrialPlan, tick: int) -> None:
+        """Show what is seen `tick` ticks after the trial's start, before its stimulus."""
+        ...
+
+    def present(self, plan: TrialPlan) -> None:
+        """Show the stimulus with the next paint."""
+        ...
+
+    def rest(self) -> None:
+        """Show what is seen between trials."""
+        ...
+
+    def take_drawn(self) -> int:
+        """Return the trial whose stimulus has been drawn since the last call; -1 where none has."""
+        ...
+
+    def note(self, plan: TrialPlan) -> str:
+        """Return what the plan does not tell of what was shown, for the record."""
+        ...
+
+
+class BoxView:
+    """Stimuli in a box, after a fixation mark."""
+
+    tick_ns: int | None = None
+
+    def __init__(self) -> None:
+        self.box = StimulusBox()
+
+    @property
+    def widget(self) -> Widget:
+        """The box."""
+        return self.box
+
+    def renewed(self) -> "BoxView":
+        """Return a new box."""
+        return BoxView()
+
+    def study(self, item: str) -> None:
+        """Show an item in the middle."""
+        self.box.show(item)
+
+    def wait(self, plan: TrialPlan, tick: int) -> None:
+        """Show the fixation mark."""
+        self.box.fixate()
+
+    def present(self, plan: TrialPlan) -> None:
+        """Show the stimulus."""
+        self.box.show(plan.stimulus, plan.index)
+
+    def rest(self) -> None:
+        """Show nothing."""
+        self.box.clear()
+
+    def take_drawn(self) -> int:
+        """Return what the box has drawn."""
+        drawn, self.box.drawn = self.box.drawn, -1
+        return drawn
+
+    def note(self, plan: TrialPlan) -> str:
+        """Return nothing: the plan tells all."""
+        return ""
+
+
+class GameView:
+    """The real board: a piece hovers, then drops."""
+
+    tick_ns: int | None = TICK_MS * NS_PER_MS
+
+    def __init__(self, scenes: Sequence[Scene], palette: Palette) -> None:
+        wall = scenes[0].wall
+        self.board = TetrisBoard(wall.rows, wall.columns, palette=palette)
+        self._scenes = scenes
+        self._palette = palette
+
+    @property
+    def widget(self) -> Widget:
+        """The board."""
+        return self.board
+
+    def renewed(self) -> "GameView":
+        """Return the same game on a new board."""
+        return GameView(self._scenes, self._palette)
+
+    def study(self, item: str) -> None:
+        """Do nothing: there is nothing to remember in a game."""
+
+    def wait(self, plan: TrialPlan, tick: int) -> None:
+        """Show the hovering piece."""
+        self.board.show(self._scenes[plan.index].hovering(tick))
+
+    def present(self, plan: TrialPlan) -> None:
+        """Drop the piece."""
+        self.board.show(self._scenes[plan.index].event(), plan.index)
+
+    def rest(self) -> None:
+        """Leave the board as it is."""
+
+    def take_drawn(self) -> int:
+        """Return what the board has drawn."""
+        drawn, self.board.drawn_frame = self.board.drawn_frame, -1
+        return drawn
+
+    def note(self, plan: TrialPlan) -> str:
+        """Return where the piece went."""
+        return self._scenes[plan.index].note

@@ -1,0 +1,120 @@
+"""`arl calibrate`: measure how long a participant takes to react and to judge."""
+
+import os
+import secrets
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from arl_tui.commands.play import FRAMES_PER_S, need_terminal
+from arl_tui.recordings import CALIBRATION_FOLDER
+
+if TYPE_CHECKING:
+    from arl_tui.calibration.app import Outcome
+
+HINDRANCES = {
+    "ssh": "a network connection (SSH)",
+    "tmux": "a terminal multiplexer (tmux)",
+    "screen": "a terminal multiplexer (screen)",
+}
+
+
+def calibrate(
+    participant: str,
+    *,
+    tasks: str,
+    seed: int | None,
+    trials: int | None,
+    practice: int | None,
+    recordings: Path,
+    dry_run: bool,
+) -> None:
+    """Run the tasks in this terminal, or print what they would be."""
+    from arl_tui.calibration.plan import Sitting, configure, new_parts, task_names
+
+    try:
+        configs = configure(task_names(tasks), n_trials=trials, n_practice=practice)
+    except ValueError as error:
+        raise click.BadParameter(str(error), param_hint="--tasks") from error
+    sitting = Sitting(
+        participant=participant,
+        configs=configs,
+        root_seed=secrets.randbits(63) if seed is None else seed,
+        recordings=recordings,
+        hindrances=tuple(HINDRANCES[name] for name in hindrances()),
+    )
+    if dry_run:
+        from studies.reaction_time.schedule import describe
+
+        click.echo("\n".join(describe(part.schedule) for part in new_parts(sitting)), nl=False)
+        return
+    refuse_where_times_mean_nothing()
+    need_terminal("arl calibrate", instead="arl calibrate --dry-run")
+    os.environ.setdefault("TEXTUAL_FPS", FRAMES_PER_S)
+    check_files(sitting.recordings, participant)
+    from arl_tui.calibration.app import CalibrationApp
+
+    outcome = CalibrationApp(sitting).run()
+    if outcome is None:
+        raise click.ClickException("the app ended without a result; see the message above")
+    tell(outcome)
+
+
+def hindrances() -> list[str]:
+    """Return what stands between keyboard and program: "ssh", "tmux", "screen"."""
+    found = ["ssh"] if os.environ.get("SSH_CONNECTION") or os.environ.get("SSH_TTY") else []
+    if os.environ.get("TMUX"):
+        found.append("tmux")
+    elif os.environ.get("STY"):
+        found.append("screen")
+    return found
+
+
+def refuse_where_times_mean_nothing() -> None:
+    """Stop with a message in a browser, and on systems whose key times are of another clock."""
+    if os.environ.get("TEXTUAL_DRIVER"):
+        raise click.ClickException(
+            "a browser adds tens of milliseconds that differ from press to press: nothing can be measured in it. "
+            "Run `arl calibrate` in a terminal on the participant's computer"
+        )
+    if sys.platform == "win32":
+        raise click.ClickException(
+            "key times are not comparable with frames' here; calibrate on Linux or macOS"
+        )
+
+
+def check_files(recordings: Path, participant: str) -> None:
+    """Stop before anything is shown if the participant's earlier files cannot be read."""
+    from arl_tui.participants import ParticipantError, read_delays
+    from studies.reaction_time.trial_log import TrialFileError, read_trials
+
+    try:
+        for path in (recordings / CALIBRATION_FOLDER).glob(f"{participant}-*.jsonl"):
+            read_trials(path)
+        read_delays(recordings, participant)
+    except (TrialFileError, ParticipantError) as error:
+        raise click.ClickException(f"{error}. Move the file away, and run the command again.") from error
+
+
+def tell(outcome: "Outcome") -> None:
+    """Print where everything is, and the results; leave with status 1 where something failed."""
+    for path in outcome.files:
+        click.echo(f"Trials: {path}")
+    for delay in outcome.fitted.delays:
+        mean = delay.mean_s
+        click.echo(
+            f"{delay.task}: mean {mean.estimate:.3f} s (95 %: {mean.low:.3f} to {mean.high:.3f} s), "
+            f"{delay.n_observed} responses, {delay.family}"
+        )
+        for warning in delay.warnings:
+            click.echo(f"  beware: {warning}")
+    for task, reason in outcome.fitted.failures.items():
+        click.echo(f"{task}: no fit: {reason}")
+    if outcome.fitted.kept_in:
+        click.echo(f"Delays: {outcome.fitted.kept_in}")
+    if outcome.files and not outcome.finished and outcome.trouble is None:
+        click.echo("Not finished: run the same command within 12 hours to go on.")
+    if outcome.trouble is not None:
+        raise click.ClickException(outcome.trouble)

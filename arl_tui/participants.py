@@ -1,0 +1,197 @@
+"""What is known of a participant's delays: one JSON file per pseudonym, beside the recordings.
+
+`arl calibrate` writes it, `arl play --credit ...` and `arl replay --credit ...` read it. Every number can be worked
+out again from the trial files that it names.
+"""
+
+import os
+from pathlib import Path
+
+import msgspec
+
+from core.feedback.credit import Delay, GammaDelay, describe, parse_delay
+from studies.reaction_time.protocol import Task
+
+FORMAT = "arl-participant-delays"
+VERSION = 1
+FOLDER = "participants"
+FEEDBACK_LAG: Task = "feedback lag"
+SIMPLE: Task = "simple"
+CHOICES = ("participant", "feedback-lag", "simple", "pooled", "paper")
+"""Names for a participant's delays; "participant" is the feedback lag: the delay that credit needs."""
+FEWEST_TRUSTED = 20
+"""Fewer responses than this do not make a density of one's own (`docs/trusting-a-fit.md`)."""
+
+
+class ParticipantError(ValueError):
+    """There is no such fit, or its file cannot be used; the message says what to do."""
+
+
+class Quantity(msgspec.Struct, frozen=True, array_like=True):
+    """An estimate with its 95 % interval, seconds."""
+
+    estimate: float
+    low: float
+    high: float
+
+
+class TaskDelay(msgspec.Struct, frozen=True, kw_only=True):
+    """How long one person took in one task."""
+
+    task: Task
+    fitted_utc: str
+    files: tuple[str, ...]
+    """Names of the trial files."""
+    family: str
+    """The gamma that fits better by AIC: "gamma" (the paper's, offset 0) or "shifted gamma"."""
+    delay: GammaDelay
+    mean_s: Quantity
+    median_s: Quantity
+    n_observed: int
+    n_censored: int
+    """Trials that ended without a response: the time lies above the time-out."""
+    left_out: dict[str, int]
+    """Verdict to number of trials that are not in the fit."""
+    policy: dict[str, object]
+    """The exclusion policy."""
+    shape_identified: bool
+    shape_reason: str
+    verdict: str
+    """Whether another family of densities fits better, in words."""
+    connection: dict[str, str] = {}
+    """What stood between keyboard and program: connection, multiplexer, hindrances."""
+    pooled: GammaDelay | None = None
+    """Own data and the other participants' together (gamma, offset 0); None with fewer than five people."""
+    pooled_people: int = 0
+
+    @property
+    def warnings(self) -> list[str]:
+        """Return in plain words why this delay should not be trusted, or not fully."""
+        found = []
+        if self.n_observed < FEWEST_TRUSTED:
+            found.append(f"only {self.n_observed} responses: repeat the task, or use the pooled delay")
+        elif not self.shape_identified:
+            found.append(self.shape_reason)
+        if self.connection.get("hindrances"):
+            found.append(f"measured through {self.connection['hindrances']}: times may be too long")
+        return found
+
+
+class ParticipantDelays(msgspec.Struct, frozen=True, kw_only=True):
+    """All tasks of one participant: the newest fit of each."""
+
+    format: str = FORMAT
+    version: int = VERSION
+    participant: str
+    """Pseudonym; never a name."""
+    tasks: dict[str, TaskDelay] = {}
+
+
+class CreditChoice(msgspec.Struct, frozen=True):
+    """The credit rule of a session, and where it comes from."""
+
+    delay: Delay
+    source: dict[str, str]
+    """For the recording's header."""
+    warnings: tuple[str, ...] = ()
+
+
+def delays_path(recordings: Path, participant: str) -> Path:
+    """Return where a participant's delays are kept."""
+    return recordings / FOLDER / f"{participant}.json"
+
+
+def read_delays(recordings: Path, participant: str) -> ParticipantDelays | None:
+    """Return what is known of a participant; None where nothing is.
+
+    Raises:
+        ParticipantError: the file is damaged, of another version, or somebody else's.
+    """
+    path = delays_path(recordings, participant)
+    try:
+        content = path.read_bytes()
+    except FileNotFoundError:
+        return None
+    try:
+        delays = msgspec.json.decode(content, type=ParticipantDelays)
+    except msgspec.MsgspecError as error:
+        raise ParticipantError(f"{path}: not a participant's delays: {error}") from error
+    if (delays.format, delays.version, delays.participant) != (FORMAT, VERSION, participant):
+        raise ParticipantError(
+            f"{path}: expected {FORMAT} version {VERSION} of {participant}, got {delays.format} version "
+            f"{delays.version} of {delays.participant}; `arl calibrate --participant {participant}` makes a new one"
+        )
+    return delays
+
+
+def keep_delay(recordings: Path, participant: str, delay: TaskDelay) -> Path:
+    """Store one task's delay beside the others of this participant; the file is whole at every moment."""
+    known = read_delays(recordings, participant) or ParticipantDelays(participant=participant)
+    updated = msgspec.structs.replace(known, tasks={**known.tasks, delay.task: delay})
+    path = delays_path(recordings, participant)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    new = path.with_suffix(".new")
+    with new.open("wb") as file:
+        file.write(msgspec.json.format(msgspec.json.encode(updated), indent=1) + b"\n")
+        file.flush()
+        os.fsync(file.fileno())
+    new.replace(path)
+    return path
+
+
+def choose_credit(text: str, recordings: Path, participant: str) -> CreditChoice:
+    """Return the credit rule that `text` names: one of `CHOICES`, or a rule such as gamma:2.5,0.3.
+
+    Args:
+        text: from the command line.
+        recordings: folder beside which participants' delays are kept.
+        participant: whose delays "participant", "feedback-lag", "simple" and "pooled" mean.
+
+    Raises:
+        ParticipantError: the participant has no such fit.
+        ValueError: the rule is unknown.
+    """
+    if text == "paper":
+        return _chosen(text, GammaDelay(), {})
+    if text not in CHOICES:
+        return _chosen(text, parse_delay(text), {})
+    task = SIMPLE if text == "simple" else FEEDBACK_LAG
+    known = read_delays(recordings, participant)
+    fit = None if known is None else known.tasks.get(task)
+    if fit is None:
+        option = task.replace(" ", "-")
+        raise ParticipantError(
+            f"{participant} has no fit of the task {task!r} in {delays_path(recordings, participant)}. Measure it: "
+            f"`arl calibrate --participant {participant} --tasks {option}`; or choose --credit paper"
+        )
+    about = {
+        "credit_participant": participant,
+        "credit_task": task,
+        "credit_fitted_utc": fit.fitted_utc,
+        "credit_files": " ".join(fit.files),
+    }
+    warnings = list(fit.warnings)
+    if task == SIMPLE:
+        warnings.append("a simple reaction is not an evaluation: feedback takes longer (use feedback-lag)")
+    if text != "pooled":
+        return _chosen(text, fit.delay, about, warnings)
+    if fit.pooled is None:
+        raise ParticipantError(
+            f"{participant}: pooling needs at least five participants with a finished {task!r} task at the time of "
+            "the fit; choose --credit participant"
+        )
+    about["credit_people"] = str(fit.pooled_people)
+    return _chosen(text, fit.pooled, about)
+
+
+def _chosen(
+    text: str, delay: Delay, about: dict[str, str], warnings: list[str] | None = None
+) -> CreditChoice:
+    source = {"credit": text, "credit_rule": describe(delay), **about}
+    return CreditChoice(delay, source, tuple(warnings or ()))
+
+
+def home_of(recording: Path) -> Path:
+    """Return the folder beside which the participants of a recording are kept: its own, or the nearest above."""
+    folder = recording.resolve().parent
+    return next((above for above in (folder, *folder.parents) if (above / FOLDER).is_dir()), folder)
