@@ -1,0 +1,130 @@
+"""`arl timing`: how exactly this machine measures reaction times, told by a robot that knows the truth."""
+
+import secrets
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from arl_tui.timing.plan import Plan
+    from arl_tui.timing.result import SceneResult, TimingResult
+
+SCENE_NAMES = ("at rest", "beside a board")
+"""Written out here so that `--help` need not load them; a test compares."""
+BUSY = 0.5
+"""Load per core above which only medians say something about the program."""
+
+
+@click.command()
+@click.option(
+    "--trials",
+    type=click.IntRange(1, 9999),
+    default=60,
+    show_default=True,
+    help="Per scene; a second and a half each.",
+)
+@click.option("--scene", "scenes", multiple=True, type=click.Choice(SCENE_NAMES), help="Only this one.")
+@click.option(
+    "--longest",
+    type=click.IntRange(150, 2500),
+    default=1000,
+    show_default=True,
+    help="Longest reaction time of the robot, ms.",
+)
+@click.option("--seed", type=click.IntRange(0, 2**63 - 1), help="Root seed; a new one by default.")
+@click.option(
+    "--json",
+    "json_path",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Write everything, each trial included, for machines.",
+)
+def timing(
+    trials: int, scenes: tuple[str, ...], longest: int, seed: int | None, json_path: Path | None
+) -> None:
+    """Test how exactly reaction times are measured on this machine.
+
+    A robot participant at the other end of a pseudo-terminal answers a stimulus exactly 150 to 1000 ms after it has
+    seen its bytes; measured minus true is printed, at rest and beside a moving board. No keyboard is needed.
+    """
+    result = measure(
+        tuple(scenes) or SCENE_NAMES, trials, longest, secrets.randbits(63) if seed is None else seed
+    )
+    for line in report_lines(result):
+        click.echo(line)
+    if json_path is not None:
+        import msgspec
+
+        json_path.write_bytes(msgspec.json.format(msgspec.json.encode(result), indent=1))
+        click.echo(f"JSON: {json_path}", err=True)
+
+
+def measure(scenes: tuple[str, ...], n_trials: int, longest_ms: int, seed: int) -> "TimingResult":
+    """Run the scenes one after another, with a bar that shows how far they are."""
+    if sys.platform == "win32":
+        raise click.ClickException("the self-test needs a pseudo-terminal, which Windows does not have")
+    import os
+
+    from arl_tui import facts
+    from arl_tui.timing.plan import SCENES, make_plan
+    from arl_tui.timing.result import TimingResult
+    from core.clock import wall_time_utc
+
+    plans = [make_plan(s, n_trials, root_seed=seed, longest_ms=longest_ms) for s in SCENES if s in scenes]
+    results = tuple(measure_scene(plan) for plan in plans)
+    return TimingResult(
+        created_utc=wall_time_utc(),
+        root_seed=seed,
+        cores=os.cpu_count() or 1,
+        load=os.getloadavg()[0],
+        software=facts.software(),
+        scenes=results,
+    )
+
+
+def measure_scene(plan: "Plan") -> "SceneResult":
+    """Run one scene."""
+    from arl_tui.timing.result import compare
+    from arl_tui.timing.robot import TimingError, run_plan
+
+    with click.progressbar(length=len(plan.trials), label=plan.scene, file=sys.stderr) as bar:
+        try:
+            robot, seen = run_plan(plan, lambda: bar.update(1))
+        except TimingError as error:
+            raise click.ClickException(str(error)) from error
+    return compare(plan, robot, seen)
+
+
+def report_lines(result: "TimingResult") -> Iterator[str]:
+    """Yield what is printed."""
+    from arl_tui.timing.published import published_lines
+    from arl_tui.timing.result import LATE_MS, TABLE_HEAD, scene_lines
+
+    yield "Measured minus true reaction time, milliseconds:"
+    yield ""
+    yield TABLE_HEAD
+    for scene in result.scenes:
+        yield from scene_lines(scene)
+    yield ""
+    yield (
+        f"Read late: the kernel passed the bytes to the robot more than {LATE_MS:g} ms after the flush. The robot's true "
+        "time begins then, so the delay counts as error, though it is the pseudo-terminal's."
+    )
+    if result.load > BUSY * result.cores:
+        yield (
+            f"This machine is busy (load {result.load:.1f} on {result.cores} cores): only the medians say something "
+            "about the program. Repeat on a quiet machine, and do not calibrate anybody on a busy one."
+        )
+    yield "Targets on a quiet machine: at rest bias < 0.5, sd < 0.2; beside a board median < 0.5, p95 < 3."
+    yield ""
+    yield "Other programs, with screen and key in the chain (so not the same quantity):"
+    yield ""
+    yield from published_lines()
+    yield ""
+    yield (
+        "Not seen here: the terminal's drawing, the compositor, the screen, the keyboard and its cable. Together they "
+        "add typically 20 to 60 ms, about constant for one set-up; a fit has them in its offset. Nothing is subtracted. "
+        "Measuring them takes a photodiode and a button box."
+    )
