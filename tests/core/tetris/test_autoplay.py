@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from core.combination.config import EXPONENTIAL, LINEAR, LINEAR_RAW, EpisodeWeights
 from core.combination.schemes import best_action, choose, takes_control, worst_action
+from core.compiled import JIT_DISABLED
 from core.fixed_point import exact_weights
 from core.learners.linear import action_values
 from core.streams import stream
@@ -21,6 +22,9 @@ from core.tetris.features import DELLACHERIE_WEIGHTS, DT_10_WEIGHTS, DT_20_WEIGH
 from core.tetris.pieces import seven_bag_piece, uniform_piece
 from tests.data_folder import data_folder
 from tests.naive import tetris as naive
+
+# Plain Python plays the same games, but fewer and shorter ones.
+N_SEEDS, N_PIECES = (1, 25) if JIT_DISABLED else (3, 150)
 
 RULES = {
     "default": {},
@@ -59,15 +63,15 @@ def values(rows: np.ndarray, weights: np.ndarray) -> np.ndarray:
 def test_a_greedy_game_is_the_one_played_step_by_step(rules, features):
     config = TetrisConfig(**RULES[rules], features=features)
     domain = Tetris(config)
-    for seed in range(3):
+    for seed in range(N_SEEDS):
         weights = sensible_weights(features, config, seed)
         state = domain.initial(seed)
-        while not domain.terminal(state) and state.pieces < 150:
+        while not domain.terminal(state) and state.pieces < N_PIECES:
             choices = domain.choices(state)
             n = len(choices.features)
             action = best_action(values(choices.features, weights), choices.ruled_out, n)
             state = domain.transition(state, action).next_state
-        games = play_greedy(weights, [seed], config, piece_cap=150)
+        games = play_greedy(weights, [seed], config, piece_cap=N_PIECES)
         assert games.boards[0, : config.columns].tolist() == list(state.columns)
         assert (games.pieces[0], games.lines[0], games.finished[0]) == (state.pieces, state.lines, state.over)
 
