@@ -2,7 +2,8 @@
 
 import asyncio
 import signal
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -40,6 +41,8 @@ class Sitting:
     recordings: Path
     simulated: bool = False
     """A simulated participant presses keys, too."""
+    source: Mapping[str, str] = field(default_factory=dict)
+    """Where the credit rule comes from, for the recording's header."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,6 +153,7 @@ class ArlApp(App[Outcome], inherit_bindings=False):
                 self.size.width, self.size.height, stamps=stamps, frames_per_s=constants.MAX_FPS
             ),
             departures=protocol.departures(),
+            source=dict(self.sitting.source),
         )
 
     # --- keys and frames ----------------------------------------------------------------------------------------

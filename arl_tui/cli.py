@@ -49,6 +49,12 @@ def main() -> None:
 )
 @seed_option
 @click.option("--episodes", type=click.IntRange(1), help="How many games are watched.")
+@click.option(
+    "--credit",
+    metavar="RULE",
+    help="How presses are shared out among steps: the participant's own delay (participant, feedback-lag, simple, "
+    "pooled; see `arl calibrate`), paper, or a rule as in `arl replay`. The protocol's rule by default.",
+)
 @recordings_option
 def play(
     game: str,
@@ -56,13 +62,20 @@ def play(
     participant: str,
     seed: int | None,
     episodes: int | None,
+    credit: str | None,
     recordings: Path,
 ) -> None:
     """Watch an agent learn GAME, and tell it by key presses what you think of it."""
     from arl_tui.commands.play import play_session
 
     play_session(
-        game, protocol=protocol, participant=participant, seed=seed, episodes=episodes, recordings=recordings
+        game,
+        protocol=protocol,
+        participant=participant,
+        seed=seed,
+        episodes=episodes,
+        recordings=recordings,
+        credit=credit,
     )
 
 
@@ -87,7 +100,7 @@ def demo(game: str, seed: int | None, recordings: Path) -> None:
     "credits",
     multiple=True,
     metavar="RULE",
-    help="What-if: how presses are shared out among steps: gamma:2.5,0.3 uniform:0.2,0.8 previous current. May be given several times.",
+    help="What-if: how presses are shared out among steps: gamma:2.5,0.3 uniform:0.2,0.8 previous current, or participant (its own delay, see `arl calibrate`). May be given several times.",
 )
 @click.option(
     "--scheme",

@@ -3,11 +3,13 @@
 import os
 import secrets
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 import msgspec
+
 from core.protocol import Protocol, load_protocol
 
 if TYPE_CHECKING:
@@ -25,13 +27,20 @@ def play_session(
     seed: int | None,
     episodes: int | None,
     recordings: Path,
+    credit: str | None = None,
 ) -> None:
     """Run a live session in this terminal and say where its recording is."""
     need_terminal("arl play", instead="arl demo")
     chosen = read_protocol(protocol)
     if episodes is not None:
         chosen = with_episodes(chosen, episodes)
-    outcome = run_live(chosen, participant=participant, seed=seed, recordings=recordings)
+    source: dict[str, str] = {}
+    if credit is not None:
+        from arl_tui.commands.credit import credit_of, with_credit
+
+        choice = credit_of(credit, recordings, participant)
+        chosen, source = with_credit(chosen, choice), choice.source
+    outcome = run_live(chosen, participant=participant, seed=seed, recordings=recordings, source=source)
     tell(outcome)
 
 
@@ -56,7 +65,13 @@ def with_episodes(protocol: Protocol, episodes: int) -> Protocol:
 
 
 def run_live(
-    protocol: Protocol, *, participant: str, seed: int | None, recordings: Path, simulated: bool = False
+    protocol: Protocol,
+    *,
+    participant: str,
+    seed: int | None,
+    recordings: Path,
+    simulated: bool = False,
+    source: Mapping[str, str] | None = None,
 ) -> "Outcome":
     """Start the worker, then the app; return what is left when both are gone."""
     os.environ.setdefault("TEXTUAL_FPS", FRAMES_PER_S)
@@ -74,6 +89,7 @@ def run_live(
             participant=participant,
             recordings=recordings,
             simulated=simulated,
+            source=source or {},
         )
         app = build_app(sitting, link)
         outcome = app.run()

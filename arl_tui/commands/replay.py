@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from arl_tui.commands.credit import rule_in_numbers
 from arl_tui.commands.exact import protocol_of, read_or_stop, run_again
 from arl_tui.commands.play import read_protocol
 from core.protocol import Protocol
@@ -42,6 +43,7 @@ def replay_recording(
         run_again(recording)
         return
     chosen = protocol_of(recording) if protocol is None else read_protocol(protocol)
+    credits = [rule_in_numbers(text, recording) for text in credits]
     rows = compare(
         recording.path, chosen, credits=credits, schemes=schemes, games=games, seed=seed or 0, workers=workers
     )

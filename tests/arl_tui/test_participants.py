@@ -1,0 +1,158 @@
+"""What is kept of a participant, and how a session chooses its credit rule by it."""
+
+from pathlib import Path
+
+import msgspec
+import pytest
+from click.testing import CliRunner
+
+from arl_tui.cli import main
+from arl_tui.commands.credit import with_credit
+from arl_tui.participants import (
+    ParticipantError,
+    Quantity,
+    TaskDelay,
+    choose_credit,
+    delays_path,
+    home_of,
+    keep_delay,
+    read_delays,
+)
+from core.feedback.credit import GammaDelay, PreviousStep
+from core.protocol import Protocol
+
+LAG = GammaDelay(shape=9.0, scale_s=0.07, offset_s=0.1)
+SIMPLE = GammaDelay(shape=30.0, scale_s=0.01)
+
+
+def task_delay(task: str = "feedback lag", delay: GammaDelay = LAG, **changes) -> TaskDelay:
+    given = {
+        "task": task,
+        "fitted_utc": "2026-11-22T08:00:00+00:00",
+        "files": ("P01-feedback-lag-20261122T075000Z.jsonl",),
+        "family": "shifted gamma",
+        "delay": delay,
+        "mean_s": Quantity(0.73, 0.68, 0.79),
+        "median_s": Quantity(0.7, 0.66, 0.75),
+        "n_observed": 36,
+        "n_censored": 1,
+        "left_out": {"practice": 8},
+        "policy": {"slow_above_s": 3.0},
+        "shape_identified": True,
+        "shape_reason": "Shape identified.",
+        "verdict": "No other family fits better.",
+    }
+    return TaskDelay(**{**given, **changes})
+
+
+def test_what_is_kept_is_read_back_and_other_tasks_stay(tmp_path: Path) -> None:
+    assert read_delays(tmp_path, "P01") is None
+    keep_delay(tmp_path, "P01", task_delay())
+    path = keep_delay(tmp_path, "P01", task_delay("simple", SIMPLE))
+    newer = task_delay(delay=GammaDelay(shape=5.0, scale_s=0.1))
+    keep_delay(tmp_path, "P01", newer)
+    known = read_delays(tmp_path, "P01")
+    assert known is not None
+    assert known.tasks == {"feedback lag": newer, "simple": task_delay("simple", SIMPLE)}
+    assert [each.name for each in path.parent.iterdir()] == ["P01.json"]
+
+
+def test_participant_means_the_delay_of_judging_not_of_reacting(tmp_path: Path) -> None:
+    keep_delay(tmp_path, "P01", task_delay())
+    keep_delay(tmp_path, "P01", task_delay("simple", SIMPLE))
+    assert choose_credit("participant", tmp_path, "P01").delay == LAG
+    assert choose_credit("feedback-lag", tmp_path, "P01").delay == LAG
+    simple = choose_credit("simple", tmp_path, "P01")
+    assert simple.delay == SIMPLE
+    assert any("not an evaluation" in warning for warning in simple.warnings)
+
+
+def test_the_source_of_a_credit_rule_says_whose_which_and_from_which_trials(tmp_path: Path) -> None:
+    keep_delay(tmp_path, "P01", task_delay())
+    source = choose_credit("participant", tmp_path, "P01").source
+    assert source["credit"] == "participant"
+    assert source["credit_rule"] == "gamma:9,0.07,0.1"
+    assert source["credit_participant"] == "P01"
+    assert source["credit_task"] == "feedback lag"
+    assert source["credit_files"] == "P01-feedback-lag-20261122T075000Z.jsonl"
+
+
+def test_paper_and_rules_need_no_fit(tmp_path: Path) -> None:
+    assert choose_credit("paper", tmp_path, "P09").delay == GammaDelay(2.5, 0.3)
+    assert choose_credit("previous", tmp_path, "P09").delay == PreviousStep()
+    with pytest.raises(ValueError, match="unknown credit rule"):
+        choose_credit("nonsense", tmp_path, "P09")
+
+
+def test_a_missing_fit_is_an_error_that_says_how_to_get_one(tmp_path: Path) -> None:
+    with pytest.raises(ParticipantError, match="arl calibrate --participant P09 --tasks feedback-lag"):
+        choose_credit("participant", tmp_path, "P09")
+
+
+def test_pooled_needs_a_pooled_fit(tmp_path: Path) -> None:
+    keep_delay(tmp_path, "P01", task_delay())
+    with pytest.raises(ParticipantError, match="at least five"):
+        choose_credit("pooled", tmp_path, "P01")
+    pooled = GammaDelay(shape=8.0, scale_s=0.09)
+    keep_delay(tmp_path, "P01", task_delay(n_observed=12, pooled=pooled, pooled_people=6))
+    choice = choose_credit("pooled", tmp_path, "P01")
+    assert (choice.delay, choice.warnings) == (pooled, ())
+    assert choice.source["credit_people"] == "6"
+
+
+def test_few_answers_an_open_shape_and_a_network_are_warned_of() -> None:
+    assert task_delay().warnings == []
+    assert "only 12 responses" in task_delay(n_observed=12).warnings[0]
+    open_shape = task_delay(shape_identified=False, shape_reason="Shape not identified: why.")
+    assert open_shape.warnings == ["Shape not identified: why."]
+    assert "SSH" in task_delay(connection={"hindrances": "SSH"}).warnings[0]
+
+
+@pytest.mark.parametrize("content", [b"{}", b"not json", b'{"format":"arl-participant-delays","version":1'])
+def test_a_damaged_file_is_an_error_that_names_it(tmp_path: Path, content: bytes) -> None:
+    path = delays_path(tmp_path, "P01")
+    path.parent.mkdir()
+    path.write_bytes(content)
+    with pytest.raises(ParticipantError, match=r"P01\.json"):
+        read_delays(tmp_path, "P01")
+
+
+def test_somebody_elses_file_is_not_taken(tmp_path: Path) -> None:
+    path = keep_delay(tmp_path, "P02", task_delay())
+    path.rename(path.with_name("P01.json"))
+    with pytest.raises(ParticipantError, match="of P02"):
+        read_delays(tmp_path, "P01")
+
+
+def test_the_participants_of_a_recording_are_looked_for_beside_it_and_above(tmp_path: Path) -> None:
+    keep_delay(tmp_path, "P01", task_delay())
+    assert home_of(tmp_path / "P01-20261122T080000Z.jsonl") == tmp_path.resolve()
+    assert home_of(tmp_path / "imported" / "x.jsonl") == tmp_path.resolve()
+
+
+def test_a_protocol_takes_the_delay_and_keeps_everything_else(tmp_path: Path) -> None:
+    keep_delay(tmp_path, "P01", task_delay())
+    protocol = Protocol()
+    changed = with_credit(protocol, choose_credit("participant", tmp_path, "P01"))
+    assert changed.agent.credit.delay == LAG
+    back = msgspec.structs.replace(changed, agent=protocol.agent)
+    assert back == protocol
+    assert any("gamma:9,0.07,0.1" in sentence for sentence in changed.departures())
+
+
+def test_replay_learns_again_with_the_participants_own_delay(tmp_path: Path) -> None:
+    from arl_tui.commands.demo import demo_protocol
+    from studies.demo import simulate_session
+
+    path = tmp_path / "P01-x.jsonl"
+    simulate_session(demo_protocol(), 4, path, software={})
+    recorded = ["replay", str(path), "--games", "2", "--workers", "1", "--credit", "participant"]
+    missing = CliRunner().invoke(main, recorded)
+    assert missing.exit_code == 1
+    assert "has no fit of the task 'feedback lag'" in missing.output
+    from core.recording.reader import read_recording
+
+    keep_delay(tmp_path, read_recording(path).header.participant, task_delay())
+    done = CliRunner().invoke(main, recorded)
+    assert done.exit_code == 0, done.output
+    assert "gamma:9,0.07,0.1" in done.output
