@@ -108,6 +108,7 @@ def report_lines(result: "TimingResult") -> Iterator[str]:
     for scene in result.scenes:
         yield from scene_lines(scene)
     yield ""
+    yield "On the way out: from the flush to the robot's read; the rest is the key's way in, to its time stamp."
     yield (
         f"Read late: the kernel passed the bytes to the robot more than {LATE_MS:g} ms after the flush. The robot's true "
         "time begins then, so the delay counts as error, though it is the pseudo-terminal's."

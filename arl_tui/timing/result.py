@@ -53,6 +53,8 @@ class SceneResult(msgspec.Struct, frozen=True, kw_only=True):
     """Trials without an answer or without a flush stamp."""
     on_time: Summary | None
     """Trials whose bytes the robot read in time; None where there are none."""
+    on_the_way: Summary | None
+    """Flush to read in the trials that were read in time: the part of the error that the pseudo-terminal makes."""
     late: Summary | None
     """Trials whose bytes it read more than `LATE_MS` after the flush."""
     board_fps: float
@@ -106,6 +108,7 @@ def compare(plan: Plan, robot: Sequence[RobotTrial], seen: Seen) -> SceneResult:
         n_trials=len(plan.trials),
         n_missed=len(plan.trials) - len(trials),
         on_time=summarise([trial.error_ms for trial in trials if not trial.late]),
+        on_the_way=summarise([trial.read_late_ms for trial in trials if not trial.late]),
         late=summarise([trial.error_ms for trial in trials if trial.late]),
         board_fps=seen.board_frames / (seen.duration_ns / 1e9),
         trials=tuple(trials),
@@ -145,6 +148,8 @@ def _short(summary: Summary) -> str:
 def scene_lines(scene: SceneResult) -> list[str]:
     """Return a scene's rows of the table whose head is `TABLE_HEAD`."""
     lines = [_row(scene.scene, scene.on_time)]
+    if scene.on_the_way is not None:
+        lines.append(_row("  of it on the way out", scene.on_the_way))
     if scene.late is not None:
         lines.append(_row(f"  read late (> {LATE_MS:g} ms)", scene.late))
     if scene.n_missed:
@@ -154,11 +159,11 @@ def scene_lines(scene: SceneResult) -> list[str]:
     return lines
 
 
-TABLE_HEAD = f"{'scene':<22}{'trials':>7}{'bias':>8}{'sd':>8}{'median':>8}{'p95':>8}{'p99':>8}"
+TABLE_HEAD = f"{'scene':<24}{'trials':>7}{'bias':>8}{'sd':>8}{'median':>8}{'p95':>8}{'p99':>8}"
 
 
 def _row(name: str, summary: Summary | None) -> str:
     if summary is None:
-        return f"{name:<22}{0:>7}"
+        return f"{name:<24}{0:>7}"
     figures = (summary.bias, summary.sd, summary.median, summary.p95, summary.p99)
-    return f"{name:<22}{summary.n:>7}" + "".join(f"{value:>8.2f}" for value in figures)
+    return f"{name:<24}{summary.n:>7}" + "".join(f"{value:>8.2f}" for value in figures)

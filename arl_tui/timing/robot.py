@@ -82,6 +82,11 @@ class Robot:
         )
         os.close(theirs)
 
+    @property
+    def pid(self) -> int:
+        """Process id of the app under test."""
+        return self._process.pid
+
     def __enter__(self) -> Self:
         return self
 

@@ -1,0 +1,227 @@
+"""`arl timing`: the robot, the app under test, and what is made of their times."""
+
+import json
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import msgspec
+import pytest
+from click.testing import CliRunner
+
+from arl_tui.cli import main
+from arl_tui.commands.timing import SCENE_NAMES, report_lines
+from arl_tui.timing.plan import MARKER, SCENES, Answered, Plan, PlannedTrial, Seen, make_plan, marker
+from arl_tui.timing.result import TimingResult, compare, header_facts, read_timing, summarise
+from arl_tui.timing.robot import Robot, RobotTrial, TimingError, run_plan
+from tests.e2e.test_play import is_running
+
+MS = 1_000_000
+GENEROUS_MS = 25.0
+"""Medians only: on a busy machine single trials are late by any amount, in any program."""
+
+
+def test_the_robot_measures_at_rest_and_beside_a_board(tmp_path: Path) -> None:
+    path = tmp_path / "timing.json"
+    result = CliRunner().invoke(
+        main, ["timing", "--trials", "7", "--longest", "400", "--seed", "5", "--json", str(path)]
+    )
+    assert result.exit_code == 0, result.output
+    for expected in (
+        "at rest",
+        "beside a board",
+        "median",
+        "p99",
+        "Psychtoolbox",
+        "peerj.com",
+        "Not seen here",
+    ):
+        assert expected in result.stdout
+    found = read_timing(path)
+    assert [scene.scene for scene in found.scenes] == ["at rest", "beside a board"]
+    for scene in found.scenes:
+        planned = {
+            t.number: t.delay_ms for t in make_plan(scene.scene, 7, root_seed=5, longest_ms=400).trials
+        }
+        assert len(scene.trials) + scene.n_missed == 7
+        assert len(scene.trials) >= 5
+        for trial in scene.trials:
+            assert trial.true_ms >= planned[trial.number]
+        everything = summarise([trial.error_ms for trial in scene.trials])
+        assert everything is not None
+        # A key cannot be stamped before it was written; that the median is far below a frame (33 ms) shows that the
+        # stamps are those of flushes and of the input thread.
+        assert 0.0 < everything.median < GENEROUS_MS
+    rest, board = found.scenes
+    assert rest.board_fps == 0.0
+    assert board.board_fps > 3.0
+
+
+def test_no_process_is_left_behind_when_the_robot_gives_up(tmp_path: Path) -> None:
+    with Robot(make_plan("beside a board", 50, root_seed=1), tmp_path) as robot:
+        family = [robot.pid]
+        for _ in range(60):
+            with pytest.raises(TimingError, match="still runs"):
+                robot.run(1.0, lambda: None)
+            family = [robot.pid, *children_of(robot.pid)]
+            if len(family) > 1:
+                break
+    assert len(family) > 1, "the learner's process has not been started within a minute"
+    all_gone(family)
+
+
+ROBOT_ALONE = """
+from arl_tui.timing.plan import make_plan
+from arl_tui.timing.robot import run_plan
+run_plan(make_plan("at rest", 50, root_seed=1), lambda: print("answered", flush=True))
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells a process that its parent has gone")
+def test_a_robot_that_is_killed_takes_the_app_with_it() -> None:
+    robot = subprocess.Popen([sys.executable, "-c", ROBOT_ALONE], stdout=subprocess.PIPE)
+    try:
+        assert robot.stdout is not None
+        assert robot.stdout.readline() == b"answered\n"
+        family = children_of(robot.pid)
+        assert len(family) == 1
+    finally:
+        robot.kill()
+        robot.communicate()
+    all_gone(family)
+
+
+def children_of(pid: int) -> list[int]:
+    return [int(child) for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
+
+
+def all_gone(family: list[int]) -> None:
+    for _ in range(100):
+        if not any(is_running(pid) for pid in family):
+            return
+        time.sleep(0.05)
+    raise AssertionError(f"of the processes {family} some are still there after 5 s")
+
+
+def test_an_app_that_cannot_start_is_reported_with_its_last_words(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "textual.py").write_text("raise ImportError('no screen today')\n")
+    monkeypatch.setattr(
+        "arl_tui.timing.robot.REPOSITORY", f"{tmp_path}{os.pathsep}{Path(__file__).parents[2]}"
+    )
+    with pytest.raises(TimingError, match="no screen today"):
+        run_plan(make_plan("at rest", 1, root_seed=1))
+
+
+# --- plan -----------------------------------------------------------------------------------------------------------
+
+
+def test_a_plan_depends_on_seed_and_scene_only_and_keeps_its_ranges() -> None:
+    plan = make_plan("at rest", 200, root_seed=3)
+    assert plan == make_plan("at rest", 200, root_seed=3)
+    assert plan.trials[:50] != make_plan("at rest", 50, root_seed=4).trials
+    assert plan.trials != make_plan("beside a board", 200, root_seed=3).trials
+    delays = [trial.delay_ms for trial in plan.trials]
+    assert min(delays) >= 150
+    assert max(delays) <= 1000
+    assert max(delays) - min(delays) > 700
+
+
+def test_a_plan_nobody_can_carry_out_is_refused() -> None:
+    with pytest.raises(ValueError, match="1 to 9999 trials"):
+        make_plan("at rest", 0, root_seed=1)
+
+
+def test_the_marker_on_the_screen_is_the_one_the_robot_looks_for() -> None:
+    (found,) = MARKER.finditer(b"\x1b[0m" + marker(42).encode() + b"\x1b[K")
+    assert int(found.group(1)) == 42
+
+
+def test_the_commands_scenes_are_those_there_are() -> None:
+    assert tuple(SCENES) == SCENE_NAMES
+
+
+# --- result ---------------------------------------------------------------------------------------------------------
+
+
+def by_hand() -> tuple[Plan, list[RobotTrial], Seen]:
+    """Four trials of 300 ms: in time, read 8 ms late, never answered, never stamped."""
+    planned = tuple(PlannedTrial(number=i, foreperiod_ms=300, delay_ms=300) for i in range(4))
+    robot = [
+        RobotTrial(number=0, read_ns=1000 * MS, written_ns=1300 * MS),
+        RobotTrial(number=1, read_ns=2008 * MS, written_ns=2308 * MS),
+        RobotTrial(number=2, read_ns=3000 * MS, written_ns=3300 * MS),
+        RobotTrial(number=3, read_ns=4000 * MS, written_ns=4300 * MS),
+    ]
+    answers = (
+        Answered(number=0, flushed_ns=999 * MS, key_ns=1302 * MS),
+        Answered(number=1, flushed_ns=2000 * MS, key_ns=2310 * MS),
+        Answered(number=2, flushed_ns=2999 * MS, key_ns=None),
+        Answered(number=3, flushed_ns=None, key_ns=4301 * MS),
+    )
+    plan = Plan(scene="beside a board", root_seed=1, trials=planned)
+    return plan, robot, Seen(answers=answers, board_frames=120, duration_ns=4_000 * MS)
+
+
+def test_errors_are_measured_minus_true_and_late_reads_are_apart() -> None:
+    scene = compare(*by_hand())
+    # Trial 0: (1302 - 999) - 300 = 3 ms. Trial 1: (2310 - 2000) - 300 = 10 ms, of which 8 ms were spent on the way.
+    assert [(t.error_ms, t.read_late_ms, t.late) for t in scene.trials] == [
+        (3.0, 1.0, False),
+        (10.0, 8.0, True),
+    ]
+    assert scene.on_time is not None
+    assert scene.late is not None
+    assert (scene.on_time.n, scene.on_time.bias, scene.late.n, scene.late.bias) == (1, 3.0, 1, 10.0)
+    assert scene.on_the_way is not None
+    assert scene.on_the_way.bias == 1.0
+    assert scene.n_missed == 2
+    assert scene.board_fps == 30.0
+
+
+def test_a_summary_by_hand() -> None:
+    found = summarise([1.0, 2.0, 3.0, 6.0])
+    assert found is not None
+    # Mean 3; squares of the distances 4 + 1 + 0 + 9 = 14, over 3; 95 % of the way through 4 values is 0.85 past the third.
+    assert (found.bias, found.median) == (3.0, 2.5)
+    assert found.sd == pytest.approx((14 / 3) ** 0.5)
+    assert found.p95 == pytest.approx(3.0 + 0.85 * 3.0)
+    assert summarise([]) is None
+
+
+def result_by_hand(load: float) -> TimingResult:
+    return TimingResult(
+        created_utc="2026-03-01T10:00:00+00:00",
+        root_seed=1,
+        cores=2,
+        load=load,
+        software={},
+        scenes=(compare(*by_hand()),),
+    )
+
+
+def test_late_trials_missed_trials_and_a_busy_machine_are_named() -> None:
+    text = "\n".join(report_lines(result_by_hand(load=7.0)))
+    assert "read late (> 5 ms)" in text
+    assert "2 of 4 trials without an answer" in text
+    assert "only the medians" in text
+    assert "only the medians" not in "\n".join(report_lines(result_by_hand(load=0.1)))
+
+
+def test_the_result_fits_into_a_sessions_header() -> None:
+    facts = header_facts(result_by_hand(load=0.5))
+    assert facts["timing_load"] == "0.5 on 2 cores"
+    assert facts["timing_beside_a_board"].startswith("n 1, error ms: bias 3.00")
+    assert facts["timing_beside_a_board_read_late"].startswith("n 1, error ms: bias 10.00")
+
+
+def test_a_result_is_read_back_and_anything_else_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "t.json"
+    path.write_bytes(msgspec.json.encode(result_by_hand(load=0.5)))
+    assert read_timing(path) == result_by_hand(load=0.5)
+    path.write_text(json.dumps({"format": 3}))
+    with pytest.raises(ValueError, match=r"t\.json: not a result of `arl timing`"):
+        read_timing(path)
