@@ -1,6 +1,7 @@
 """The app of a live session: routes keys to the session and the session's events to the screens."""
 
 import asyncio
+import os
 import signal
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -95,6 +96,7 @@ class ArlApp(App[Outcome], inherit_bindings=False):
         self._recorder: Recorder | None = None
         self._stamps_without_driver: list[tuple[int, int]] = []
         self._simulated_keys: set[int] = set()
+        self._ended_by: signal.Signals | None = None
 
     # --- life ---------------------------------------------------------------------------------------------------
 
@@ -104,7 +106,7 @@ class ArlApp(App[Outcome], inherit_bindings=False):
         self._flush_clock.on_stamp = lambda: _call_soon(loop, self.live.collect_frames)
         loop.set_exception_handler(self._on_loop_error)
         for number in (signal.SIGTERM, signal.SIGHUP):
-            loop.add_signal_handler(number, self.live.stop)
+            loop.add_signal_handler(number, self._end_by_signal, number)
         self.push_screen(self.welcome)
         self._link.listen(self.live.take_in, self.live.worker_lost)
 
@@ -128,6 +130,22 @@ class ArlApp(App[Outcome], inherit_bindings=False):
         self._garbage.first_paint()
         self.switch_screen(self.play)
         self.live.begin(self._recorder)
+
+    def _end_by_signal(self, number: signal.Signals) -> None:
+        """Save what there is and go: nobody will press a key on a closing screen."""
+        self._ended_by = number
+        if self.live.phase in ("running", "stopping"):
+            self.ask_to_stop()
+        else:
+            self._link.close()
+            self._go(Outcome(None, self.live.tally))
+
+    def _go(self, outcome: Outcome) -> None:
+        """Leave after a signal."""
+        if self._ended_by == signal.SIGHUP:
+            # The terminal is gone: writing to it fails, and Textual's reader would wait for it for ever.
+            os._exit(128 + signal.SIGHUP)
+        self.exit(outcome)
 
     def leave(self) -> None:
         """Close without having started."""
@@ -227,9 +245,13 @@ class ArlApp(App[Outcome], inherit_bindings=False):
             path = self._recorder.path
             problem = await asyncio.to_thread(close_recorder, self._recorder)
             trouble = "\n\n".join(part for part in (problem, trouble) if part) or None
+        outcome = Outcome(path, self.live.tally, trouble)
+        if self._ended_by is not None:
+            self._go(outcome)
+            return
         while len(self.screen_stack) > 1:
             self.pop_screen()
-        self.push_screen(ClosingScreen(Outcome(path, self.live.tally, trouble)))
+        self.push_screen(ClosingScreen(outcome))
 
     def _on_loop_error(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
         """Fail loudly where a callback of the event loop fails: asyncio would only log it, behind the screen."""

@@ -103,3 +103,8 @@ class Terminal:
         """Change the window's size."""
         self._screen.resize(lines, columns)
         self.child.setwinsize(lines, columns)
+
+    def hang_up(self) -> None:
+        """Close the window: the terminal is gone, and the kernel tells the program so."""
+        self.child.ptyproc.fileobj.close()
+        self.child.ptyproc.closed = self.child.closed = True
