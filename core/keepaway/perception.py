@@ -20,12 +20,14 @@ from core.keepaway.pitch import (
     BALL_NOISE,
     BALL_SPEED_MAX,
     BODY,
+    INERTIA,
     KICK,
     KICK_DISTANCE,
     KIND,
     NECK,
     PLAYER_DECAY,
     POWER,
+    TURN,
     VX,
     VY,
     Rules,
@@ -124,7 +126,7 @@ def reckon(match: Match, i: int, first: int, last: int, forward: float) -> None:
         forward: +1 where the player's team plays towards +x, else -1.
     """
     ball, players = match.seen_ball[i], match.seen_players[i]
-    _feel_myself(match.players[i], players[i], bool(match.hit[1 + i]))
+    _feel_myself(match.players[i], players[i], match.commands[i], bool(match.hit[1 + i]))
     if match.player_age[i, i] < NEVER_SEEN:
         match.player_age[i, i] = 0
     if match.ball_age[i] < NEVER_SEEN:
@@ -150,13 +152,19 @@ def reckon(match: Match, i: int, first: int, last: int, forward: float) -> None:
 
 
 @kernel
-def _feel_myself(body: Floats, belief: Floats, bumped: bool) -> None:
-    """Know one's own velocity and directions; advance one's own position by the way covered."""
+def _feel_myself(body: Floats, belief: Floats, command: Floats, bumped: bool) -> None:
+    """Know one's own velocity; advance one's own position by the way covered, one's direction by the turn meant.
+
+    How far a turn really went (its noise is 10 %) is seen only in the next visual message.
+    """
+    if command[KIND] == TURN:
+        turned = command[ANGLE] / (1.0 + INERTIA * length(belief[VX], belief[VY]))
+        belief[BODY] = wrap_deg(belief[BODY] + turned)
     if not bumped:
         belief[X] += body[VX] / PLAYER_DECAY
         belief[Y] += body[VY] / PLAYER_DECAY
     belief[VX], belief[VY] = body[VX], body[VY]
-    belief[BODY], belief[NECK] = body[BODY], body[NECK]
+    belief[NECK] = body[NECK]
 
 
 @kernel
@@ -252,8 +260,8 @@ def look(match: Match, rules: Rules, rng: np.random.Generator) -> None:
     n = rules.n_keepers + rules.n_takers
     sight = match.sight
     for i in range(n):
-        # Flags are seen finely enough to know one's own place.
-        match.seen_players[i, i, X], match.seen_players[i, i, Y] = match.players[i, X], match.players[i, Y]
+        # Flags are seen finely enough to know one's own place and direction.
+        match.seen_players[i, i] = match.players[i]
         match.player_age[i, i] = 0
     for i in range(n):
         for j in range(i + 1, n):

@@ -425,8 +425,9 @@ class NaiveMatch:
             self.reckon(i)
         if self.clock % 3 != 2:
             for i in self.everybody:
-                self.minds[i].players[i].at = self.players[i].at
-                self.minds[i].players[i].age = 0
+                myself = self.players[i].copy()
+                myself.age = 0
+                self.minds[i].players[i] = myself
             for i in self.everybody:
                 for j in range(i + 1, self.config.n_players):
                     self.look_at_player(i, j, self.players[i], self.players[j])
@@ -440,10 +441,12 @@ class NaiveMatch:
 
     def reckon(self, i: int) -> None:
         mind, me, ball = self.minds[i], self.minds[i].players[i], self.minds[i].ball
-        body = self.players[i]
+        body, command = self.players[i], self.commands[i]
+        if command.kind == "turn":
+            me.body = wrap(me.body + command.angle / (1 + 5 * size(me.v)))
         if not self.hit[i]:
             me.at += body.v / 0.4
-        me.v, me.body, me.neck = body.v, body.body, body.neck
+        me.v, me.neck = body.v, body.neck
         if me.age < UNKNOWN:
             me.age = 0
         if ball.age < UNKNOWN:

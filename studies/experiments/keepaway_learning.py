@@ -1,0 +1,73 @@
+"""Learning curves of keepers that learn by Sarsa over simulated hours, from several seeds."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.keepaway.autoplay import Autoplay, keepaway_tiles
+from core.keepaway.pitch import KeepawayConfig
+from core.learners.sarsa import SarsaConfig, new_sarsa
+
+Floats = NDArray[np.float64]
+SECONDS_PER_HOUR = 3600.0
+
+
+@dataclass(frozen=True, slots=True)
+class LearningRun:
+    """One seed's training."""
+
+    config: KeepawayConfig
+    learner: SarsaConfig
+    root_seed: int
+    hours: float = 12.0
+    """Simulated time to learn for."""
+    block: int = 50
+    """Episodes played at once; the run stops after the first block that reaches `hours`."""
+
+    def __post_init__(self) -> None:
+        if not (self.hours > 0 and self.block > 0):
+            raise ValueError(f"need hours > 0 and block > 0, got {self.hours} and {self.block}")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LearningCurve:
+    """What became of one run's episodes, in order."""
+
+    duration_s: Floats
+    """Shape (n,)."""
+    out: NDArray[np.bool_]
+    """Shape (n,)."""
+
+    def __post_init__(self) -> None:
+        if self.duration_s.shape != self.out.shape:
+            raise ValueError(f"need one end per episode: {self.duration_s.shape}, {self.out.shape}")
+
+    def block_means(self, size: int) -> Floats:
+        """Return the mean duration of each complete block of `size` episodes, in seconds."""
+        n_blocks = len(self.duration_s) // size
+        blocks = self.duration_s[: n_blocks * size].reshape(n_blocks, size)
+        return np.asarray(blocks.mean(axis=1), np.float64)
+
+
+def learn(run: LearningRun) -> LearningCurve:
+    """Train keepers from nothing for the run's simulated hours. The result depends on the run alone."""
+    game = Autoplay(run.config, run.root_seed, "keepaway learning")
+    sarsa = new_sarsa(run.learner, keepaway_tiles(run.config), run.config.n_keepers, run.config.n_actions)
+    durations: list[Floats] = []
+    ends: list[NDArray[np.bool_]] = []
+    played_s = 0.0
+    while played_s < run.hours * SECONDS_PER_HOUR:
+        episodes = game.learn(sarsa, run.block)
+        durations.append(episodes.duration_s)
+        ends.append(episodes.out)
+        played_s += float(episodes.duration_s.sum())
+    return LearningCurve(np.concatenate(durations), np.concatenate(ends))
+
+
+def band(curves: list[LearningCurve], size: int) -> tuple[Floats, Floats, Floats]:
+    """Return (lowest, mean, highest) block means over seeds, for the blocks that all curves have."""
+    means = [curve.block_means(size) for curve in curves]
+    n_blocks = min(len(m) for m in means)
+    table = np.array([m[:n_blocks] for m in means])
+    return table.min(axis=0), table.mean(axis=0), table.max(axis=0)

@@ -1,0 +1,39 @@
+"""The simulator against the reference's episodes: `pytest -m slow tests/core/keepaway/test_fidelity.py`."""
+
+import pytest
+
+from studies.experiments.keepaway_fidelity import (
+    FINE_NAMES,
+    SETTINGS,
+    TRACED_EPISODES,
+    compare,
+    compare_fine,
+)
+from tests.data_folder import data_folder
+
+N_EPISODES = 1000
+FINE_TOLERANCE = 0.10
+# Holding with beliefs: few passes are meant, most "passes" are slips of a lost ball, and ours slip less often.
+KNOWN_GAPS = {("v15_360_hold", "passes per episode"), ("v15_360_hold", "flight cycles")}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("setting", SETTINGS, ids=lambda s: s.label)
+def test_durations_and_ends_follow_the_reference(setting):
+    result = compare(setting, data_folder("keepaway"), N_EPISODES, root_seed=11)
+    assert abs(result.relative_difference) < 0.10 or abs(result.standard_errors) < 2
+    assert result.ks_distance < 0.10
+    assert abs(result.out_difference) < 0.10
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("setting", SETTINGS, ids=lambda s: s.label)
+def test_passes_flights_and_first_kicks_follow_the_reference(setting):
+    both = compare_fine(setting, data_folder("keepaway"), root_seed=11)
+    if both is None:
+        pytest.skip(f"the reference logged no trajectories for {setting.label}")
+    ours, reference = both
+    assert TRACED_EPISODES >= 250
+    for name in FINE_NAMES:
+        if (setting.label, name) not in KNOWN_GAPS:
+            assert ours[name] == pytest.approx(reference[name], rel=FINE_TOLERANCE), name
