@@ -30,6 +30,7 @@ class Request:
     keep: tuple[str, ...]
     waited: float | None
     trust_magnitudes: bool
+    allow_faults: bool
     task: str | None
     only: tuple[str, ...]
     as_one: bool
@@ -81,7 +82,12 @@ _PATH = click.Path(dir_okay=False, path_type=Path)
     metavar="SECONDS",
     help="The task's time-out: rows without a response are censored there.",
 )
-@click.option("--trust-magnitudes", is_flag=True, help="Take times that no person has, in any number.")
+@click.option("--trust-magnitudes", is_flag=True, help="Take medians that no person has in the stated unit.")
+@click.option(
+    "--allow-faults",
+    is_flag=True,
+    help="Leave out any number of negative and absurd times; by default more than 5 % in a file are refused.",
+)
 @click.option("--task", metavar="TEXT", help="What was measured, for the report; our recordings say it.")
 @click.option(
     "--only", multiple=True, metavar="CODE", help="Fit only this participant. May be given several times."

@@ -54,7 +54,7 @@ def read_and_select(
     if request.as_one:
         rows = [msgspec.structs.replace(row, participant="everybody") for row in rows]
     samples, selection = select(rows, policy)
-    if not request.trust_magnitudes:
+    if not request.allow_faults:
         refuse_faults(rows, selection)
     samples = chosen(samples, selection, request.only)
     if not samples:
@@ -114,7 +114,7 @@ def refuse_faults(rows: "Sequence[Row]", selection: "Selection") -> None:
             raise InputError(
                 f"{file}: {n_faults} of {n} times are negative or above {selection.policy.absurd_above_s:g} s, the "
                 f"first at {first[file]}. Is this the column of reaction times (--column rt=NAME), and is its unit "
-                "right (--unit)? --trust-magnitudes leaves such rows out and fits the rest."
+                "right (--unit)? --allow-faults leaves such rows out and fits the rest."
             )
 
 

@@ -50,8 +50,8 @@ def fault_lines(rows: "Sequence[Row]", selection: "Selection") -> Iterator[str]:
         found = [row for row, verdict in zip(rows, selection.verdicts, strict=True) if verdict == fault]
         if found:
             yield (
-                f"Warning: {len(found)} {fault} times, the first at {found[0].source} ({found[0].rt_s:g} s). "
-                "They are left out; find out where they come from."
+                f"Warning: {len(found)} {fault} {'time' if len(found) == 1 else 'times'}, the first at {found[0].source} "
+                f"({found[0].rt_s:g} s). Left out; find out where it comes from."
             )
 
 
