@@ -108,3 +108,12 @@ class Terminal:
         """Close the window: the terminal is gone, and the kernel tells the program so."""
         self.child.ptyproc.fileobj.close()
         self.child.ptyproc.closed = self.child.closed = True
+
+    def ends_by_itself(self, patience_s: float) -> bool:
+        """Return whether the program ends within the time, without anybody reading what it writes."""
+        end = time.monotonic() + patience_s
+        while time.monotonic() < end:
+            if not self.child.isalive():
+                return True
+            time.sleep(0.1)
+        return False

@@ -171,21 +171,11 @@ def test_stopping_in_the_middle_saves_everything(tmp_path: Path, protocol_file: 
     replayed(recording)
 
 
-def gone(pid: int, patience_s: float) -> bool:
-    """Return whether a child of ours ends by itself within the time."""
-    end = time.monotonic() + patience_s
-    while time.monotonic() < end:
-        if os.waitpid(pid, os.WNOHANG)[0] == pid:
-            return True
-        time.sleep(0.1)
-    return False
-
-
 def test_a_closed_window_ends_session_and_program(tmp_path: Path, protocol_file: Path) -> None:
     with play(tmp_path, protocol_file) as terminal:
         start(terminal)
         terminal.hang_up()
-        assert gone(terminal.child.pid, patience_s=60.0)
+        assert terminal.ends_by_itself(patience_s=60.0)
     recording = the_recording(tmp_path)
     assert recording.complete
     assert isinstance(recording.outputs[-1], SessionEnded)
