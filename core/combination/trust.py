@@ -69,7 +69,9 @@ def human_weight(performance: Sequence[float], match: Sequence[float]) -> float:
     total = math.fsum(performance)
     if total == 0:
         return math.fsum(match) / len(match)
-    return math.fsum(pm * m for pm, m in zip(performance, match, strict=True)) / total
+    mean = math.fsum(pm * m for pm, m in zip(performance, match, strict=True)) / total
+    # Rounding, of tiny performances above all, must not lead out of the range of the m_i.
+    return min(max(mean, min(match)), max(match))
 
 
 def next_human_weight(pm_before: float, w_before: float, pm_now: float, match_now: float) -> float:

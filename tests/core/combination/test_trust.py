@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from core.combination.trust import (
@@ -118,6 +118,7 @@ def test_human_weight_does_not_depend_on_the_order_of_policies(
 
 
 @given(PERFORMANCE, MATCH, PERFORMANCE, MATCH)
+@example(5e-324, 0.5, 0.0, 1.0)  # a product that rounds to 0
 def test_equation_5_moves_towards_the_episodes_match(
     pm_before: float, w_before: float, pm: float, m: float
 ) -> None:
