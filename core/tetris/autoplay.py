@@ -238,10 +238,8 @@ def _play_greedily(
     over = False
     while not over:
         n = scan_placements(work, rules, piece_at(seed, pieces, rules[SEVEN_BAG]))
-        if wall_height(work, NOW, n_columns) + MAX_SHAPE_SIZE <= rules[ROWS]:
-            n_open = allow_all(ruled_out, n)
-        else:
-            n_open = mark_ruled_out(work, rules, n, ruled_out)
+        crowded = wall_height(work, NOW, n_columns) + MAX_SHAPE_SIZE > rules[ROWS]
+        n_open = mark_ruled_out(work, rules, n, ruled_out) if crowded else n
         over = must_fit and n_open == 0
         if over or pieces >= cap:
             break
@@ -256,7 +254,7 @@ def _play_greedily(
         if full != 0:
             lines += remove_rows(work, NOW, n_columns, full)
         pieces += 1
-        over = not must_fit and wall_height(work, NOW, n_columns) > rules[ROWS]
+        over = crowded and not must_fit and wall_height(work, NOW, n_columns) > rules[ROWS]
     counters[PIECES], counters[LINES], counters[FINISHED] = pieces, lines, over
 
 
@@ -311,10 +309,8 @@ def _play_combined(
     over = False
     while not over:
         n = scan_placements(work, rules, piece_at(seed, decision, rules[SEVEN_BAG]))
-        if wall_height(work, NOW, n_columns) + MAX_SHAPE_SIZE <= rules[ROWS]:
-            n_open = allow_all(ruled_out, n)
-        else:
-            n_open = mark_ruled_out(work, rules, n, ruled_out)
+        crowded = wall_height(work, NOW, n_columns) + MAX_SHAPE_SIZE > rules[ROWS]
+        n_open = mark_ruled_out(work, rules, n, ruled_out) if crowded else allow_all(ruled_out, n)
         over = must_fit and n_open == 0
         if over or decision >= cap:
             break
@@ -348,5 +344,5 @@ def _play_combined(
         if full != 0:
             lines += remove_rows(work, NOW, n_columns, full)
         decision += 1
-        over = not must_fit and wall_height(work, NOW, n_columns) > rules[ROWS]
+        over = crowded and not must_fit and wall_height(work, NOW, n_columns) > rules[ROWS]
     return decision, lines, n_agree, n_agree_worst, over

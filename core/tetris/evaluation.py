@@ -301,28 +301,23 @@ def fill_values_of_clearing(
     table: Ints, numbers: Floats, work: Ints, n_columns: int, n: int, base: int, values: Floats
 ) -> None:
     """Write the values of the placements that remove rows, after `fill_values_21`; the same arguments."""
+    per_line = table[WEIGHTS, 2 * n_columns + 1]
+    per_height, per_hole = table[WEIGHTS, 2 * n_columns - 1], table[WEIGHTS, 2 * n_columns]
     for action in range(n):
-        if work[FULL, action] != 0:
-            value = _value_after_clearing(table, work, n_columns, action)
-            values[action] = (value - base) * numbers[UNIT, 0]
-
-
-@kernel
-def _value_after_clearing(table: Ints, work: Ints, n_columns: int, action: int) -> int:
-    """Return the value of a placement that removes rows under the 21 features, in units of the grid."""
-    shape, left = work[SHAPE, action], work[LEFT, action]
-    row, full = work[ROW, action], work[FULL, action]
-    value = table[WEIGHTS, 2 * n_columns + 1] * cell_count(full)
-    highest = previous = holes = 0
-    for column in range(n_columns):
-        cells = work[NOW, column]
-        if left <= column < left + MAX_SHAPE_SIZE:
-            cells |= SHAPE_COLUMNS[shape, column - left] << row
-        cells = without_rows(cells, full)
-        height = height_of(cells)
-        value += table[WEIGHTS, column] * height + table[EDGES, column] * abs(height - previous)
-        highest = max(highest, height)
-        holes += height - cell_count(cells)
-        previous = height
-    value += table[WEIGHTS, 2 * n_columns - 1] * highest + table[WEIGHTS, 2 * n_columns] * holes
-    return int(value)
+        full = work[FULL, action]
+        if full == 0:
+            continue
+        shape, left, row = work[SHAPE, action], work[LEFT, action], work[ROW, action]
+        value = per_line * cell_count(full) - base
+        highest = previous = 0
+        for column in range(n_columns):
+            cells = work[NOW, column]
+            if left <= column < left + MAX_SHAPE_SIZE:
+                cells |= SHAPE_COLUMNS[shape, column - left] << row
+            cells = without_rows(cells, full)
+            height = height_of(cells)
+            value += table[WEIGHTS, column] * height + table[EDGES, column] * abs(height - previous)
+            value += per_hole * (height - cell_count(cells))
+            highest = max(highest, height)
+            previous = height
+        values[action] = (value + per_height * highest) * numbers[UNIT, 0]

@@ -187,7 +187,7 @@ def hole_depth(board: Board) -> int:
     total = 0
     for row, column in holes(board):
         above = row + 1
-        while board[above, column]:
+        while above < len(board) and board[above, column]:
             total += 1
             above += 1
     return total
