@@ -54,7 +54,12 @@ def fit_files(order: FitOrder) -> Fitted:
         path = Path(name)
         task = read_trials(path).header.schedule.config.task
         try:
-            delay = fit_task(path, recordings, order.participant, task)
+            others = _others(order.participant, recordings, task)
+        except TrialFileError as error:  # somebody else's file
+            others = {}
+            failures[f"{task}, pooled"] = str(error)
+        try:
+            delay = fit_task(path, others, order.participant, task)
         except FitError as error:
             failures[task] = str(error)
             continue
@@ -63,8 +68,14 @@ def fit_files(order: FitOrder) -> Fitted:
     return Fitted(delays=tuple(delays), failures=failures, kept_in=kept_in)
 
 
-def fit_task(path: Path, recordings: Path, participant: str, task: Task) -> TaskDelay:
-    """Return one participant's delay in one task, on its own and pooled with the others who have done it.
+def fit_task(path: Path, others: "Mapping[str, Sample]", participant: str, task: Task) -> TaskDelay:
+    """Return one participant's delay in one task, on its own and pooled with others who have done it.
+
+    Args:
+        path: a finished session.
+        others: other participants' times in the same task.
+        participant: whose session it is.
+        task: which.
 
     Raises:
         FitError: too few usable responses.
@@ -75,7 +86,7 @@ def fit_task(path: Path, recordings: Path, participant: str, task: Task) -> Task
     settings = FitSettings(pooled=False)
     fit = fit_participant(participant, sample, settings)
     better = _better_gamma(fit)
-    pooled, people = _pooled(participant, sample, recordings, task)
+    pooled, people = _pooled(participant, sample, others)
     facts = read_trials(path).header.facts
     return TaskDelay(
         task=task,
@@ -124,11 +135,11 @@ def _quantity(estimate: "DelayEstimate", name: str) -> Quantity:
     return Quantity(estimate.estimates[name], interval.low, interval.high)
 
 
-def _pooled(participant: str, own: "Sample", recordings: Path, task: Task) -> tuple[GammaDelay | None, int]:
+def _pooled(participant: str, own: "Sample", others: "Mapping[str, Sample]") -> tuple[GammaDelay | None, int]:
     """Return the delay pooled over all who have finished the task, and how many they are; None below five."""
     from studies.reaction_time.pooling import FEWEST_PEOPLE, pool
 
-    samples = {**_others(participant, recordings, task), participant: own}
+    samples = {**others, participant: own}
     if len(samples) < FEWEST_PEOPLE:
         return None, len(samples)
     _, pooled = pool(samples)

@@ -43,7 +43,7 @@ class Reading(Page):
         self.leave(yes)
 
 
-class HindrancePage(Reading):
+class HindrancePage(Reading, inherit_bindings=False):
     """Something stands between keyboard and program: measuring needs an explicit yes."""
 
     HEADING = "The times measured here may be wrong"
@@ -67,7 +67,7 @@ class HindrancePage(Reading):
         yield "If you go on, this is written down with the measurement."
 
 
-class OldSittingPage(Reading):
+class OldSittingPage(Reading, inherit_bindings=False):
     """A half session of another day."""
 
     HEADING = "An unfinished session"
@@ -224,7 +224,7 @@ class WaitingPage(Page):
         self.leave(False)
 
 
-class SummaryPage(Reading):
+class SummaryPage(Reading, inherit_bindings=False):
     """How it went: each task's delay in plain words, and where everything is."""
 
     CALL = "Press [reverse] Enter [/] to leave"

@@ -177,6 +177,8 @@ class TrialScreen(Screen[bool], inherit_bindings=False):
                 await self._show_item(item)
             self._garbage.hold()
             record = await self._run_trial(plan)
+            if self._left:
+                return
             self._garbage.collect()
             self._trial = None
             if not self._keep(self._noted(record)):
@@ -222,7 +224,9 @@ class TrialScreen(Screen[bool], inherit_bindings=False):
         """Wait for a key or a flush, at most until `due_ns`."""
         timeout_s = None if due_ns is None else max(0, due_ns - self._clock.now_ns()) / NS_PER_S
         with contextlib.suppress(TimeoutError):
-            await asyncio.wait_for(self._news.wait(), timeout_s)
+            # Not `wait_for`, which forgets a cancellation that comes together with the news.
+            async with asyncio.timeout(timeout_s):
+                await self._news.wait()
 
     async def _rest(self, record: TrialRecord) -> None:
         self._view.rest()
