@@ -8,6 +8,7 @@ import contextlib
 import fcntl
 import os
 import pty
+import re
 import select
 import signal
 import struct
@@ -32,6 +33,8 @@ SPIN_NS = 2_000_000
 _TAIL = 64
 """Bytes kept from one read to the next: more than a marker or a query."""
 _LAST_WORDS = 2000
+_CONTROL = re.compile(r"\x1b\[[0-9;?<>=$]*[a-zA-Z]|\x1b[()=>].?|\r")
+"""Escape sequences, which mean nothing outside a terminal."""
 _SYNC_QUERY, _SYNC_REPLY = b"\x1b[?2026$p", b"\x1b[?2026;2$y"
 """Does the terminal know synchronised output? Yes, and it is off."""
 
@@ -147,7 +150,7 @@ class Robot:
         if text.count(_SYNC_QUERY) > self._tail.count(_SYNC_QUERY):
             os.write(self._fd, _SYNC_REPLY)
         self._tail = text[-_TAIL:]
-        self._words = (self._words + got)[-_LAST_WORDS:]
+        self._words = (self._words + got)[-8 * _LAST_WORDS :]
 
     def _answer(self, due_ns: int, number: int) -> None:
         """Write the key at its time."""
@@ -157,8 +160,8 @@ class Robot:
         self.trials.append(RobotTrial(number=number, read_ns=self._read_ns[number], written_ns=now_ns))
 
     def _last_words(self) -> str:
-        words = self._words.decode(errors="replace")
-        return f"Its last words: {words!r}"
+        words = _CONTROL.sub("", self._words.decode(errors="replace")).strip()
+        return f"Its last words:\n{words[-_LAST_WORDS:]}"
 
 
 def run_plan(plan: Plan, on_trial: Callable[[], None] = lambda: None) -> tuple[list[RobotTrial], Seen]:

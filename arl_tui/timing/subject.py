@@ -17,7 +17,7 @@ from textual.widget import Widget
 
 from arl_tui.driver import FlushClock, stamped_driver
 from arl_tui.garbage import GarbageControl
-from arl_tui.link import Begin, FromWorker, Link, Picture, Ready
+from arl_tui.link import Begin, Crashed, FromWorker, Link, Picture, Ready
 from arl_tui.palette import STANDARD
 from arl_tui.timing.leash import tie_to_parent
 from arl_tui.timing.plan import (
@@ -139,10 +139,17 @@ class SubjectApp(App[str], inherit_bindings=False):
                 self._link.send(Begin())
                 self._settle()
             case Picture(step=step, view=view):
-                if self._board.show(view):
-                    self._step_drawn = step
-                else:
-                    self._seen(step, self._clock.now_ns())
+                self._show_picture(step, self._board.show(view))
+            case Crashed(error=error, trace=trace):
+                self.exit(f"The learner's process has failed: {error}\n{trace}")
+
+    def _show_picture(self, step: int, changed: bool) -> None:
+        if changed or self._step_drawn is not None:
+            self._step_drawn = step
+            return
+        # Nothing will be painted. Marked all the same: the news must not overtake that of an earlier picture.
+        asked_ns = self._clock.now_ns()
+        self._mark(lambda flushed_ns: self._seen(step, max(flushed_ns, asked_ns)))
 
     def _seen(self, step: int, flushed_ns: int) -> None:
         assert self._link is not None, "only a learner has steps"
