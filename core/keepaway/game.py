@@ -28,10 +28,11 @@ from core.keepaway.options import (
     take_decision,
     turn_neck,
 )
-from core.keepaway.perception import knows_ball, perceive
+from core.keepaway.perception import FORGET_BALL, perceive
 from core.keepaway.pitch import ONGOING, Rules
 from core.keepaway.policies import choose
 from core.keepaway.takers import command_taker
+from core.keepaway.variables import observe
 
 Floats = NDArray[np.float64]
 
@@ -44,19 +45,22 @@ def begin_cycle(match: Match, rules: Rules, streams: Streams) -> bool:
         Whether any keeper decides.
     """
     perceive(match, rules, streams.perception)
-    any_decides = False
+    any_decides, exact, cycle = False, rules.exact_state, match.status[CYCLE]
     for i in range(rules.n_keepers):
-        if rules.exact_state:
-            if i == 0:
-                find_runner(match, 0, rules, match.ball, match.players)
-            else:
-                match.runner[i] = match.runner[0]
-            assign_keeper(match, i, rules, match.ball, match.players, True)
-        else:
-            if knows_ball(match, i):
-                find_runner(match, i, rules, match.seen_ball[i], match.seen_players[i])
-            assign_keeper(match, i, rules, match.seen_ball[i], match.seen_players[i], knows_ball(match, i))
-        any_decides |= match.deciding[i]
+        ball = match.ball if exact else match.seen_ball[i]
+        players = match.players if exact else match.seen_players[i]
+        sure = exact or match.ball_age[i] <= FORGET_BALL
+        if exact and i > 0:  # all know the same
+            match.runner[i] = match.runner[0]
+        elif sure:
+            find_runner(match.runner[i], ball, players, match.known[i], rules)
+        decides, starts = assign_keeper(
+            i, match.options[i], ball, players, match.known[i], sure, match.runner[i, 0], cycle
+        )
+        if decides:
+            observe(i, players, rules.n_keepers, match.order[i], match.variables[i])
+        match.deciding[i], match.started[i] = decides, starts
+        any_decides |= decides
     return any_decides
 
 
@@ -68,14 +72,22 @@ def finish_cycle(match: Match, rules: Rules, streams: Streams) -> bool:
         Whether the episode has ended; `match.status[END]` says how. Positions stay until `start_episode`.
     """
     match.commands[:] = 0.0
+    cycle = match.status[CYCLE]
     for i in range(rules.n_keepers):
         if match.deciding[i]:
-            take_decision(match, i)
+            match.started[i] = take_decision(match.options[i], match.actions[i], match.order[i], cycle)
     for i in range(rules.n_keepers + rules.n_takers):
-        if rules.exact_state:
-            _command(match, i, rules, match.ball, match.players, True)
+        ball = match.ball if rules.exact_state else match.seen_ball[i]
+        players = match.players if rules.exact_state else match.seen_players[i]
+        row, known, meet, command = match.options[i], match.known[i], match.meet[i], match.commands[i]
+        if i < rules.n_keepers:
+            arrival = match.runner[i, 1]
+            command_keeper(i, row, ball, players, known, arrival, meet, cycle, rules, command)
         else:
-            _command(match, i, rules, match.seen_ball[i], match.seen_players[i], knows_ball(match, i))
+            sure = rules.exact_state or match.ball_age[i] <= FORGET_BALL
+            match.started[i] = command_taker(i, row, ball, players, known, sure, meet, cycle, rules, command)
+        if rules.view_angle < 360.0:
+            turn_neck(command, row[OPTION], ball, players[i])
     apply_commands(match.ball, match.players, match.commands, match.push, streams.turn, streams.kick)
     move_all(match.ball, match.players, match.push, streams.movement)
     collide(match.ball, match.players, match.moves, match.hit)
@@ -86,16 +98,6 @@ def finish_cycle(match: Match, rules: Rules, streams: Streams) -> bool:
         return True
     drop_stuck_ball(match)
     return False
-
-
-@kernel
-def _command(match: Match, i: int, rules: Rules, ball: Floats, players: Floats, sure: bool) -> None:
-    if i < rules.n_keepers:
-        command_keeper(match, i, rules, ball, players)
-    else:
-        command_taker(match, i, rules, ball, players, match.known[i], sure)
-    if rules.view_angle < 360.0:
-        turn_neck(match.commands[i], match.options[i, OPTION], ball, players[i])
 
 
 @kernel

@@ -13,7 +13,6 @@ from core.keepaway.kicking import KEEPER_HOLD_RATIO, hold_ball, nearest_to, pass
 from core.keepaway.match import (
     ACTION,
     ACTION_CYCLE,
-    CYCLE,
     GET_OPEN,
     GO_TO_BALL,
     HOLD_BALL,
@@ -22,7 +21,6 @@ from core.keepaway.match import (
     SEARCH_BALL,
     START,
     TARGET,
-    Match,
 )
 from core.keepaway.motion import direction_deg, length, wrap_deg
 from core.keepaway.pitch import (
@@ -43,9 +41,9 @@ from core.keepaway.pitch import (
 )
 from core.keepaway.positioning import get_open
 from core.keepaway.prediction import BALL_ROLL, cut, send_turn
-from core.keepaway.variables import observe
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 KEEPERS_FACE = 0.0
 """Direction of play of the keepers' team, degrees."""
@@ -53,12 +51,16 @@ SEARCH_TURN = 60.0
 
 
 @kernel
-def begin_option(match: Match, i: int, option: int, target: int, anew: bool) -> None:
-    """Put player i into an option; it starts now if it is another one, or if it was chosen `anew`."""
-    row = match.options[i]
-    match.started[i] = anew or row[OPTION] != option or row[TARGET] != target
-    if match.started[i]:
-        row[OPTION], row[TARGET], row[START] = option, target, match.status[CYCLE]
+def begin_option(row: Ints, option: int, target: int, anew: bool, cycle: int) -> bool:
+    """Put the player of this row of `Match.options` into an option.
+
+    Returns:
+        Whether it starts now: if it is another one, or if it was chosen `anew`.
+    """
+    starts = anew or row[OPTION] != option or row[TARGET] != target
+    if starts:
+        row[OPTION], row[TARGET], row[START] = option, target, cycle
+    return bool(starts)
 
 
 @kernel
@@ -68,67 +70,81 @@ def can_kick(me: Floats, ball: Floats) -> bool:
 
 
 @kernel
-def open_decision(match: Match, i: int, rules: Rules, players: Floats, known: Bools) -> bool:
-    """Prepare the decision of keeper i, which can kick; return whether it has one to make.
+def open_decision(row: Ints, cycle: int, known: Bools) -> tuple[bool, bool]:
+    """Find what a keeper that can kick does: returns (whether it decides, whether its option starts now).
 
     No decision while its pass is still being carried out, nor while some player is out of its knowledge: then it
     holds, and nothing is learned.
     """
-    row = match.options[i]
-    if row[ACTION] > 0 and row[ACTION_CYCLE] == match.status[CYCLE] - 1 and known[row[TARGET]]:
-        row[ACTION_CYCLE] = match.status[CYCLE]
-        begin_option(match, i, PASS_BALL, row[TARGET], False)
-        return False
+    if row[ACTION] > 0 and row[ACTION_CYCLE] == cycle - 1 and known[row[TARGET]]:
+        row[ACTION_CYCLE] = cycle
+        return False, begin_option(row, PASS_BALL, row[TARGET], False, cycle)
     if not np.all(known):
-        begin_option(match, i, HOLD_BALL, -1, False)
-        return False
-    observe(i, players, rules.n_keepers, match.order[i], match.variables[i])
-    return True
+        return False, begin_option(row, HOLD_BALL, -1, False, cycle)
+    return True, False
 
 
 @kernel
-def take_decision(match: Match, i: int) -> None:
-    """Start the option that keeper i has decided on (`match.actions[i]`)."""
-    action = match.actions[i]
+def take_decision(row: Ints, action: int, order: Ints, cycle: int) -> bool:
+    """Start the option a keeper has decided on; `order` holds the players by distance. Returns True."""
+    row[ACTION], row[ACTION_CYCLE] = action, cycle
     if action > 0:
-        begin_option(match, i, PASS_BALL, match.order[i, action], True)
-    else:
-        begin_option(match, i, HOLD_BALL, -1, True)
-    match.options[i, ACTION] = action
-    match.options[i, ACTION_CYCLE] = match.status[CYCLE]
+        return begin_option(row, PASS_BALL, order[action], True, cycle)
+    return begin_option(row, HOLD_BALL, -1, True, cycle)
 
 
 @kernel
 def assign_keeper(
-    match: Match, i: int, rules: Rules, ball: Floats, players: Floats, knows_ball: bool
-) -> None:
-    """Find the option of keeper i, or mark it as deciding.
+    i: int, row: Ints, ball: Floats, players: Floats, known: Bools, knows_ball: bool, runner: int, cycle: int
+) -> tuple[bool, bool]:
+    """Find the option of keeper i: returns (whether it decides, whether its option starts now).
 
     Args:
-        match: in place.
         i: the keeper.
-        rules: size of the game.
+        row: its row of `Match.options`, in place.
         ball: as keeper i believes.
         players: as keeper i believes.
+        known: which players it knows the place of.
         knows_ball: whether it knows where the ball is.
+        runner: the keeper it believes fastest to the ball.
+        cycle: of the episode.
     """
-    match.deciding[i] = False
     if not knows_ball:
-        begin_option(match, i, SEARCH_BALL, -1, False)
-    elif can_kick(players[i], ball):
-        match.deciding[i] = open_decision(match, i, rules, players, match.known[i])
-    elif match.runner[i, 0] == i:
-        begin_option(match, i, GO_TO_BALL, -1, False)
-    else:
-        begin_option(match, i, GET_OPEN, -1, False)
+        return False, begin_option(row, SEARCH_BALL, -1, False, cycle)
+    if can_kick(players[i], ball):
+        return open_decision(row, cycle, known)
+    option = GO_TO_BALL if runner == i else GET_OPEN
+    return False, begin_option(row, option, -1, False, cycle)
 
 
 @kernel
-def command_keeper(match: Match, i: int, rules: Rules, ball: Floats, players: Floats) -> None:
-    """Write this cycle's command of keeper i, whose option has been found."""
-    known, arrival = match.known[i], match.runner[i, 1]
-    option, target = match.options[i, OPTION], match.options[i, TARGET]
-    me, command = players[i], match.commands[i]
+def command_keeper(
+    i: int,
+    row: Ints,
+    ball: Floats,
+    players: Floats,
+    known: Bools,
+    arrival: int,
+    meet: Floats,
+    cycle: int,
+    rules: Rules,
+    command: Floats,
+) -> None:
+    """Write this cycle's command of keeper i, whose option has been found.
+
+    Args:
+        i: the keeper.
+        row: its row of `Match.options`.
+        ball: as keeper i believes.
+        players: as keeper i believes.
+        known: which players it knows the place of.
+        arrival: cycles until somebody is believed to reach the ball.
+        meet: its memory of the last meeting point, in place.
+        cycle: of the episode.
+        rules: size of the game.
+        command: out.
+    """
+    option, target, me = row[OPTION], row[TARGET], players[i]
     n_keepers, n = rules.n_keepers, players.shape[0]
     if option == HOLD_BALL:
         hold_ball(me, ball, players, known, n_keepers, n, KEEPER_HOLD_RATIO, KEEPERS_FACE, command)
@@ -137,7 +153,7 @@ def command_keeper(match: Match, i: int, rules: Rules, ball: Floats, players: Fl
         pass_ball(me, ball, players[target, X], players[target, Y], rival, command)
     elif option == GO_TO_BALL:
         rival = nearest_to(me[X], me[Y], players, known, n_keepers, n)[1]
-        go_to_ball(me, ball, match.meet[i], match.status[CYCLE], rival, KEEPERS_FACE, command)
+        go_to_ball(me, ball, meet, cycle, rival, KEEPERS_FACE, command)
     elif option == GET_OPEN:
         from_x = ball[X] + BALL_ROLL[arrival] * ball[VX]
         from_y = ball[Y] + BALL_ROLL[arrival] * ball[VY]
@@ -149,10 +165,9 @@ def command_keeper(match: Match, i: int, rules: Rules, ball: Floats, players: Fl
 
 
 @kernel
-def find_runner(match: Match, i: int, rules: Rules, ball: Floats, players: Floats) -> None:
-    """Write to `match.runner[i]` which keeper is, as keeper i believes, fastest to the ball, and its cycles."""
-    runner, cycles = fastest_to_ball(ball, players, match.known[i], 0, rules.n_keepers)
-    match.runner[i, 0], match.runner[i, 1] = runner, cycles
+def find_runner(runner: Ints, ball: Floats, players: Floats, known: Bools, rules: Rules) -> None:
+    """Write which keeper is believed to be fastest to the ball, and its cycles, to `runner`, shape (2,)."""
+    runner[0], runner[1] = fastest_to_ball(ball, players, known, 0, rules.n_keepers)
 
 
 @kernel

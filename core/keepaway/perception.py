@@ -59,6 +59,7 @@ RUNNER_STEP = 0.3
 PUSH_STEP = 0.25
 """How far other opponents are thought to move along x per cycle; twice as far behind a fast ball."""
 BUMPED_DISTANCE = 0.2
+NOT_FOUND = -2
 STALE_BALL = 3
 """Age in cycles beyond which what a team mate says about the ball is believed."""
 
@@ -93,10 +94,34 @@ def perceive(match: Match, rules: Rules, rng: np.random.Generator) -> None:
         match.known[:] = True
         return
     sees = match.status[CLOCK] % SEE_PERIOD != SEE_PERIOD - 1
+    # With eyes all round, whoever is near is about to be seen: no need to reckon where he went.
+    sure_to_see = NUMBER_SEEN if sees and rules.view_angle >= 360.0 else -1.0
     for i in range(n):
         first, last = (rules.n_keepers, n) if i < rules.n_keepers else (0, rules.n_keepers)
+        ages, beliefs, known = match.player_age[i], match.seen_players[i], match.known[i]
+        _feel_myself(match.players[i], beliefs[i], match.commands[i], match.hit[1 + i])
+        if ages[i] < NEVER_SEEN:
+            ages[i] = 0
+        knows = match.ball_age[i] < NEVER_SEEN
+        if knows:
+            match.ball_age[i] += 1
+            bumped = match.hit[0] and match.hit[1 + i]
+            _reckon_ball(match.seen_ball[i], beliefs[i], match.commands[i], bumped)
+            _still_near_opponent(match.seen_ball[i], beliefs, known, first, last)
         forward = 1.0 if i < rules.n_keepers else -1.0
-        reckon(match, i, first, last, forward)
+        reckon_players(
+            i,
+            match.players,
+            beliefs,
+            match.seen_ball[i],
+            ages,
+            known,
+            knows,
+            first,
+            last,
+            forward,
+            sure_to_see,
+        )
     if sees:
         look(match, rules, rng)
     if rules.view_angle < 360.0:
@@ -109,46 +134,50 @@ def perceive(match: Match, rules: Rules, rng: np.random.Generator) -> None:
 
 
 @kernel
-def knows_ball(match: Match, i: int) -> bool:
-    """Return whether player i knows where the ball is."""
-    return bool(match.ball_age[i] <= FORGET_BALL)
-
-
-@kernel
-def reckon(match: Match, i: int, first: int, last: int, forward: float) -> None:
-    """Advance player i's beliefs by one cycle from its own senses and habits; opponents are [first, last).
+def reckon_players(
+    i: int,
+    truth: Floats,
+    beliefs: Floats,
+    ball: Floats,
+    ages: Ints,
+    known: Bools,
+    knows_ball: bool,
+    first: int,
+    last: int,
+    forward: float,
+    sure_to_see: float,
+) -> None:
+    """Advance player i's beliefs about the others by one cycle, out of habit.
 
     Args:
-        match: in place.
         i: the player.
+        truth: all players, (n, 6); used only to leave out those that are about to be seen.
+        beliefs: player i's beliefs, (n, 6), in place.
+        ball: the ball as player i believes.
+        ages: cycles since player i saw each player, (n,), in place.
+        known: which players it knew the place of, (n,).
+        knows_ball: whether it has seen the ball in this episode.
         first: first opponent.
         last: one past the last opponent.
         forward: +1 where the player's team plays towards +x, else -1.
+        sure_to_see: distance within which everybody is seen in this cycle; negative for none.
     """
-    ball, players = match.seen_ball[i], match.seen_players[i]
-    _feel_myself(match.players[i], players[i], match.commands[i], bool(match.hit[1 + i]))
-    if match.player_age[i, i] < NEVER_SEEN:
-        match.player_age[i, i] = 0
-    if match.ball_age[i] < NEVER_SEEN:
-        match.ball_age[i] += 1
-        _reckon_ball(ball, players[i], match.commands[i])
-        if match.hit[0] and match.hit[1 + i]:
-            _bump(ball, players[i])
-        _still_near_opponent(ball, players, match.known[i], first, last)
-    runner = -1
-    if match.ball_age[i] < NEVER_SEEN:
-        runner = fastest_to_ball(ball, players, match.known[i], first, last)[0]
-    for j in range(players.shape[0]):
-        if j == i or match.player_age[i, j] == NEVER_SEEN:
+    runner = NOT_FOUND
+    for j in range(beliefs.shape[0]):
+        if j == i or ages[j] == NEVER_SEEN:
             continue
-        match.player_age[i, j] += 1
+        ages[j] += 1
+        if length(truth[j, X] - truth[i, X], truth[j, Y] - truth[i, Y]) <= sure_to_see:
+            continue
         if first <= j < last:
-            _reckon_opponent(players[j], ball, j == runner, forward)
+            if runner == NOT_FOUND:
+                runner = fastest_to_ball(ball, beliefs, known, first, last)[0] if knows_ball else -1
+            _reckon_opponent(beliefs[j], ball, j == runner, forward)
         else:
-            players[j, X] += players[j, VX]
-            players[j, Y] += players[j, VY]
-            players[j, VX] *= PLAYER_DECAY
-            players[j, VY] *= PLAYER_DECAY
+            beliefs[j, X] += beliefs[j, VX]
+            beliefs[j, Y] += beliefs[j, VY]
+            beliefs[j, VX] *= PLAYER_DECAY
+            beliefs[j, VY] *= PLAYER_DECAY
 
 
 @kernel
@@ -168,7 +197,7 @@ def _feel_myself(body: Floats, belief: Floats, command: Floats, bumped: bool) ->
 
 
 @kernel
-def _reckon_ball(ball: Floats, me: Floats, command: Floats) -> None:
+def _reckon_ball(ball: Floats, me: Floats, command: Floats, bumped: bool) -> None:
     """Move the believed ball by one cycle, with the effect of my own kick, without noise.
 
     `me` has been advanced already; the kick was made from where I was one cycle ago.
@@ -191,6 +220,8 @@ def _reckon_ball(ball: Floats, me: Floats, command: Floats) -> None:
     ball[Y] += ball[VY]
     ball[VX] *= BALL_DECAY
     ball[VY] *= BALL_DECAY
+    if bumped:
+        _bump(ball, me)
 
 
 @kernel
@@ -266,12 +297,29 @@ def look(match: Match, rules: Rules, rng: np.random.Generator) -> None:
     for i in range(n):
         for j in range(i + 1, n):
             measure(match.players[i], match.players[j], rules.quantise, sight)
-            _look_at(match, i, j, sight[DIRECTION], rules, rng)
-            _look_at(match, j, i, wrap_deg(sight[DIRECTION] + 180.0), rules, rng)
+            for me, other in ((i, j), (j, i)):
+                # Far away the shirt number gets lost.
+                far = sight[DISTANCE] - NUMBER_SEEN
+                named = far <= 0.0 or NUMBER_SEEN * rng.random() > far
+                if _look_at(
+                    match.players[me],
+                    match.players[other],
+                    sight,
+                    me > other,
+                    named,
+                    match.known[me, other],
+                    rules,
+                    match.seen_players[me, other],
+                ):
+                    match.player_age[me, other] = 0
     for i in range(n):
         measure(match.players[i], match.ball, rules.quantise, sight)
-        first, last = (rules.n_keepers, n) if i < rules.n_keepers else (0, rules.n_keepers)
-        _look_at_ball(match, i, rules, first, last)
+        expected = match.ball_age[i] < NEVER_SEEN
+        if _look_at_ball(match.players[i], sight, expected, rules, match.seen_ball[i]):
+            match.ball_age[i] = 0
+            if sight[DISTANCE] > KICK_DISTANCE:
+                first, last = (rules.n_keepers, n) if i < rules.n_keepers else (0, rules.n_keepers)
+                _still_near_opponent(match.seen_ball[i], match.seen_players[i], match.known[i], first, last)
 
 
 @kernel
@@ -281,38 +329,39 @@ def in_view(me: Floats, direction: float, view_angle: float) -> bool:
 
 
 @kernel
-def _look_at(match: Match, i: int, j: int, direction: float, rules: Rules, rng: np.random.Generator) -> None:
-    """Let player i see player j, measured in `match.sight`."""
-    distance = match.sight[DISTANCE]
-    # Far away the shirt number gets lost.
-    named = distance <= NUMBER_SEEN or NUMBER_SEEN * rng.random() > distance - NUMBER_SEEN
-    seen = named and in_view(match.players[i], direction, rules.view_angle)
-    if not seen and (distance >= FELT_DISTANCE or not match.known[i, j]):
-        return
-    belief = match.seen_players[i, j]
-    _note(match.players[i], match.sight, direction, rules.quantise, seen, belief)
-    match.player_age[i, j] = 0
+def _look_at(
+    me: Floats,
+    other: Floats,
+    sight: Floats,
+    opposite: bool,
+    named: bool,
+    known: bool,
+    rules: Rules,
+    belief: Floats,
+) -> bool:
+    """Let `me` see `other`, measured in `sight` (from the other's side where `opposite`); return whether it did."""
+    direction = wrap_deg(sight[DIRECTION] + 180.0) if opposite else sight[DIRECTION]
+    seen = named and in_view(me, direction, rules.view_angle)
+    if not seen and (sight[DISTANCE] >= FELT_DISTANCE or not known):
+        return False
+    _note(me, sight, direction, rules.quantise, seen, belief)
     if seen:
-        body = match.players[j, BODY]
-        belief[BODY] = wrap_deg(rounded(body, 1.0)) if rules.quantise else body
+        belief[BODY] = wrap_deg(rounded(other[BODY], 1.0)) if rules.quantise else other[BODY]
+    return True
 
 
 @kernel
-def _look_at_ball(match: Match, i: int, rules: Rules, first: int, last: int) -> None:
-    """Let player i, whose opponents are [first, last), see the ball, measured in `match.sight`."""
-    me, belief, sight = match.players[i], match.seen_ball[i], match.sight
+def _look_at_ball(me: Floats, sight: Floats, expected: bool, rules: Rules, belief: Floats) -> bool:
+    """Let `me` see the ball, measured in `sight`; return whether it did."""
     seen = in_view(me, sight[DIRECTION], rules.view_angle)
     if not seen and sight[DISTANCE] >= FELT_DISTANCE:
-        return
+        return False
     vx, vy = belief[VX], belief[VY]
     _note(me, sight, sight[DIRECTION], rules.quantise, seen, belief)
     slack = 2.0 * BALL_NOISE * length(vx, vy)
-    expected = match.ball_age[i] < NEVER_SEEN
     if seen and expected and abs(belief[VX] - vx) < slack and abs(belief[VY] - vy) < slack:
         belief[VX], belief[VY] = 0.5 * (belief[VX] + vx), 0.5 * (belief[VY] + vy)
-    match.ball_age[i] = 0
-    if sight[DISTANCE] > KICK_DISTANCE:
-        _still_near_opponent(belief, match.seen_players[i], match.known[i], first, last)
+    return True
 
 
 @kernel

@@ -10,12 +10,10 @@ from core.keepaway.intercept import go_to_ball
 from core.keepaway.kicking import TAKER_HOLD_RATIO, hold_ball, nearest_to
 from core.keepaway.match import (
     BLOCK_PASS,
-    CYCLE,
     GO_TO_BALL,
     HOLD_BALL,
     SEARCH_BALL,
     WATCH_BALL,
-    Match,
 )
 from core.keepaway.motion import length
 from core.keepaway.options import SEARCH_TURN, begin_option, can_kick
@@ -24,6 +22,7 @@ from core.keepaway.positioning import CONE, move_to
 from core.keepaway.prediction import send_turn, turn_body_to
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 TAKERS_FACE = 180.0
 """Direction of play of the takers' team, degrees."""
@@ -88,34 +87,42 @@ def block_pass(me: Floats, ball: Floats, mark: Floats, cycle: int, command: Floa
 
 @kernel
 def command_taker(
-    match: Match, i: int, rules: Rules, ball: Floats, players: Floats, known: Bools, knows_ball: bool
-) -> None:
-    """Find the option of taker i and write its command for this cycle."""
-    me, command = players[i], match.commands[i]
-    n_keepers = rules.n_keepers
-    cycle = match.status[CYCLE]
+    i: int,
+    row: Ints,
+    ball: Floats,
+    players: Floats,
+    known: Bools,
+    knows_ball: bool,
+    meet: Floats,
+    cycle: int,
+    rules: Rules,
+    command: Floats,
+) -> bool:
+    """Find the option of taker i and write its command for this cycle; arguments as `options.command_keeper`.
+
+    Returns:
+        Whether its option starts now.
+    """
+    me, n_keepers = players[i], rules.n_keepers
     if not knows_ball:
-        begin_option(match, i, SEARCH_BALL, -1, False)
         send_turn(SEARCH_TURN, length(me[VX], me[VY]), command)
-        return
+        return begin_option(row, SEARCH_BALL, -1, False, cycle)
     rank = _rank(i, ball[X], ball[Y], players, known, n_keepers)
     if rank == 0 and can_kick(me, ball):
-        begin_option(match, i, HOLD_BALL, -1, False)
         hold_ball(me, ball, players, known, 0, n_keepers, TAKER_HOLD_RATIO, TAKERS_FACE, command)
-        return
+        return begin_option(row, HOLD_BALL, -1, False, cycle)
     mark = -1
     if rank >= CHASERS:
         mark = most_open_keeper(ball, players, known, n_keepers)
     if mark >= 0:
-        begin_option(match, i, BLOCK_PASS, mark, False)
         block_pass(me, ball, players[mark], cycle, command)
-    elif _mate_has_ball(i, ball, players, known, n_keepers):
-        begin_option(match, i, WATCH_BALL, -1, False)
+        return begin_option(row, BLOCK_PASS, mark, False, cycle)
+    if _mate_has_ball(i, ball, players, known, n_keepers):
         turn_body_to(me, ball[X] + ball[VX], ball[Y] + ball[VY], 1, command)
-    else:
-        begin_option(match, i, GO_TO_BALL, -1, False)
-        rival = nearest_to(me[X], me[Y], players, known, 0, n_keepers)[1]
-        go_to_ball(me, ball, match.meet[i], cycle, rival, TAKERS_FACE, command)
+        return begin_option(row, WATCH_BALL, -1, False, cycle)
+    rival = nearest_to(me[X], me[Y], players, known, 0, n_keepers)[1]
+    go_to_ball(me, ball, meet, cycle, rival, TAKERS_FACE, command)
+    return begin_option(row, GO_TO_BALL, -1, False, cycle)
 
 
 @kernel

@@ -5,7 +5,7 @@ import pytest
 
 from core.keepaway import match as m
 from core.keepaway.match import new_match, open_streams
-from core.keepaway.perception import knows_ball, measure, perceive, rounded, seen_distance
+from core.keepaway.perception import FORGET_BALL, measure, perceive, rounded, seen_distance
 from core.keepaway.pitch import ANGLE, BODY, KIND, NECK, TURN, VX, VY, KeepawayConfig, X, Y
 from core.streams import stream
 
@@ -70,7 +70,7 @@ def test_unseen_for_twelve_cycles_is_forgotten():
     for cycle in range(1, 14):
         see(match, config, BLIND)
         assert match.known[0, 1] == (cycle <= 12)
-        assert knows_ball(match, 0) == (cycle <= 10)
+        assert (match.ball_age[0] <= FORGET_BALL) == (cycle <= 10)
     assert match.known[0, 0]
 
 
