@@ -117,6 +117,11 @@ class SubjectApp(App[str], inherit_bindings=False):
         else:
             self._link.listen(self._on_worker, lambda reason: self.exit(reason))
 
+    @property
+    def waiting(self) -> bool:
+        """Whether a stimulus has been asked for and not been answered."""
+        return self._open
+
     def seen(self) -> Seen:
         """Return what has been seen so far."""
         return Seen(

@@ -13,12 +13,19 @@ from click.testing import CliRunner
 
 from arl_tui.cli import main
 from arl_tui.commands.timing import SCENE_NAMES, report_lines
+from arl_tui.link import Begin, Crashed, Picture, Ready
 from arl_tui.timing.plan import MARKER, SCENES, Answered, Plan, PlannedTrial, Seen, make_plan, marker
 from arl_tui.timing.result import TimingResult, compare, header_facts, read_timing, summarise
 from arl_tui.timing.robot import Robot, RobotTrial, TimingError, run_plan
+from arl_tui.timing.subject import SubjectApp
+from core.episode import FrameShown
+from core.tetris.picture import Counts, Wall, snapshot
+from tests.arl_tui.fakes import FakeLink
 from tests.e2e.test_play import is_running
 
 MS = 1_000_000
+EMPTY = snapshot(Wall(20, 10), counts=Counts())
+FULL = msgspec.structs.replace(EMPTY, cells=b"\x01" * 200)
 GENEROUS_MS = 25.0
 """Medians only: on a busy machine single trials are late by any amount, in any program."""
 
@@ -114,6 +121,52 @@ def test_an_app_that_cannot_start_is_reported_with_its_last_words(
     )
     with pytest.raises(TimingError, match="no screen today"):
         run_plan(make_plan("at rest", 1, root_seed=1))
+
+
+# --- the app under test ---------------------------------------------------------------------------------------------
+
+
+def app_beside_a_board() -> tuple[SubjectApp, FakeLink]:
+    link = FakeLink()
+    return SubjectApp(make_plan("beside a board", 1, root_seed=1), link), link
+
+
+async def test_a_step_that_looks_like_the_one_before_is_reported_after_it() -> None:
+    app, link = app_beside_a_board()
+    async with app.run_test(size=(80, 30)) as pilot:
+        link.say(Ready(warm_up_ns=1))
+        link.say(Picture(number=0, step=0, view=FULL), Picture(number=1, step=1, view=FULL))
+        await pilot.pause(0.2)
+        link.say(Picture(number=2, step=2, view=FULL))
+        await pilot.pause(0.2)
+    shown = [message for message in link.sent if isinstance(message, FrameShown)]
+    assert isinstance(link.sent[0], Begin)
+    assert [frame.step for frame in shown] == [1, 2]
+    assert [frame.frame for frame in shown] == [0, 1]
+
+
+async def test_a_learner_that_fails_ends_the_test_with_its_trace() -> None:
+    app, link = app_beside_a_board()
+    async with app.run_test(size=(80, 30)):
+        link.say(Crashed(error="ValueError: no", trace="line 7"))
+    assert app.return_value is not None
+    assert "ValueError: no\nline 7" in app.return_value
+
+
+async def test_only_the_first_answer_to_a_stimulus_counts() -> None:
+    app = SubjectApp(make_plan("at rest", 1, root_seed=1), None)
+    async with app.run_test(size=(80, 30)) as pilot:
+        await pilot.press("j")  # Before the stimulus: no answer.
+        while not app.answers:
+            await pilot.pause(0.05)
+            if app.waiting:
+                await pilot.press("x")
+                before_ns = time.monotonic_ns()
+                await pilot.press("j", "j")
+        (answer,) = app.answers
+    assert answer.number == 0
+    assert answer.key_ns is not None
+    assert before_ns <= answer.key_ns <= time.monotonic_ns()
 
 
 # --- plan -----------------------------------------------------------------------------------------------------------
