@@ -15,7 +15,7 @@ from core.streams import stream, stream_seed
 from core.tetris.config import TetrisConfig
 from core.tetris.game import FallingPiece, Primitive, at_rest, fits, landing_row, moved
 from core.tetris.picture import Counts, Snapshot, Wall, snapshot
-from core.tetris.pieces import ORIENTATION_ROWS
+from core.tetris.shapes import ORIENTATION_ROWS
 from studies.reaction_time.protocol import Schedule
 
 TICK_MS = 150
@@ -44,8 +44,9 @@ class Scene(msgspec.Struct, frozen=True, kw_only=True):
         return _plain(self.wall, self.hover[min(tick, len(self.hover) - 1)], self.counts)
 
     def event(self) -> Snapshot:
-        """Return the picture right after the drop."""
-        return _plain(self.wall, self.landed, self.counts)
+        """Return the picture right after the drop: the piece bright, its shadow where it came from."""
+        fallen = _plain(self.wall, self.landed, self.counts)
+        return msgspec.structs.replace(fallen, ghost_row=self.hover[-1].row)
 
 
 def _plain(wall: Wall, falling: FallingPiece, counts: Counts) -> Snapshot:

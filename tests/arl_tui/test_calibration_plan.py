@@ -27,7 +27,7 @@ from arl_tui.recordings import all_recordings
 from core.feedback.credit import GammaDelay
 from core.streams import stream
 from core.tetris.game import FallingPiece, Primitive, at_rest, landing_row, moved
-from core.tetris.picture import Wall
+from core.tetris.picture import FALLING, GHOST, Wall
 from studies.reaction_time.protocol import Schedule, TrialRecord
 from studies.reaction_time.schedule import make_schedule
 from studies.reaction_time.tasks import MAKERS
@@ -229,9 +229,19 @@ def test_the_last_place_is_seen_for_less_than_a_tick_before_the_drop(
 def test_pictures_do_not_tell_where_the_piece_would_land(watched: tuple[Schedule, list[Scene]]) -> None:
     scene = watched[1][0]
     codes = scene.hovering(0).codes()
-    assert sum(code >= 16 for code in codes) == 4
-    assert scene.event().codes() != scene.hovering(10**6).codes()
-    assert sum(code >= 16 for code in scene.event().codes()) == 4
+    assert [code & (FALLING | GHOST) for code in codes if code & (FALLING | GHOST)] == [FALLING] * 4
+
+
+def test_the_event_marks_the_piece_that_dropped_and_where_it_came_from(
+    watched: tuple[Schedule, list[Scene]],
+) -> None:
+    for scene in watched[1]:
+        before, after = scene.hovering(10**6).codes(), scene.event().codes()
+        hovered = [at for at, code in enumerate(before) if code & FALLING]
+        assert [at for at, code in enumerate(after) if code & GHOST] == hovered
+        landed = [at for at, code in enumerate(after) if code & FALLING]
+        assert [at % 10 for at in landed] == [at % 10 for at in hovered]
+        assert max(hovered) < min(landed)
 
 
 def test_scenes_follow_from_the_schedule_and_survive_the_way_between_processes(

@@ -2,6 +2,7 @@
 
 import asyncio
 import gc
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -10,7 +11,9 @@ from textual.pilot import Pilot
 from arl_tui.calibration import pages, trial_screen
 from arl_tui.calibration.helper import HelperError, ask_helper
 from arl_tui.calibration.trial_screen import TrialScreen
+from arl_tui.palette import palette_for
 from arl_tui.participants import read_delays
+from arl_tui.screens.page import Page
 from studies.reaction_time.protocol import TrialPlan
 from studies.reaction_time.trial_log import TrialWriter
 from tests.arl_tui.calibrating import (
@@ -318,3 +321,39 @@ def test_a_calibration_has_no_palette_and_no_animation(tmp_path: Path) -> None:
     app = quick_app(sitting(tmp_path))
     assert not app.ENABLE_COMMAND_PALETTE
     assert app.animation_level == "none"
+
+
+@pytest.fixture
+def true_colour(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pictures must not depend on the terminal that the tests are run in."""
+    monkeypatch.setattr(
+        "arl_tui.calibration.app.palette_for", lambda name, _system: palette_for(name, "truecolor")
+    )
+
+
+@pytest.mark.parametrize("name", ["simple", "visual-search", "feedback-lag"])
+def test_a_stimulus_looks_as_it_did(
+    snap_compare: Callable[..., bool], tmp_path: Path, true_colour: None, name: str
+) -> None:
+    app = quick_app(sitting(tmp_path, quick(name, time_out_s=30.0)))
+
+    async def wait(pilot: Pilot) -> None:
+        await go_through(pilot, until_shown=TrialScreen)
+        await until(pilot, trial_in(pilot, "shown"))
+
+    assert snap_compare(app, terminal_size=(80, 24), run_before=wait)
+
+
+@pytest.mark.parametrize("kind", [pages.WelcomePage, pages.InstructionPage, pages.HindrancePage])
+def test_pages_look_as_they_did(snap_compare: Callable[..., bool], tmp_path: Path, kind: type[Page]) -> None:
+    hindrances = ("a network connection (SSH)",) if kind is pages.HindrancePage else ()
+    both = quick("simple"), quick("feedback-lag", catch_rate=0.1, n_practice=8)
+    if kind is pages.InstructionPage:
+        both = both[1:]
+    app = quick_app(sitting(tmp_path, *both, hindrances=hindrances))
+
+    async def wait(pilot: Pilot) -> None:
+        await go_through(pilot, until_shown=kind)
+        await pilot.pause()
+
+    assert snap_compare(app, terminal_size=(80, 24), run_before=wait)

@@ -6,8 +6,10 @@ import msgspec
 import pytest
 from click.testing import CliRunner
 
+from arl_tui.app import Sitting, build_app
 from arl_tui.cli import main
 from arl_tui.commands.credit import with_credit
+from arl_tui.link import Ready
 from arl_tui.participants import (
     ParticipantError,
     Quantity,
@@ -20,6 +22,8 @@ from arl_tui.participants import (
 )
 from core.feedback.credit import GammaDelay, PreviousStep
 from core.protocol import Protocol
+from core.recording.reader import read_recording
+from tests.arl_tui.fakes import FakeLink
 
 LAG = GammaDelay(shape=9.0, scale_s=0.07, offset_s=0.1)
 SIMPLE = GammaDelay(shape=30.0, scale_s=0.01)
@@ -150,9 +154,35 @@ def test_replay_learns_again_with_the_participants_own_delay(tmp_path: Path) -> 
     missing = CliRunner().invoke(main, recorded)
     assert missing.exit_code == 1
     assert "has no fit of the task 'feedback lag'" in missing.output
-    from core.recording.reader import read_recording
-
     keep_delay(tmp_path, read_recording(path).header.participant, task_delay())
     done = CliRunner().invoke(main, recorded)
     assert done.exit_code == 0, done.output
     assert "gamma:9,0.07,0.1" in done.output
+
+
+async def test_the_recordings_header_says_where_the_credit_rule_comes_from(
+    tmp_path: Path, protocol: Protocol, link: FakeLink
+) -> None:
+    keep_delay(tmp_path, "P01", task_delay())
+    choice = choose_credit("participant", tmp_path, "P01")
+    sitting = Sitting(
+        protocol=with_credit(protocol, choice),
+        root_seed=5,
+        participant="P01",
+        recordings=tmp_path,
+        source=choice.source,
+    )
+    app = build_app(sitting, link)
+    async with app.run_test(size=(80, 24)) as pilot:
+        link.say(Ready(warm_up_ns=1))
+        await pilot.press("enter")
+        await pilot.pause()
+    (path,) = tmp_path.glob("P01-*.jsonl")
+    header = read_recording(path).header
+    assert header.source == choice.source
+    assert header.protocol["agent"]["credit"]["delay"] == {
+        "type": "gamma",
+        "shape": 9.0,
+        "scale_s": 0.07,
+        "offset_s": 0.1,
+    }
