@@ -76,6 +76,7 @@ def test_milliseconds_give_the_same_fit_as_seconds(tmp_path: Path) -> None:
     assert shapes[0] == pytest.approx(shapes[1], rel=1e-6)
 
 
+@pytest.mark.jit
 def test_time_outs_are_censored_where_it_is_said_how_long_they_waited(tmp_path: Path) -> None:
     path = table(tmp_path / "a.csv", {"P01": [*times(40), 0, 0, 0]})
     result = run(path, *QUICK, "--waited", "1.5")
@@ -157,6 +158,7 @@ def five(tmp_path: Path) -> Path:
     return table(tmp_path / "five.csv", {f"P0{i}": times(25, i) for i in range(1, 6)})
 
 
+@pytest.mark.jit
 def test_many_participants_have_a_line_each_and_pool_on_demand(five: Path, tmp_path: Path) -> None:
     result = run(five, *QUICK, "--pooled", "--figure", tmp_path / "means.png")
     assert result.exit_code == 0, result.output
@@ -175,6 +177,7 @@ def test_one_of_many_can_be_chosen_and_all_be_taken_as_one(five: Path) -> None:
     assert "no such participant" in unknown.stderr
 
 
+@pytest.mark.jit
 def test_the_result_does_not_depend_on_the_number_of_workers(five: Path) -> None:
     quick = ("--resamples", "5", "--goodness", "0", "--json", "-")
     alone, two = (json.loads(run(five, *quick, "--workers", n).stdout)["group"] for n in "12")
