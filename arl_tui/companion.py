@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from arl_tui.link import PressSuggested
 from core.episode import EpisodeStarted, StepTaken
-from core.feedback.trainers import SimulatedTrainer
 from core.protocol import Protocol
 
 if TYPE_CHECKING:
@@ -20,6 +19,7 @@ class Companion:
 
     def __init__(self, session: "Session", protocol: Protocol, root_seed: int) -> None:
         # Here, not above: compiled code, and the screen's process imports this module with the worker's.
+        from core.feedback.trainers import SimulatedTrainer
         from core.tetris.oracle import TetrisOracle
 
         self._oracle = TetrisOracle(protocol.domain)

@@ -5,7 +5,7 @@ listener (the screens).
 """
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Literal, Protocol
 
@@ -29,7 +29,6 @@ from core.episode import (
     WrongPressAsked,
 )
 from core.keys import KeyConfig, PressGate
-from core.streams import stream
 
 FRAMES_REMEMBERED = 256
 """About ten seconds: far more than a key's handler is ever late."""
@@ -100,6 +99,15 @@ class Tally:
     steps: int = 0
 
 
+def uniform_draws(root_seed: int) -> Iterator[float]:
+    """Yield the numbers in [0, 1) of the stream that says which presses are asked to be wrong."""
+    from core.streams import stream  # not at the top: the first picture need not wait for numpy
+
+    rng = stream(root_seed, "wrong-press")
+    while True:
+        yield float(rng.random())
+
+
 class LiveSession:
     """One session from the start key to the end line.
 
@@ -139,7 +147,8 @@ class LiveSession:
         self._on_over = on_over
         self._sink: EventSink | None = None
         self._accepted: dict[int, float] = {}
-        self._rng = stream(root_seed, "wrong-press")
+        self._root_seed = root_seed
+        self._draws: Iterator[float] | None = None
         self._wrong_next = self._draw_wrong()
         self._worker_error: str | None = None
 
@@ -275,7 +284,12 @@ class LiveSession:
             self.tally.bad += change
 
     def _draw_wrong(self) -> bool:
-        return bool(self._rng.random() < self.gate.config.wrong_press_rate)
+        rate = self.gate.config.wrong_press_rate
+        if rate == 0.0:
+            return False
+        if self._draws is None:
+            self._draws = uniform_draws(self._root_seed)
+        return next(self._draws) < rate
 
     def _enter(self, event: Input) -> None:
         """Record an input, send it to the worker, tell the screens."""

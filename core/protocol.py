@@ -11,10 +11,10 @@ from typing import Literal
 import msgspec
 
 from core.combination.config import AgentConfig
-from core.feedback.credit import GammaDelay, describe
-from core.feedback.trainers import TrainerConfig
+from core.feedback.config import TrainerConfig
+from core.feedback.delays import GammaDelay, describe
 from core.keys import KeyConfig
-from core.learners.cross_entropy import CrossEntropyConfig
+from core.learners.cross_entropy_config import CrossEntropyConfig
 from core.tetris.config import TetrisConfig
 
 

@@ -8,8 +8,6 @@ import zlib
 
 import numpy as np
 
-MASK_64 = (1 << 64) - 1
-
 
 def stream(root_seed: int, *path: str | int) -> np.random.Generator:
     """Return the Generator named by `path`.

@@ -9,7 +9,7 @@ from arl_tui.palette import STANDARD, Palette
 from arl_tui.widgets.blocks import CELLS_PER_BLOCK, BlockWidget
 from core.tetris.game import flattest
 from core.tetris.picture import FALLING
-from core.tetris.pieces import MAX_SHAPE_SIZE, ORIENTATION_ROWS
+from core.tetris.shapes import MAX_SHAPE_SIZE, ORIENTATION_ROWS
 
 ROWS = 2
 """Every piece lies in two rows when it enters."""

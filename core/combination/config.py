@@ -10,7 +10,7 @@ from typing import Literal
 
 import msgspec
 
-from core.feedback.samples import CreditConfig
+from core.feedback.config import CreditConfig
 from core.learners.human_config import HumanModelConfig, RidgeModel
 
 Scale = Literal["standardised", "raw"]

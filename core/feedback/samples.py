@@ -1,36 +1,14 @@
-"""What credit assignment gives out: its settings, the samples for a model, and the account of all mass."""
+"""What credit assignment gives out: the samples for a model, and the account of all mass."""
 
 import dataclasses
-import math
 from dataclasses import dataclass
-from typing import Literal
 
-import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from core.feedback.credit import Delay, PreviousStep
+from core.feedback.config import CreditConfig
 
-
-class CreditConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How presses become samples."""
-
-    delay: Delay = PreviousStep()
-    """Density of the delay, or a rule. Previous step: TAMER's rule for Tetris (`docs/decisions`)."""
-    scheme: Literal["individual", "aggregate"] = "individual"
-    """Individual: one sample per press and step, weighted by its share (K-CAP 2009). Aggregate: one sample per
-    step, its label the sum of value * share over all presses (TAMER's later default)."""
-    silence: Literal["no-update", "zero-label"] = "no-update"
-    """What a step without any press says: nothing, or 0 (TAMER's code; with the aggregate scheme only)."""
-    merge_within_s: float = 0.0
-    """A press of the same value within this time of the press before belongs to the same burst, and a burst
-    counts as its first press. 0: every press counts (as in the paper and in TAMER)."""
-
-    def __post_init__(self) -> None:
-        if self.silence == "zero-label" and self.scheme == "individual":
-            raise ValueError("silence='zero-label' needs scheme='aggregate': only a whole step can be silent")
-        if not 0 <= self.merge_within_s < math.inf:
-            raise ValueError(f"merge_within_s is >= 0 seconds, got {self.merge_within_s}")
+__all__ = ["CreditConfig", "MassAccount", "PressCredit", "Sample"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -5,63 +5,17 @@ mistakes and skips as in B-Pref (Lee et al. 2021), delay, few presses and stoppi
 2018), bursts as in TAMER's public logs, and the paper's own limits (section 4).
 """
 
-import math
 from dataclasses import dataclass
 
-import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from core.clock import NS_PER_S
-from core.feedback.credit import Density, GammaDelay, UniformDelay
+from core.feedback.config import TrainerConfig
+from core.feedback.delays import Density, GammaDelay, UniformDelay
 from core.streams import stream
 
-
-class TrainerConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What kind of participant is simulated."""
-
-    press_probability: float = 0.03
-    """Chance per step to say anything: about 2 presses in an episode of 60 steps (section 4: 2 on average)."""
-    max_presses: int = 5
-    """Judgements per episode, bursts counted once (section 4: no more than 5 times in any Tetris episode)."""
-    good_share: float = 0.25
-    """An action among this share of the best ones is good, any other is bad. (Our choice.)"""
-    skip_margin: float = 0.0
-    """No judgement where the action's rank is within this share of the border between good and bad."""
-    mistake_rate: float = 0.1
-    """Chance of the wrong key by mistake (B-Pref: 0.1). 1 is an adversary."""
-    deliberate_rate: float = 0.0
-    """Chance of a deliberately wrong press (section 4: about 0.1 in Keepaway, on instruction)."""
-    delay: Density = GammaDelay()
-    """From the end of the step's time on screen, when its outcome is seen, to the press (Fig. 4)."""
-    anticipation_rate: float = 0.0
-    """Chance of pressing before the outcome is seen, at a random moment of the step."""
-    burst_rate: float = 0.0
-    """Chance that a judgement is given by several presses (TAMER's logs: two of four people nearly always)."""
-    burst_presses: int = 3
-    """Presses in a burst. (Our choice.)"""
-    burst_interval_s: float = 0.19
-    """Between the presses of a burst (TAMER's logs: medians of 0.18 to 0.20 s)."""
-    fatigue_half_life_episodes: float | None = None
-    """Watched episodes after which presses have become half as likely; None: never tired."""
-    stops_after_episodes: int | None = None
-    """Says nothing any more after this many watched episodes; None: stays."""
-
-    def __post_init__(self) -> None:
-        rates = ("press_probability", "mistake_rate", "deliberate_rate", "anticipation_rate", "burst_rate")
-        for name in (*rates, "good_share", "skip_margin"):
-            if not 0 <= getattr(self, name) <= 1:
-                raise ValueError(f"{name} is in [0, 1], got {getattr(self, name)}")
-        if self.max_presses < 0 or self.burst_presses < 1:
-            raise ValueError(
-                f"need max_presses >= 0 and burst_presses >= 1: {self.max_presses}, {self.burst_presses}"
-            )
-        if not 0 < self.burst_interval_s < math.inf:
-            raise ValueError(f"burst_interval_s is > 0 seconds, got {self.burst_interval_s}")
-        if self.fatigue_half_life_episodes is not None and not self.fatigue_half_life_episodes > 0:
-            raise ValueError(f"fatigue_half_life_episodes is > 0: {self.fatigue_half_life_episodes}")
-        if self.stops_after_episodes is not None and self.stops_after_episodes < 0:
-            raise ValueError(f"stops_after_episodes is >= 0, got {self.stops_after_episodes}")
+__all__ = ["IntendedPress", "SimulatedTrainer", "TrainerConfig", "draw_delay_s", "judgement"]
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,7 @@ from typing import Literal
 
 from core.tetris.game import FallingPiece, Primitive, fallen, moved, settle, spawn
 from core.tetris.picture import Counts, Snapshot, Wall, snapshot
-from core.tetris.pieces import seven_bag_piece, uniform_piece
+from core.tetris.shapes import seven_bag_piece, uniform_piece
 
 PIECE_STREAMS: dict[str, Callable[[int, int], int]] = {"uniform": uniform_piece, "seven-bag": seven_bag_piece}
 """Which piece comes k-th in an episode with a seed."""

@@ -44,3 +44,8 @@ def test_help_loads_neither_the_screen_nor_arrays() -> None:
         "assert CliRunner().invoke(main, ['--help']).exit_code == 0"
     )
     assert not loaded & {"textual", "numpy", "scipy", "numba", "msgspec", "multiprocessing"}
+
+
+def test_the_first_picture_waits_for_no_arrays() -> None:
+    loaded = loaded_after("import arl_tui.app, arl_tui.worker, arl_tui.commands.play")
+    assert not loaded & {"numpy", "scipy", "numba", "matplotlib", "textual_plot"}
