@@ -201,6 +201,11 @@ def import_tamer_log(log: Path, out: Path | None, recordings: Path) -> None:
 @seed_option
 @recordings_option
 @click.option("--dry-run", is_flag=True, help="Print every trial as it would be run, and stop.")
+@click.option(
+    "--refit",
+    is_flag=True,
+    help="Measure nothing: fit the newest finished trials again, pooled with everybody there is by now.",
+)
 def calibrate(
     participant: str,
     tasks: str,
@@ -209,6 +214,7 @@ def calibrate(
     seed: int | None,
     recordings: Path,
     dry_run: bool,
+    refit: bool,
 ) -> None:
     """Measure how long a participant takes to react, and to judge what the agent does.
 
@@ -224,6 +230,7 @@ def calibrate(
         practice=practice,
         recordings=recordings,
         dry_run=dry_run,
+        refit=refit,
     )
 
 

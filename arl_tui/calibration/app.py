@@ -341,5 +341,7 @@ class CalibrationApp(App[Outcome], inherit_bindings=False):
         try:
             answer = await self._wait_for("arl_tui.calibration.fitting", order, page)
         except HelperError as error:
-            return Fitted(failures={"all": f"{error}. The trials are kept: `arl fit` reads them."})
-        return Fitted() if answer is None else msgspec.json.decode(answer, type=Fitted)
+            return Fitted(failures={"all": f"{error}. The trials are kept: fit them with --refit."})
+        if answer is None:
+            return Fitted(failures={"all": "Nobody waited. The trials are kept: fit them with --refit."})
+        return msgspec.json.decode(answer, type=Fitted)

@@ -3,6 +3,7 @@
 import os
 import secrets
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,6 +14,8 @@ from arl_tui.recordings import CALIBRATION_FOLDER
 
 if TYPE_CHECKING:
     from arl_tui.calibration.app import Outcome
+    from arl_tui.calibration.fitting import Fitted
+    from studies.reaction_time.protocol import Task
 
 HINDRANCES = {
     "ssh": "a network connection (SSH)",
@@ -30,14 +33,18 @@ def calibrate(
     practice: int | None,
     recordings: Path,
     dry_run: bool,
+    refit: bool = False,
 ) -> None:
-    """Run the tasks in this terminal, or print what they would be."""
+    """Run the tasks in this terminal, print what they would be, or fit what has been measured."""
     from arl_tui.calibration.plan import Sitting, configure, new_parts, task_names
 
     try:
         configs = configure(task_names(tasks), n_trials=trials, n_practice=practice)
     except ValueError as error:
         raise click.BadParameter(str(error), param_hint="--tasks") from error
+    if refit:
+        fit_again(participant, [config.task for config in configs], recordings)
+        return
     sitting = Sitting(
         participant=participant,
         configs=configs,
@@ -102,7 +109,41 @@ def tell(outcome: "Outcome") -> None:
     """Print where everything is, and the results; leave with status 1 where something failed."""
     for path in outcome.files:
         click.echo(f"Trials: {path}")
-    for delay in outcome.fitted.delays:
+    tell_fit(outcome.fitted)
+    if outcome.files and not outcome.finished and outcome.trouble is None:
+        click.echo("Not finished: run the same command within 12 hours to go on.")
+    if outcome.trouble is not None:
+        raise click.ClickException(outcome.trouble)
+
+
+def fit_again(participant: str, tasks: Sequence["Task"], recordings: Path) -> None:
+    """Fit the newest finished session of each task, and keep the result."""
+    from arl_tui.calibration.fitting import FitOrder, fit_files
+    from arl_tui.calibration.plan import newest_complete
+    from studies.reaction_time.trial_log import TrialFileError, read_trials
+
+    check_files(recordings, participant)
+    try:
+        paths = [
+            str(path)
+            for task in tasks
+            for path in newest_complete(recordings, task)
+            if read_trials(path).header.participant == participant
+        ]
+    except TrialFileError as error:
+        raise click.ClickException(f"{error}. Move the file away, and run the command again.") from error
+    if not paths:
+        raise click.ClickException(
+            f"{participant} has finished none of these tasks in {recordings / CALIBRATION_FOLDER}: "
+            f"`arl calibrate --participant {participant}`"
+        )
+    order = FitOrder(recordings=str(recordings), participant=participant, files=tuple(paths))
+    tell_fit(fit_files(order))
+
+
+def tell_fit(fitted: "Fitted") -> None:
+    """Print each task's delay, and why there is none."""
+    for delay in fitted.delays:
         mean = delay.mean_s
         click.echo(
             f"{delay.task}: mean {mean.estimate:.3f} s (95 %: {mean.low:.3f} to {mean.high:.3f} s), "
@@ -110,11 +151,10 @@ def tell(outcome: "Outcome") -> None:
         )
         for warning in delay.warnings:
             click.echo(f"  beware: {warning}")
-    for task, reason in outcome.fitted.failures.items():
+        if delay.pooled is not None:
+            mean_s = delay.pooled.offset_s + delay.pooled.shape * delay.pooled.scale_s
+            click.echo(f"  pooled with {delay.pooled_people - 1} others: mean {mean_s:.3f} s")
+    for task, reason in fitted.failures.items():
         click.echo(f"{task}: no fit: {reason}")
-    if outcome.fitted.kept_in:
-        click.echo(f"Delays: {outcome.fitted.kept_in}")
-    if outcome.files and not outcome.finished and outcome.trouble is None:
-        click.echo("Not finished: run the same command within 12 hours to go on.")
-    if outcome.trouble is not None:
-        raise click.ClickException(outcome.trouble)
+    if fitted.kept_in:
+        click.echo(f"Delays: {fitted.kept_in}")

@@ -356,6 +356,23 @@ def test_network_and_multiplexers_are_noticed(
     assert command.hindrances() == found
 
 
+def test_refit_fits_what_is_there_and_pools_it_with_those_who_came_later(tmp_path: Path) -> None:
+    arguments = ("--participant", "P0", "--refit", "--recordings", str(tmp_path), "--tasks", "simple,choice")
+    code, text = run(*arguments)
+    assert code == 1
+    assert "has finished none of these tasks" in text
+    schedule = make_schedule(quick("simple", n_trials=20), 3)
+    for person in range(5):
+        write_session(tmp_path, f"P{person}", schedule, judgements(person, 20, 0.4 + 0.02 * person))
+    code, text = run(*arguments)
+    assert code == 0, text
+    assert "20 responses" in text
+    assert "pooled with 4 others" in text
+    known = read_delays(tmp_path, "P0")
+    assert known is not None
+    assert known.tasks["simple"].pooled_people == 5
+
+
 def test_names_unknown_tasks_and_missing_terminals_are_refused(tmp_path: Path) -> None:
     assert run("--participant", "Jane Doe")[0] == 2
     code, text = run("--participant", "P01", "--tasks", "reading")
