@@ -48,7 +48,7 @@ class HelpScreen(Page):
         keys = self._keys
         yield Static(
             "The computer drops one piece after another. Full rows disappear: the more, the better. A game ends "
-            "when the pile reaches the top.\n\nTell it what you think of the piece you see:\n"
+            "when the pile reaches the top.\n\nTell it what you think of where the last piece came to rest:\n"
         )
         yield Static(feedback_keys(keys))
         yield Static(

@@ -3,12 +3,12 @@
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, ClassVar, cast
 
-from core.protocol import Protocol
 from textual.binding import Binding, BindingType
 from textual.widget import Widget
 from textual.widgets import Static
 
 from arl_tui.screens.page import Page, feedback_keys
+from core.protocol import Protocol
 
 if TYPE_CHECKING:
     from arl_tui.app import ArlApp
@@ -37,7 +37,8 @@ class WelcomeScreen(Page):
         presses = keys.max_presses_per_episode
         yield Static(
             f"You will watch a computer play {games} of Tetris. It does not know yet how to play well. It "
-            "practises on its own between games, and you can help it: tell it what you think of what it does."
+            "practises on its own between games, and you can help it: tell it what you think of where it has just "
+            "put a piece."
         )
         yield Static(f"\n{feedback_keys(keys)}\n")
         yield Static(
