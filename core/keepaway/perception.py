@@ -94,6 +94,10 @@ def perceive(match: Match, rules: Rules, rng: np.random.Generator) -> None:
         match.known[:] = True
         return
     sees = match.status[CLOCK] % SEE_PERIOD != SEE_PERIOD - 1
+    if rules.view_angle < 360.0:
+        for i in range(n):  # what is heard now was said, and seen, a cycle ago
+            first, last = (0, rules.n_keepers) if i < rules.n_keepers else (rules.n_keepers, n)
+            listen(match, i, first, last, rng)
     # With eyes all round, whoever is near is about to be seen: no need to reckon where he went.
     sure_to_see = NUMBER_SEEN if sees and rules.view_angle >= 360.0 else -1.0
     for i in range(n):
@@ -124,10 +128,6 @@ def perceive(match: Match, rules: Rules, rng: np.random.Generator) -> None:
         )
     if sees:
         look(match, rules, rng)
-    if rules.view_angle < 360.0:
-        for i in range(n):
-            first, last = (0, rules.n_keepers) if i < rules.n_keepers else (rules.n_keepers, n)
-            listen(match, i, first, last, rng)
     for i in range(n):
         for j in range(n):
             match.known[i, j] = match.player_age[i, j] <= FORGET_PLAYER

@@ -421,6 +421,9 @@ class NaiveMatch:
                 mind.known = [True for _ in self.everybody]
                 mind.ball.age = 0
             return
+        if self.config.view_angle_deg < 360:
+            for i in self.everybody:
+                self.listen(i)
         for i in self.everybody:
             self.reckon(i)
         if self.clock % 3 != 2:
@@ -433,9 +436,6 @@ class NaiveMatch:
                     self.look_at_player(i, j, self.players[i], self.players[j])
             for i in self.everybody:
                 self.look_at_ball(i)
-        if self.config.view_angle_deg < 360:
-            for i in self.everybody:
-                self.listen(i)
         for mind in self.minds:
             mind.known = [thing.age <= 12 for thing in mind.players]
 
