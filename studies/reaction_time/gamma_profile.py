@@ -20,6 +20,10 @@ LOG_SHAPE_LOW, LOG_SHAPE_HIGH, TABLE_SIZE = -4.0, 14.0, 601
 """Range of log shape searched, and of the table of log quantiles."""
 
 
+GRID_STEPS = 40
+"""Steps of the coarse grid that a golden-section search begins with."""
+
+
 @kernel
 def log_gamma_survival(k: float, z: float) -> float:
     """Log of the regularised upper incomplete gamma function, k > 0, z >= 0: series below, fraction above."""
@@ -118,8 +122,17 @@ def _golden_along(
     offset: float,
     table: NDArray[np.float64],
 ) -> tuple[float, float]:
-    """Return (t, log-likelihood) at the top of `_along` between low and high, ends included."""
-    a, b = low, high
+    """Return (t, log-likelihood) at the top of `_along` between low and high, ends included.
+
+    Along a constant sd there may be more tops than one, and plateaus of -inf: a coarse grid finds the right one.
+    """
+    step = (high - low) / GRID_STEPS
+    highest, at_highest = 0, -math.inf
+    for place in range(GRID_STEPS + 1):
+        at_place = _along(low + place * step, which, value, n, mean, s, waits, offset, table)
+        if at_place > at_highest:
+            highest, at_highest = place, at_place
+    a, b = low + max(highest - 1, 0) * step, low + min(highest + 1, GRID_STEPS) * step
     c, d = b - GOLDEN * (b - a), a + GOLDEN * (b - a)
     at_c = _along(c, which, value, n, mean, s, waits, offset, table)
     at_d = _along(d, which, value, n, mean, s, waits, offset, table)

@@ -7,6 +7,7 @@ from scipy import optimize, stats
 from core.streams import stream
 from studies.reaction_time.bootstrap import critical_values, percentile_intervals, resample
 from studies.reaction_time.families import FAMILIES, GAMMA, SHIFTED_GAMMA, fit_family
+from studies.reaction_time.fit import FitSettings, fit_participant
 from studies.reaction_time.intervals import profile_interval, profile_intervals, profile_log_likelihood
 from studies.reaction_time.quantities import QUANTITIES, gamma_quantities, quantities_of
 from studies.reaction_time.sample import FitError, sample
@@ -228,3 +229,11 @@ def test_no_value_of_a_quantity_beats_the_fit(seed, family):
             if name == "shape" and value < family.bound:
                 continue
             assert profile_log_likelihood(data, family, name, value) <= fit.log_likelihood + 1e-6
+
+
+def test_an_evenly_spaced_dozen_has_intervals_too() -> None:
+    # Along a constant sd the likelihood of so narrow a sample has more tops than one.
+    participant = fit_participant("P01", sample(0.300 + 0.007 * np.arange(2, 14)), FitSettings(n_resamples=0))
+    sd = participant.gamma.estimates["sd_s"]
+    interval = participant.gamma.profile["sd_s"]
+    assert interval.low < sd < interval.high
