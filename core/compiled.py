@@ -2,9 +2,15 @@
 
 Every compiled function of the project is decorated with `kernel`, so that all of them release the GIL, are
 cached on disk, and keep IEEE arithmetic (no fast-math: sums are the same on every CPU).
+
+Numba notices when the file of a compiled function changes, but not when a function it calls in another file does, or a
+table. A stale kernel would give results that no source explains. So the cache folder is named after a digest
+of all our sources: other sources, other kernels.
 """
 
+import hashlib
 import os
+import shutil
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -12,17 +18,45 @@ from typing import Any, TypeVar, cast
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
+KEPT_CACHES = 4
+"""Folders of compiled code that are kept: those of the sources used last."""
+
+
+def _sources_digest() -> str:
+    """Return a digest of every source file that may hold or feed a kernel."""
+    root = Path(__file__).resolve().parents[1]
+    digest = hashlib.sha256()
+    for package in ("core", "studies"):
+        for path in sorted((root / package).rglob("*.py")):
+            digest.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+    return digest.hexdigest()[:16]
+
 
 def _cache_folder() -> str:
     """Return a writable folder for compiled code; a temporary one where the user's cache is read-only."""
-    base = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
-    folder = Path(base) / "arl-tui" / "kernels"
+    base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "arl-tui" / "kernels"
+    folder = base / _sources_digest()
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
-            return str(folder)
+            folder.touch()
     except OSError:
         return tempfile.mkdtemp(prefix="arl-tui-kernels-")
+    _forget_old_caches(base)
+    return str(folder)
+
+
+def _forget_old_caches(base: Path) -> None:
+    folders = sorted((path for path in base.iterdir() if path.is_dir()), key=_last_used, reverse=True)
+    for old in folders[KEPT_CACHES:]:
+        shutil.rmtree(old, ignore_errors=True)
+
+
+def _last_used(folder: Path) -> float:
+    try:
+        return folder.stat().st_mtime
+    except OSError:  # another process has just removed it
+        return 0.0
 
 
 # Before numba is imported: it reads the variable once (and refuses to cache in a read-only installation).
