@@ -63,6 +63,9 @@ def fit_files(order: FitOrder) -> Fitted:
         except FitError as error:
             failures[task] = str(error)
             continue
+        except ValueError as error:  # numerical trouble in one task must not lose the others
+            failures[task] = f"the fit failed ({error}); the trials are kept"
+            continue
         kept_in = str(keep_delay(recordings, order.participant, delay))
         delays.append(delay)
     return Fitted(delays=tuple(delays), failures=failures, kept_in=kept_in)

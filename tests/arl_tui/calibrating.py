@@ -71,6 +71,11 @@ def quick_app(given: Sitting, **options) -> CalibrationApp:
     return CalibrationApp(given, timing=QUICK, **options)
 
 
+def plan_number(plan: TrialPlan) -> int:
+    """Return a number that scatters over the trials."""
+    return plan.index * 7 + 3
+
+
 async def until(pilot: Pilot, condition: Callable[[], bool]) -> None:
     """Wait for something to happen on the screen."""
     loop = asyncio.get_running_loop()
@@ -115,7 +120,8 @@ async def go_through(
                 and (id(screen), trial.plan.index) not in answered
             ):
                 answered.add((id(screen), trial.plan.index))
-                await asyncio.sleep(0.12)
+                # As people are: never equally fast, and not before 0.1 s.
+                await asyncio.sleep(0.12 + 0.03 * (plan_number(trial.plan) % 4))
                 for key in answer(trial.plan):
                     await pilot.press(key)
             await asyncio.sleep(0.005)

@@ -302,6 +302,31 @@ def test_too_few_answers_are_a_failure_with_its_reason_and_do_not_stop_other_tas
     assert fitted.delays[0].pooled is None
 
 
+def test_numerical_trouble_in_one_task_leaves_the_others_and_says_so(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from studies.reaction_time import fit
+
+    fit_as_usual = fit.fit_participant
+
+    def fail_at_first(*arguments):
+        monkeypatch.setattr(fit, "fit_participant", fit_as_usual)
+        raise ValueError("f(a) and f(b) must have different signs")
+
+    monkeypatch.setattr(fit, "fit_participant", fail_at_first)
+    paths = [
+        str(
+            write_session(
+                tmp_path, "P1", make_schedule(quick(name, n_trials=8), 3), judgements(1, 8, 0.5), planned=name
+            )
+        )
+        for name in ("simple", "choice")
+    ]
+    fitted = fit_files(FitOrder(recordings=str(tmp_path), participant="P1", files=tuple(paths)))
+    assert "different signs" in fitted.failures["simple"]
+    assert [delay.task for delay in fitted.delays] == ["choice"]
+
+
 def test_somebody_elses_damaged_file_stops_the_pooling_only(tmp_path: Path) -> None:
     schedule = make_schedule(quick("simple", n_trials=8), 3)
     own = write_session(tmp_path, "P1", schedule, judgements(1, 8, 0.4))
