@@ -14,6 +14,7 @@ class GarbageControl:
         if not self._frozen:
             gc.collect()
             gc.freeze()
+            gc.enable()
             self._frozen = True
 
     def hold(self) -> None:

@@ -1,5 +1,6 @@
 """`arl play`: a live session."""
 
+import gc
 import os
 import secrets
 import sys
@@ -76,13 +77,14 @@ def run_live(
     """Start the worker, then the app; return what is left when both are gone."""
     os.environ.setdefault("TEXTUAL_FPS", FRAMES_PER_S)
     root_seed = secrets.randbits(63) if seed is None else seed
+    gc.disable()  # start-up leaves nothing to collect; `GarbageControl` takes over with the app
+    from arl_tui.app import Sitting, build_app
     from arl_tui.worker import start_worker
 
-    # Before Textual is even imported: the worker compiles while this process gets ready to paint.
+    # Before the app runs, because no process can be started from inside it; but after everything is imported: on two
+    # hardware threads of one core a worker that compiles slows the first picture down by a third.
     link = start_worker(protocol, root_seed, simulated=simulated)
     try:
-        from arl_tui.app import Sitting, build_app
-
         sitting = Sitting(
             protocol=protocol,
             root_seed=root_seed,

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from core.feedback.credit import Delay
     from studies.what_if import WhatIfRow
 
+OFF_POLICY = "Steps and presses are as recorded (off-policy): another agent would have shown, and been told, something else."
 W_H_SHOWN = 6
 """Values of w_h in the table: evenly spaced over the episodes, the last one among them."""
 
@@ -48,6 +49,7 @@ def replay_recording(
         recording.path, chosen, credits=credits, schemes=schemes, games=games, seed=seed or 0, workers=workers
     )
     click.echo("\n".join(table(rows)))
+    click.echo(OFF_POLICY)
     if csv_path is not None:
         write_csv(csv_path, rows)
         click.echo(f"Table: {csv_path}")
