@@ -59,7 +59,7 @@ def test_greedy_play_places_two_million_pieces_a_second(record_weights):
     assert speed > 2_000_000
 
 
-def test_combined_play_places_800_thousand_pieces_a_second(record_weights):
+def test_combined_play_places_half_a_million_pieces_a_second(record_weights):
     human = record_weights * np.linspace(0.8, 1.2, 21)
 
     def play() -> int:
@@ -74,7 +74,7 @@ def test_combined_play_places_800_thousand_pieces_a_second(record_weights):
     play()
     speeds = [pieces_per_s(play) for _ in range(7)]
     print(f"\ncombined: {statistics.median(speeds):,.0f} pieces/s [{min(speeds):,.0f} - {max(speeds):,.0f}]")
-    assert statistics.median(speeds) > 800_000
+    assert statistics.median(speeds) > 500_000
 
 
 def test_a_warm_start_gives_its_first_result_within_1_2_s():
