@@ -53,7 +53,7 @@ def main() -> None:
     "--credit",
     metavar="RULE",
     help="How presses are shared out among steps: the participant's own delay (participant, feedback-lag, simple, "
-    "pooled; see `arl calibrate`), paper, or a rule as in `arl replay`. The protocol's rule by default.",
+    "pooled; see `arl calibrate`), paper, or a rule as in `arl replay`. The protocol's choice (delay_of) by default.",
 )
 @recordings_option
 def play(

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import msgspec
 
-from core.feedback.credit import Delay, GammaDelay, describe, parse_delay
+from core.feedback.delays import Delay, GammaDelay, describe, parse_delay
 from studies.reaction_time.protocol import Task
 
 FORMAT = "arl-participant-delays"
@@ -182,6 +182,11 @@ def choose_credit(text: str, recordings: Path, participant: str) -> CreditChoice
         )
     about["credit_people"] = str(fit.pooled_people)
     return _chosen(text, fit.pooled, about)
+
+
+def rule_as_written(delay: Delay) -> CreditChoice:
+    """Return the choice of a rule that stands in the protocol."""
+    return _chosen("rule", delay, {})
 
 
 def _chosen(

@@ -60,6 +60,10 @@ class ScreenConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
             )
 
 
+DelayOf = Literal["rule", "feedback-lag", "simple", "pooled", "paper"]
+"""Whose delay gives credit: as written in the protocol, or of whoever takes part (see `Protocol.delay_of`)."""
+
+
 class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A session, completely."""
 
@@ -69,6 +73,10 @@ class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     """Board and rules. What is shown must be what the paper's four actions can do, hence "reachable"."""
     learner: CrossEntropyConfig = CrossEntropyConfig()
     agent: AgentConfig = AgentConfig()
+    delay_of: DelayOf = "rule"
+    """Credit by `agent.credit.delay` ("rule"), by the participant's own measured delay of judging ("feedback-lag"), of
+    reacting ("simple"), of judging pooled with others ("pooled"), or by the paper's density ("paper"). All but "rule"
+    are replaced by "rule" and its numbers when a session starts, so that a recording needs no other file."""
     keys: KeyConfig = KeyConfig()
     session: SessionConfig = SessionConfig()
     screen: ScreenConfig = ScreenConfig()

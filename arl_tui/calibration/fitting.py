@@ -13,7 +13,7 @@ import msgspec
 from arl_tui.calibration.plan import newest_complete
 from arl_tui.participants import Quantity, TaskDelay, keep_delay
 from core.clock import wall_time_utc
-from core.feedback.credit import GammaDelay
+from core.feedback.delays import GammaDelay
 from studies.reaction_time.protocol import Task
 from studies.reaction_time.trial_log import TrialFileError, read_trials
 

@@ -1,12 +1,20 @@
-"""`--credit`: a rule by name, or a participant's own delay."""
+"""Whose delay gives credit: `--credit`, or else the protocol's `delay_of`."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import click
 import msgspec
 
-from arl_tui.participants import CHOICES, CreditChoice, ParticipantError, choose_credit, home_of
-from core.feedback.credit import describe
+from arl_tui.participants import (
+    CHOICES,
+    CreditChoice,
+    ParticipantError,
+    choose_credit,
+    home_of,
+    rule_as_written,
+)
+from core.feedback.delays import Delay
 from core.protocol import Protocol
 from core.recording.reader import Recording
 
@@ -24,18 +32,49 @@ def credit_of(text: str, recordings: Path, participant: str) -> CreditChoice:
     return choice
 
 
+def settle_credit(
+    protocol: Protocol, option: str | None, recordings: Path, participant: str
+) -> tuple[Protocol, dict[str, str]]:
+    """Return the protocol with its credit rule in numbers, and where that comes from, for the recording's header.
+
+    Args:
+        protocol: its `delay_of` counts where the command line says nothing.
+        option: `--credit`; None where it was not given.
+        recordings: folder beside which participants' delays are kept.
+        participant: pseudonym.
+    """
+    asked = option if option is not None else protocol.delay_of
+    by = {"credit_asked_by": "protocol" if option is None else "command line"}
+    if asked == "rule":
+        choice = rule_as_written(protocol.agent.credit.delay)
+    else:
+        choice = credit_of(asked, recordings, participant)
+    return with_credit(protocol, choice), choice.source | by
+
+
 def with_credit(protocol: Protocol, choice: CreditChoice) -> Protocol:
-    """Return the protocol with another credit rule."""
+    """Return the protocol with another credit rule, which needs nobody's measurements any more."""
     credit = msgspec.structs.replace(protocol.agent.credit, delay=choice.delay)
     agent = msgspec.structs.replace(protocol.agent, credit=credit)
-    return msgspec.structs.replace(protocol, agent=agent)
+    return msgspec.structs.replace(protocol, agent=agent, delay_of="rule")
 
 
-def rule_in_numbers(text: str, recording: Recording) -> str:
-    """Return a what-if's rule with a participant's delay put in as numbers; other rules as they are."""
-    if text not in CHOICES:
-        return text
-    participant = recording.header.participant
-    choice = credit_of(text, home_of(recording.path), participant)
-    click.echo(f"{text}: {describe(choice.delay)} ({participant})", err=True)
-    return describe(choice.delay)
+def what_if_delays(texts: Sequence[str], recording: Recording, protocol: Protocol) -> dict[Delay, str]:
+    """Return the credit rules of a what-if, each with where it comes from in words; print those of participants.
+
+    Args:
+        texts: from the command line; "rule" is the protocol's.
+        recording: whose participant's delays are meant.
+        protocol: of the what-if.
+    """
+    found: dict[Delay, str] = {}
+    for text in texts:
+        if text == "rule":
+            choice = rule_as_written(protocol.agent.credit.delay)
+        else:
+            choice = credit_of(text, home_of(recording.path), recording.header.participant)
+        words = "; ".join(f"{name.removeprefix('credit_')} {value}" for name, value in choice.source.items())
+        if text in CHOICES:
+            click.echo(f"Credit: {words}")
+        found[choice.delay] = words
+    return found

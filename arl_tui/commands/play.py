@@ -35,12 +35,9 @@ def play_session(
     chosen = read_protocol(protocol)
     if episodes is not None:
         chosen = with_episodes(chosen, episodes)
-    source: dict[str, str] = {}
-    if credit is not None:
-        from arl_tui.commands.credit import credit_of, with_credit
+    from arl_tui.commands.credit import settle_credit
 
-        choice = credit_of(credit, recordings, participant)
-        chosen, source = with_credit(chosen, choice), choice.source
+    chosen, source = settle_credit(chosen, credit, recordings, participant)
     outcome = run_live(chosen, participant=participant, seed=seed, recordings=recordings, source=source)
     tell(outcome)
 

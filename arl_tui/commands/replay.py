@@ -3,19 +3,20 @@
 import csv
 import os
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from arl_tui.commands.credit import rule_in_numbers
+from arl_tui.commands.credit import what_if_delays
 from arl_tui.commands.exact import protocol_of, read_or_stop, run_again
 from arl_tui.commands.play import read_protocol
+from core.feedback.delays import describe
 from core.protocol import Protocol
 
 if TYPE_CHECKING:
-    from core.feedback.credit import Delay
+    from core.feedback.delays import Delay
     from studies.what_if import WhatIfRow
 
 OFF_POLICY = "Steps and presses are as recorded (off-policy): another agent would have shown, and been told, something else."
@@ -44,14 +45,20 @@ def replay_recording(
         run_again(recording)
         return
     chosen = protocol_of(recording) if protocol is None else read_protocol(protocol)
-    credits = [rule_in_numbers(text, recording) for text in credits]
+    delays = what_if_delays(credits or [chosen.delay_of], recording, chosen)
     rows = compare(
-        recording.path, chosen, credits=credits, schemes=schemes, games=games, seed=seed or 0, workers=workers
+        recording.path,
+        chosen,
+        delays=list(delays),
+        schemes=schemes,
+        games=games,
+        seed=seed or 0,
+        workers=workers,
     )
     click.echo("\n".join(table(rows)))
     click.echo(OFF_POLICY)
     if csv_path is not None:
-        write_csv(csv_path, rows)
+        write_csv(csv_path, rows, {describe(delay): source for delay, source in delays.items()})
         click.echo(f"Table: {csv_path}")
     if plot_path is not None:
         from arl_tui.commands.what_if_figure import draw
@@ -64,7 +71,7 @@ def compare(
     path: Path,
     protocol: Protocol,
     *,
-    credits: Sequence[str],
+    delays: "Sequence[Delay]",
     schemes: Sequence[str],
     games: int,
     seed: int,
@@ -74,7 +81,6 @@ def compare(
     from core.combination.config import SCHEMES
     from studies.what_if import WhatIfSettings, what_if
 
-    delays = [_delay(text) for text in credits] or [protocol.agent.credit.delay]
     own = next(name for name, kind in SCHEMES.items() if isinstance(protocol.agent.scheme, kind))
     names = list(schemes) or [own]
     unknown = [name for name in names if name not in SCHEMES]
@@ -90,15 +96,6 @@ def compare(
             workers=workers or os.cpu_count() or 1,
             on_progress=lambda: bar.update(1),
         )
-
-
-def _delay(text: str) -> "Delay":
-    from core.feedback.credit import parse_delay
-
-    try:
-        return parse_delay(text)
-    except ValueError as error:
-        raise click.BadParameter(str(error), param_hint="--credit") from error
 
 
 def table(rows: "Iterable[WhatIfRow]") -> Iterable[str]:
@@ -119,8 +116,14 @@ def _evenly(values: Sequence[float]) -> list[float]:
     return [values[round(last * k / (W_H_SHOWN - 1))] for k in range(W_H_SHOWN)]
 
 
-def write_csv(path: Path, rows: "Iterable[WhatIfRow]") -> None:
-    """Write the table with every figure in full precision; w_h as one field, values separated by spaces."""
+def write_csv(path: Path, rows: "Iterable[WhatIfRow]", sources: Mapping[str, str]) -> None:
+    """Write the table with every figure in full precision; w_h as one field, values separated by spaces.
+
+    Args:
+        path: of the new file.
+        rows: of the table.
+        sources: where each credit rule comes from, in words, by the rule.
+    """
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(
@@ -136,6 +139,7 @@ def write_csv(path: Path, rows: "Iterable[WhatIfRow]") -> None:
                 "log_loss_of_the_rate",
                 "credited",
                 "w_h",
+                "credit_source",
             ]
         )
         for row in rows:
@@ -153,5 +157,6 @@ def write_csv(path: Path, rows: "Iterable[WhatIfRow]") -> None:
                     row.log_loss_of_the_rate,
                     row.credited,
                     " ".join(map(repr, row.w_h)),
+                    sources[row.credit],
                 ]
             )

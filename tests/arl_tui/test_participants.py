@@ -1,14 +1,17 @@
 """What is kept of a participant, and how a session chooses its credit rule by it."""
 
+import csv
 from pathlib import Path
 
+import click
 import msgspec
 import pytest
 from click.testing import CliRunner
 
 from arl_tui.app import Sitting, build_app
 from arl_tui.cli import main
-from arl_tui.commands.credit import with_credit
+from arl_tui.commands.credit import settle_credit, with_credit
+from arl_tui.commands.demo import demo_protocol
 from arl_tui.link import Ready
 from arl_tui.participants import (
     ParticipantError,
@@ -20,13 +23,16 @@ from arl_tui.participants import (
     keep_delay,
     read_delays,
 )
-from core.feedback.credit import GammaDelay, PreviousStep
-from core.protocol import Protocol
+from core.feedback.delays import CurrentStep, Delay, GammaDelay, PreviousStep, parse_delay
+from core.protocol import Protocol, load_protocol
 from core.recording.reader import read_recording
+from core.session import build_session
+from studies.demo import simulate_session
 from tests.arl_tui.fakes import FakeLink
 
 LAG = GammaDelay(shape=9.0, scale_s=0.07, offset_s=0.1)
 SIMPLE = GammaDelay(shape=30.0, scale_s=0.01)
+POOLED = GammaDelay(shape=8.0, scale_s=0.09)
 
 
 def task_delay(task: str = "feedback lag", delay: GammaDelay = LAG, **changes) -> TaskDelay:
@@ -145,9 +151,6 @@ def test_a_protocol_takes_the_delay_and_keeps_everything_else(tmp_path: Path) ->
 
 
 def test_replay_learns_again_with_the_participants_own_delay(tmp_path: Path) -> None:
-    from arl_tui.commands.demo import demo_protocol
-    from studies.demo import simulate_session
-
     path = tmp_path / "P01-x.jsonl"
     simulate_session(demo_protocol(), 4, path, software={})
     recorded = ["replay", str(path), "--games", "2", "--workers", "1", "--credit", "participant"]
@@ -186,3 +189,69 @@ async def test_the_recordings_header_says_where_the_credit_rule_comes_from(
         "scale_s": 0.07,
         "offset_s": 0.1,
     }
+
+
+def protocol_file(folder: Path, delay_of: str) -> Path:
+    path = folder / "study.toml"
+    path.write_text(f'delay_of = "{delay_of}"\n[agent.credit.delay]\ntype = "current"\n')
+    return path
+
+
+@pytest.mark.parametrize(
+    ("delay_of", "option", "rule", "by"),
+    [
+        ("feedback-lag", None, LAG, "protocol"),
+        ("simple", None, SIMPLE, "protocol"),
+        ("pooled", None, POOLED, "protocol"),
+        ("paper", None, GammaDelay(), "protocol"),
+        ("rule", None, CurrentStep(), "protocol"),
+        ("rule", "participant", LAG, "command line"),
+        ("feedback-lag", "simple", SIMPLE, "command line"),
+        ("feedback-lag", "previous", PreviousStep(), "command line"),
+    ],
+)
+def test_the_protocol_chooses_whose_delay_gives_credit_and_the_command_line_overrules_it(
+    tmp_path: Path, delay_of: str, option: str | None, rule: Delay, by: str
+) -> None:
+    keep_delay(tmp_path, "P01", task_delay(pooled=POOLED, pooled_people=6))
+    keep_delay(tmp_path, "P01", task_delay("simple", SIMPLE))
+    protocol = load_protocol(protocol_file(tmp_path, delay_of))
+    settled, source = settle_credit(protocol, option, tmp_path, "P01")
+    assert settled.agent.credit.delay == rule
+    assert settled.delay_of == "rule"
+    assert source["credit"] == (option or delay_of)
+    assert source["credit_asked_by"] == by
+    assert parse_delay(source["credit_rule"]) == rule
+
+
+def test_a_protocol_that_needs_a_measured_delay_stops_where_there_is_none(tmp_path: Path) -> None:
+    protocol = load_protocol(protocol_file(tmp_path, "feedback-lag"))
+    with pytest.raises(click.ClickException, match="P01 has no fit of the task 'feedback lag'"):
+        settle_credit(protocol, None, tmp_path, "P01")
+    with pytest.raises(ValueError, match="delay_of is 'feedback-lag'"):
+        build_session(protocol, 1)
+
+
+def test_a_what_if_stores_where_a_participants_delay_comes_from(tmp_path: Path) -> None:
+    path, table = tmp_path / "P01-x.jsonl", tmp_path / "t.csv"
+    simulate_session(demo_protocol(), 4, path, software={})
+    keep_delay(tmp_path, read_recording(path).header.participant, task_delay())
+    asked = ["replay", str(path), "--games", "2", "--workers", "1", "--csv", str(table)]
+    done = CliRunner().invoke(main, [*asked, "--credit", "feedback-lag", "--credit", "previous"])
+    assert done.exit_code == 0, done.output
+    with table.open(newline="") as file:
+        measured, previous = csv.DictReader(file)
+    assert "task feedback lag" in measured["credit_source"]
+    assert "files P01-feedback-lag-20261122T075000Z.jsonl" in measured["credit_source"]
+    assert measured["credit_source"] in " ".join(done.output.split())
+    assert previous["credit_source"] == "credit previous; rule previous"
+    by_protocol = [
+        *asked,
+        "--scheme",
+        "human-only",
+        "--protocol",
+        str(protocol_file(tmp_path, "feedback-lag")),
+    ]
+    again = CliRunner().invoke(main, by_protocol)
+    assert again.exit_code == 0, again.output
+    assert "gamma:9,0.07,0.1" in again.output
