@@ -36,6 +36,9 @@ class TrainerConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     """Chance per step to say anything: about 2 presses in an episode of 60 steps (section 4: 2 on average)."""
     max_presses: int = 5
     """Judgements per episode, bursts counted once (section 4: no more than 5 times in any Tetris episode)."""
+    mean_presses: float | None = None
+    """Judgements per long episode on average: the most for an episode is then drawn from a binomial distribution
+    with this mean and at most `max_presses`. None: always `max_presses`. (Section 4: at most 5, on average 2.)"""
     good_share: float = 0.25
     """An action among this share of the best ones is good, any other is bad. (Our choice.)"""
     skip_margin: float = 0.0
@@ -68,6 +71,8 @@ class TrainerConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
             raise ValueError(
                 f"need max_presses >= 0 and burst_presses >= 1: {self.max_presses}, {self.burst_presses}"
             )
+        if self.mean_presses is not None and not 0 <= self.mean_presses <= self.max_presses:
+            raise ValueError(f"mean_presses is 0..max_presses ({self.max_presses}), got {self.mean_presses}")
         if not 0 < self.burst_interval_s < math.inf:
             raise ValueError(f"burst_interval_s is > 0 seconds, got {self.burst_interval_s}")
         if self.fatigue_half_life_episodes is not None and not self.fatigue_half_life_episodes > 0:

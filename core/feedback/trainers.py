@@ -17,6 +17,10 @@ from core.streams import stream
 
 __all__ = ["IntendedPress", "SimulatedTrainer", "TrainerConfig", "draw_delay_s", "judgement"]
 
+_BLOCK = 64
+"""Steps whose draws are made at once: setting up a stream takes longer than drawing from it."""
+_N_DRAWS = 6
+
 
 @dataclass(frozen=True, slots=True)
 class IntendedPress:
@@ -70,12 +74,22 @@ class SimulatedTrainer:
         self._watched_episodes = 0
         self._episode = -1
         self._given = 0
+        self._budget = 0
+        # Number of the block of steps whose draws are at hand, and these draws.
+        self._block = -1
+        self._draws = np.empty((0, _N_DRAWS))
 
     def begin_episode(self, episode: int) -> None:
         """Note that a watched episode begins; `episode` is its number in the session."""
         self._watched_episodes += self._episode >= 0
         self._episode = episode
         self._given = 0
+        self._block = -1
+        most, usual = self.config.max_presses, self.config.mean_presses
+        self._budget = most
+        if usual is not None and most:
+            rng = stream(self._root_seed, "trainer budget", episode)
+            self._budget = int(rng.binomial(most, usual / most))
 
     @property
     def press_probability(self) -> float:
@@ -87,6 +101,35 @@ class SimulatedTrainer:
             return config.press_probability
         tired: float = 0.5 ** (self._watched_episodes / config.fatigue_half_life_episodes)
         return config.press_probability * tired
+
+    @property
+    def judgements_left(self) -> int:
+        """How many more judgements there can be in this episode."""
+        return self._budget - self._given
+
+    def next_inclined(self, step: int, end: int) -> int:
+        """Return the first of the steps from `step` to before `end` at which they feel like speaking; else `end`.
+
+        `watch` says nothing at all other steps, so a player need not stop there.
+        """
+        probability = self.press_probability
+        if self.judgements_left <= 0 or probability == 0:
+            return end
+        while step < end:
+            speaks = self._drawn(step)
+            inclined = np.flatnonzero(speaks[:, 0] < probability)
+            if len(inclined):
+                return min(step + int(inclined[0]), end)
+            step += len(speaks)
+        return end
+
+    def _drawn(self, step: int) -> NDArray[np.float64]:
+        """Return the draws about this step and the others of its block after it, shape (n, _N_DRAWS), n >= 1."""
+        block, place = divmod(step, _BLOCK)
+        if block != self._block:
+            rng = stream(self._root_seed, "trainer", self._episode, block)
+            self._block, self._draws = block, rng.random((_BLOCK, _N_DRAWS))
+        return self._draws[place:]
 
     def watch(
         self, step: int, oracle_values: NDArray[np.float64], action: int, *, shown_ns: int, hidden_ns: int
@@ -103,11 +146,10 @@ class SimulatedTrainer:
         if self._episode < 0:
             raise ValueError("begin_episode comes before the first step")
         config = self.config
-        if self._given >= config.max_presses or self.press_probability == 0:
+        if self.judgements_left <= 0 or self.press_probability == 0:
             return ()
-        rng = stream(self._root_seed, "trainer", self._episode, step)
         # Always drawn, in this order: a change of one rate leaves the other draws as they were.
-        speaks, mistakes, deliberates, anticipates, bursts, moment = rng.random(6)
+        speaks, mistakes, deliberates, anticipates, bursts, moment = self._drawn(step)[0].tolist()
         if speaks >= self.press_probability:
             return ()
         believed = judgement(
@@ -121,6 +163,7 @@ class SimulatedTrainer:
         if anticipates < config.anticipation_rate:
             first_ns = shown_ns + round(moment * (hidden_ns - shown_ns))
         else:
+            rng = stream(self._root_seed, "trainer delay", self._episode, step)
             first_ns = hidden_ns + round(draw_delay_s(config.delay, rng=rng) * NS_PER_S)
         n_presses = config.burst_presses if bursts < config.burst_rate else 1
         interval_ns = round(config.burst_interval_s * NS_PER_S)

@@ -165,6 +165,36 @@ def test_presses_follow_from_seed_episode_and_step_alone() -> None:
     assert late.watch(40, VALUES, BEST, shown_ns=40 * NS_PER_S, hidden_ns=41 * NS_PER_S) == whole[40]
 
 
+@pytest.mark.statistical
+def test_the_budget_of_an_episode_can_be_drawn_with_a_given_mean_and_most() -> None:
+    said = presses_of(talkative(max_presses=5, mean_presses=2.0), n_episodes=400, n_steps=20)
+    counts = [len(values(said[20 * k : 20 * (k + 1)])) for k in range(400)]
+    assert max(counts) <= 5
+    # Binomial(5, 0.4): sd 1.095, standard error 1.095/sqrt(400) = 0.055
+    assert np.mean(counts) == pytest.approx(2.0, abs=4 * 0.055)
+
+
+def test_a_player_may_skip_the_steps_at_which_nothing_would_be_said() -> None:
+    config = TrainerConfig(press_probability=0.05, max_presses=5)
+    patient, hasty = SimulatedTrainer(config, root_seed=3), SimulatedTrainer(config, root_seed=3)
+    for episode in range(10):
+        patient.begin_episode(episode)
+        hasty.begin_episode(episode)
+        first, end = 300 * episode, 300 * (episode + 1)
+        every = [
+            patient.watch(k, VALUES, BEST, shown_ns=k * NS_PER_S, hidden_ns=(k + 1) * NS_PER_S)
+            for k in range(first, end)
+        ]
+        said = []
+        step = hasty.next_inclined(first, end)
+        while step < end:
+            shown_ns = step * NS_PER_S
+            said.append(hasty.watch(step, VALUES, BEST, shown_ns=shown_ns, hidden_ns=shown_ns + NS_PER_S))
+            step = hasty.next_inclined(step + 1, end)
+        assert said == [presses for presses in every if presses]
+        assert len(said) == 5
+
+
 def test_changing_one_rate_leaves_the_other_draws_alone() -> None:
     config = TrainerConfig(press_probability=0.5, max_presses=10**9, mistake_rate=0.0)
     right, wrong = presses_of(config), presses_of(msgspec.structs.replace(config, mistake_rate=1.0))
@@ -184,6 +214,7 @@ def test_the_configuration_survives_a_recordings_header() -> None:
         ({"press_probability": 1.1}, "press_probability is in"),
         ({"mistake_rate": -0.1}, "mistake_rate is in"),
         ({"max_presses": -1}, "max_presses >= 0"),
+        ({"mean_presses": 6.0}, "mean_presses is 0..max_presses"),
         ({"burst_presses": 0}, "burst_presses >= 1"),
         ({"burst_interval_s": 0.0}, "burst_interval_s is > 0"),
         ({"fatigue_half_life_episodes": 0.0}, "fatigue_half_life_episodes is > 0"),
