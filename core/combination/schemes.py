@@ -19,6 +19,7 @@ from core.combination.config import (
     Scheme,
 )
 from core.compiled import kernel
+from core.counters import uniform_at
 
 __all__ = [
     "ENVIRONMENT_WEIGHTS",
@@ -36,12 +37,6 @@ __all__ = [
 
 Values = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-
-# Low 62 bits: products of such numbers, cut again, are the same in wrapping int64 and in Python's integers.
-_MASK_62 = (1 << 62) - 1
-_GOLDEN = 0x1E3779B97F4A7C15
-_MIX_1 = 0x3F58476D1CE4E5B9
-_MIX_2 = 0x14D049BB133111EB
 
 
 @kernel
@@ -88,8 +83,8 @@ def choose(
             return best_action(human_values, ruled_out, n)
         return worst_action(human_values, ruled_out, n)
     if form == LINEAR:
-        centre_r, spread_r = _mean_and_sd(env_values, ruled_out, n)
-        centre_h, spread_h = _mean_and_sd(human_values, ruled_out, n)
+        centre_r, spread_r = mean_and_sd(env_values, ruled_out, n)
+        centre_h, spread_h = mean_and_sd(human_values, ruled_out, n)
         # A constant row becomes zeros.
         gain_r = w_r / spread_r if spread_r > 0.0 else 0.0
         gain_h = w_h / spread_h if spread_h > 0.0 else 0.0
@@ -120,15 +115,11 @@ def takes_control(seed: int, decision: int, share: float) -> bool:
     Returns:
         True with probability `share`; the same for the same arguments in compiled and plain Python.
     """
-    mixed = (int(seed) + (int(decision) + 1) * _GOLDEN) & _MASK_62
-    mixed = ((mixed ^ (mixed >> 30)) * _MIX_1) & _MASK_62
-    mixed = ((mixed ^ (mixed >> 27)) * _MIX_2) & _MASK_62
-    mixed = mixed ^ (mixed >> 31)
-    return (mixed >> 9) * (1.0 / (1 << 53)) < share
+    return uniform_at(seed, decision) < share
 
 
 @kernel
-def _mean_and_sd(values: Values, ruled_out: Mask, n: int) -> tuple[float, float]:
+def mean_and_sd(values: Values, ruled_out: Mask, n: int) -> tuple[float, float]:
     """Mean and population sd over the actions not ruled out; sd 0 exactly for a constant row."""
     count = 0
     total = 0.0

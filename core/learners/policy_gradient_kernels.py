@@ -1,0 +1,175 @@
+"""Kernels of policy gradient: softmax, its score, and one step of learning, for rows of features of any task.
+
+All run in a fixed order of plain IEEE operations (the exponential, too), so that every machine and plain Python give
+the same bits.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.compiled import kernel
+
+Floats = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+BASELINE, STEPS = range(2)
+"""Places in `Memory.numbers`: running mean reward; decisions of the episode so far."""
+STEP_SIZE, TRACE_DECAY, BASELINE_RATE, ONLINE, NATURAL = range(5)
+"""Places in `Memory.rates`; the last two are 1 for yes."""
+
+_LN2_HIGH = 6.93147180369123816490e-01
+_LN2_LOW = 1.90821492927058770002e-10
+_TERMS = 14
+
+
+class Memory(NamedTuple):
+    """State of a learner with F weights, changed in place."""
+
+    weights: Floats
+    """theta of the scaled features, shape (F,)."""
+    trace: Floats
+    """Eligibility, shape (F,)."""
+    gradient: Floats
+    """Sum over the episode of (reward - baseline) times eligibility, shape (F,)."""
+    fisher: Floats
+    """Sum over the episode of the scores' outer products, shape (F, F)."""
+    precondition: Floats
+    """What a gradient is multiplied by: the identity, or the inverse Fisher matrix, shape (F, F)."""
+    numbers: Floats
+    """In the order of the constants above."""
+    rates: Floats
+    """In the order of the constants above."""
+
+
+@kernel
+def exponential(x: float) -> float:
+    """Return e**x for x <= 0, to the last bit or two; 0 below -700."""
+    if x < -700.0:
+        return 0.0
+    halvings = math.floor(x / _LN2_HIGH + 0.5)
+    rest = (x - halvings * _LN2_HIGH) - halvings * _LN2_LOW
+    total = 1.0
+    for term in range(_TERMS, 0, -1):
+        total = 1.0 + rest * total / term
+    return math.ldexp(total, int(halvings))
+
+
+@kernel
+def softmax(logits: Floats, ruled_out: Mask, n: int, out: Floats) -> None:
+    """Write the probabilities of n actions, shape (>= n,): 0 where ruled out; if all are, action 0 is certain."""
+    highest = -math.inf
+    for action in range(n):
+        out[action] = 0.0
+        if not ruled_out[action]:
+            highest = max(highest, logits[action])
+    if highest == -math.inf:
+        out[0] = 1.0
+        return
+    total = 0.0
+    for action in range(n):
+        if not ruled_out[action]:
+            out[action] = exponential(logits[action] - highest)
+            total += out[action]
+    for action in range(n):
+        out[action] /= total
+
+
+@kernel
+def drawn(probabilities: Floats, n: int, point: float) -> int:
+    """Return the action in whose share of [0, 1) `point` lies; the shares are in the order of the actions."""
+    cumulative = 0.0
+    last = 0
+    for action in range(n):
+        if probabilities[action] > 0.0:
+            cumulative += probabilities[action]
+            last = action
+            if point < cumulative:
+                break
+    return last
+
+
+@kernel
+def fill_score(
+    rows: Floats, gains: Floats, probabilities: Floats, n: int, action: int, reference: int, out: Floats
+) -> None:
+    """Write the gradient of log pi(action) by theta, for logits whose derivative by R of each action is its gain.
+
+    Args:
+        rows: phi(s, a), scaled, shape (>= n, F).
+        gains: shape (>= n,).
+        probabilities: of the actions, shape (>= n,).
+        n: number of actions.
+        action: the one taken.
+        reference: action whose R is taken off every R before the gain is applied. (Plays no part where gains are equal.)
+        out: written, shape (F,).
+    """
+    for i in range(len(out)):
+        mean = 0.0
+        for other in range(n):
+            if probabilities[other] > 0.0:
+                mean += probabilities[other] * gains[other] * (rows[other, i] - rows[reference, i])
+        out[i] = gains[action] * (rows[action, i] - rows[reference, i]) - mean
+
+
+@kernel
+def remember_score(memory: Memory, score: Floats) -> None:
+    """Take the score of the decision just made, shape (F,), into the eligibility trace."""
+    decay = memory.rates[TRACE_DECAY]
+    for i in range(len(score)):
+        memory.trace[i] = decay * memory.trace[i] + score[i]
+    if memory.rates[NATURAL] != 0.0:
+        for i in range(len(score)):
+            for j in range(len(score)):
+                memory.fisher[i, j] += score[i] * score[j]
+    memory.numbers[STEPS] += 1.0
+
+
+@kernel
+def learn_from_reward(memory: Memory, reward: float) -> None:
+    """Credit a reward, less the baseline, to the decisions in the trace; move the weights where that is on-line."""
+    advantage = reward - memory.numbers[BASELINE]
+    memory.numbers[BASELINE] += memory.rates[BASELINE_RATE] * advantage
+    n_weights = len(memory.trace)
+    for i in range(n_weights):
+        memory.gradient[i] += advantage * memory.trace[i]
+    if memory.rates[ONLINE] == 0.0:
+        return
+    move = memory.rates[STEP_SIZE] * advantage
+    for i in range(n_weights):
+        if memory.rates[NATURAL] == 0.0:
+            memory.weights[i] += move * memory.trace[i]
+        else:
+            direction = 0.0
+            for j in range(n_weights):
+                direction += memory.precondition[i, j] * memory.trace[j]
+            memory.weights[i] += move * direction
+
+
+@kernel
+def invert_positive(matrix: Floats, out: Floats) -> None:
+    """Write the inverse of a symmetric positive definite matrix (its lower triangle counts), shape (F, F)."""
+    n = len(matrix)
+    lower = np.zeros((n, n))
+    for i in range(n):
+        for j in range(i + 1):
+            value = matrix[i, j]
+            for k in range(j):
+                value -= lower[i, k] * lower[j, k]
+            lower[i, j] = math.sqrt(value) if i == j else value / lower[j, j]
+    column = np.empty(n)
+    for at in range(n):
+        for i in range(n):
+            column[i] = 1.0 if i == at else 0.0
+            for k in range(i):
+                column[i] -= lower[i, k] * column[k]
+            column[i] /= lower[i, i]
+        for back in range(n):
+            i = n - 1 - back
+            for k in range(i + 1, n):
+                column[i] -= lower[k, i] * column[k]
+            column[i] /= lower[i, i]
+        for i in range(n):
+            out[i, at] = column[i]

@@ -1,0 +1,302 @@
+"""Whole games of Tetris in compiled code in which a policy-gradient learner plays, with a human model, and learns.
+
+The policy is a softmax over placements (Kakade 2001), of f(R, H) where there is a human model
+(`core.combination.soft`). A game is columns and counters, so it can be stopped and continued: the human model may
+change between two pieces.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.combination.config import ENVIRONMENT_WEIGHTS, EpisodeWeights
+from core.combination.schemes import best_action, choose, takes_control, worst_action
+from core.combination.soft import fill_logits
+from core.compiled import kernel
+from core.counters import uniform_at
+from core.learners.linear import action_values
+from core.learners.policy_gradient import PolicyGradient
+from core.learners.policy_gradient_kernels import (
+    Memory,
+    drawn,
+    fill_score,
+    learn_from_reward,
+    remember_score,
+    softmax,
+)
+from core.streams import stream_seed
+from core.tetris.afterstate import Tetris
+from core.tetris.autoplay import PIECE_LIMIT
+from core.tetris.board import (
+    COLUMNS,
+    FEATURES,
+    MAX_PLACEMENTS,
+    NOW,
+    OVERFLOW,
+    ROWS,
+    SEVEN_BAG,
+    Ints,
+    allow_all,
+    fill_heights,
+    mark_ruled_out,
+    new_work,
+    piece_at,
+    put_down,
+    remove_rows,
+    rule_codes,
+    scan_placements,
+    wall_height,
+)
+from core.tetris.config import TetrisConfig
+from core.tetris.evaluation import Floats, fill_values, linear_policy
+from core.tetris.features import feature_set, fill_after
+from core.tetris.pieces import MAX_SHAPE_SIZE
+
+N_SCALE_GAMES = 20
+"""Random games behind `placement_scales`."""
+
+# Places in a game's row of counters.
+PIECES, LINES, FINISHED, AGREED, AGREED_WORST, COMPARED, ACTION = range(7)
+
+
+@dataclass(frozen=True, slots=True)
+class PolicyGradientEpisode:
+    """What an episode came to."""
+
+    lines: int
+    """Lines cleared."""
+    n_decisions: int
+    """Pieces placed."""
+    n_compared: int
+    """Decisions at which there was a human policy to compare with."""
+    n_agree: int
+    """Those where the environment policy's best action is the human policy's best action."""
+    n_agree_worst: int
+    """Those where it is the human policy's worst action instead."""
+    finished: bool
+    """Whether the game ended; False where the piece cap stopped it."""
+
+
+class PolicyGradientGame:
+    """One episode in which the learner plays and learns, piece by piece or all at once."""
+
+    def __init__(
+        self,
+        learner: PolicyGradient,
+        seed: int,
+        config: TetrisConfig,
+        *,
+        chance_seed: int,
+        share_seed: int = 0,
+    ) -> None:
+        """Set up a game; the learner begins an episode.
+
+        Args:
+            learner: with one weight per feature of `config.features`; learns in place.
+            seed: of the piece stream, in [0, 2**63).
+            config: board and rules; `lines_in_value` must be off. All placements are open.
+            chance_seed: seed of the draws from the softmax, in [0, 2**62).
+            share_seed: seed that decides where control is shared, in [0, 2**62).
+        """
+        features = feature_set(config.features, config.columns)
+        if learner.scales.shape != (len(features.names),):
+            raise ValueError(
+                f"{config.features} on {config.columns} columns has {len(features.names)} features, "
+                f"the learner {len(learner.scales)}"
+            )
+        if config.lines_in_value:
+            raise ValueError("lines_in_value is for given policies only: play_greedy")
+        self.config = config
+        self._learner = learner
+        self._code = features.code
+        self._units = features.denominators * learner.scales
+        self._seeds = np.array([seed, chance_seed, share_seed], dtype=np.int64)
+        self._work = new_work()
+        self._counters = np.zeros(7, dtype=np.int64)
+        learner.begin_episode()
+
+    @property
+    def columns(self) -> tuple[int, ...]:
+        """Bit masks of the board's columns."""
+        return tuple(int(column) for column in self._work[NOW, : self.config.columns])
+
+    @property
+    def finished(self) -> bool:
+        """Whether the game has ended (not: was stopped by a cap)."""
+        return bool(self._counters[FINISHED])
+
+    @property
+    def pieces(self) -> int:
+        """Pieces placed so far."""
+        return int(self._counters[PIECES])
+
+    @property
+    def last_action(self) -> int:
+        """The placement chosen last, as an index into the actions that `Tetris.choices` offers on its board."""
+        return int(self._counters[ACTION])
+
+    @property
+    def episode(self) -> PolicyGradientEpisode:
+        """What it has come to so far."""
+        pieces, lines, finished, agreed, worst, compared, _ = (int(count) for count in self._counters)
+        return PolicyGradientEpisode(lines, pieces, compared, agreed, worst, bool(finished))
+
+    def advance(
+        self,
+        piece_cap: int,
+        human_weights: NDArray[np.float64],
+        combination: EpisodeWeights = ENVIRONMENT_WEIGHTS,
+    ) -> None:
+        """Play on until the game ends or has `piece_cap` pieces.
+
+        Args:
+            piece_cap: >= 0.
+            human_weights: v under `config.feedback_features`, shape (G,); all 0 while there is no human policy.
+            combination: form and weights.
+        """
+        human = linear_policy(human_weights, self.config, self.config.feedback_features)
+        _play_on(
+            self._learner.memory,
+            self._code,
+            self._units,
+            *human,
+            bool(np.any(human_weights)),
+            self._work,
+            rule_codes(self.config),
+            self._seeds,
+            piece_cap,
+            combination.form,
+            float(combination.w_r),
+            float(combination.w_h),
+            float(combination.share),
+            self._counters,
+        )
+
+
+def play_policy_gradient(
+    learner: PolicyGradient,
+    human_weights: NDArray[np.float64],
+    seed: int,
+    config: TetrisConfig,
+    combination: EpisodeWeights = ENVIRONMENT_WEIGHTS,
+    *,
+    chance_seed: int,
+    share_seed: int = 0,
+    piece_cap: int = PIECE_LIMIT,
+) -> PolicyGradientEpisode:
+    """Play one episode with a learner that learns from it; arguments as in `PolicyGradientGame`.
+
+    The reward of a decision is the number of lines it clears.
+    """
+    game = PolicyGradientGame(learner, seed, config, chance_seed=chance_seed, share_seed=share_seed)
+    game.advance(piece_cap, human_weights, combination)
+    learner.end_episode()
+    return game.episode
+
+
+@lru_cache(maxsize=16)
+def _placement_scales(config: TetrisConfig) -> tuple[float, ...]:
+    domain = Tetris(config)
+    squares, decisions = np.zeros(len(domain.feature_names)), 0
+    for game in range(N_SCALE_GAMES):
+        state = domain.initial(stream_seed(0, "placement-scales", game))
+        while not domain.terminal(state):
+            features = domain.choices(state).features
+            squares += features.var(axis=0)
+            decisions += 1
+            point = uniform_at(game, state.k)
+            state = domain.transition(state, int(point * len(features))).next_state
+    sd = np.sqrt(squares / max(decisions, 1))
+    return tuple(float(scale) for scale in 2.0 ** np.rint(np.log2(np.where(sd > 0, sd, 1.0))))
+
+
+def placement_scales(config: TetrisConfig) -> NDArray[np.float64]:
+    """Return what each feature of `config.features` is divided by for learning by gradient, shape (F,).
+
+    That is its spread among the placements of one decision, the root mean square over games of random placements,
+    rounded to a power of two: then division is exact, and the last bits of a mean decide nothing.
+    """
+    return np.array(_placement_scales(config))
+
+
+@kernel
+def _fill_rows(code: int, units: Floats, work: Ints, rules: Ints, n: int, rows: Floats) -> None:
+    """Write the scaled features of the first n placements, shape (>= n, F)."""
+    for action in range(n):
+        fill_after(code, work, rules, action)
+        for i in range(len(units)):
+            rows[action, i] = work[FEATURES, i] / units[i]
+
+
+@kernel
+def _offered_before(ruled_out: NDArray[np.bool_], action: int) -> int:
+    offered = 0
+    for other in range(action):
+        offered += not ruled_out[other]
+    return offered
+
+
+# One episode step by step: the loop is the algorithm, and splitting it would hand a dozen arrays around.
+@kernel
+def _play_on(
+    memory: Memory,
+    code: int,
+    units: Floats,
+    human_code: int,
+    human_table: Ints,
+    human_numbers: Floats,
+    human_known: bool,
+    work: Ints,
+    rules: Ints,
+    seeds: Ints,
+    cap: int,
+    form: int,
+    w_r: float,
+    w_h: float,
+    share: float,
+    counters: Ints,
+) -> None:
+    n_columns, must_fit = rules[COLUMNS], rules[OVERFLOW] == 0
+    human_values, logits, gains = np.zeros(MAX_PLACEMENTS), np.empty(MAX_PLACEMENTS), np.empty(MAX_PLACEMENTS)
+    probabilities, ruled_out = np.empty(MAX_PLACEMENTS), np.zeros(MAX_PLACEMENTS, dtype=np.bool_)
+    rows, score = np.empty((MAX_PLACEMENTS, len(units))), np.empty(len(units))
+    fill_heights(work, NOW, n_columns)
+    while counters[FINISHED] == 0:
+        piece = counters[PIECES]
+        n = scan_placements(work, rules, piece_at(seeds[0], piece, rules[SEVEN_BAG]))
+        crowded = wall_height(work, NOW, n_columns) + MAX_SHAPE_SIZE > rules[ROWS]
+        n_open = mark_ruled_out(work, rules, n, ruled_out) if crowded else allow_all(ruled_out, n)
+        counters[FINISHED] = must_fit and n_open == 0
+        if counters[FINISHED] != 0 or piece >= cap:
+            break
+        _fill_rows(code, units, work, rules, n, rows)
+        env_values = action_values(rows[:n], memory.weights)
+        human_best = 0
+        if human_known:
+            fill_values(human_code, human_table, human_numbers, work, rules, n, True, human_values)
+            human_best = best_action(human_values, ruled_out, n)
+            env_best = best_action(env_values, ruled_out, n)
+            counters[COMPARED] += 1
+            counters[AGREED] += env_best == human_best
+            counters[AGREED_WORST] += env_best == worst_action(human_values, ruled_out, n)
+        if share > 0.0 and takes_control(seeds[2], piece, share):
+            action = human_best
+            score[:] = 0.0
+        elif w_r == 0.0:
+            action = choose(env_values, human_values, ruled_out, n, form, w_r, w_h)
+            score[:] = 0.0
+        else:
+            reference = fill_logits(env_values, human_values, ruled_out, n, form, w_r, w_h, logits, gains)
+            softmax(logits, ruled_out, n, probabilities)
+            action = drawn(probabilities, n, uniform_at(seeds[1], piece))
+            fill_score(rows, gains, probabilities, n, action, reference, score)
+        remember_score(memory, score)
+        full = put_down(work, NOW, action)
+        lines = remove_rows(work, NOW, n_columns, full) if full != 0 else 0
+        learn_from_reward(memory, float(lines))
+        counters[ACTION] = _offered_before(ruled_out, action) if must_fit else action
+        counters[LINES] += lines
+        counters[PIECES] += 1
+        counters[FINISHED] = crowded and not must_fit and wall_height(work, NOW, n_columns) > rules[ROWS]
