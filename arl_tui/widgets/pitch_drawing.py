@@ -1,0 +1,66 @@
+"""A picture of the pitch as lines of characters: pure functions, no screen.
+
+Three renderings share everything but the fineness of their dots: plain ASCII has one dot per character, half-blocks
+two, braille eight. Players are their names (K1, T2) on two characters, which are always to be read: names move
+aside for each other, and the ball for names. A character is taken to be twice as high as wide.
+"""
+
+from arl_tui.widgets.pitch_ink import ASPECT, LEAST_LINES, MARKS, Detail, Row, Shape
+from arl_tui.widgets.pitch_sheet import Sheet
+from core.keepaway.picture import PitchFrame
+
+
+def fit(length_m: float, width_m: float, columns: int, lines: int) -> Shape | None:
+    """Return the largest drawing of a region at its true proportions; None where it could not be read.
+
+    Args:
+        length_m: extent along x, drawn from left to right.
+        width_m: extent along y, drawn downwards.
+        columns: there is room for so many characters,
+        lines: and so many lines.
+    """
+    scale = min((lines - 2) / width_m, (columns - 2) / (ASPECT * length_m))
+    shape = Shape(int(ASPECT * length_m * scale + 1e-9) + 2, int(width_m * scale + 1e-9) + 2)
+    return shape if min(shape.lines - 2, (shape.columns - 2) / ASPECT) >= LEAST_LINES else None
+
+
+def draw(frame: PitchFrame, shape: Shape, detail: Detail, note: str = "") -> tuple[Row, ...]:
+    """Return the rows of a picture.
+
+    Args:
+        frame: what is to be seen.
+        shape: of the drawing (`fit`).
+        detail: how fine.
+        note: written into the boundary at the bottom right, such as the presses left.
+    """
+    sheet = Sheet(frame, shape, detail)
+    sheet.write_names()
+    sheet.dot_centre()
+    sheet.dot_pass()
+    sheet.dot_trail()
+    sheet.dot_players()
+    sheet.place_ball()
+    edges = _edges(frame, shape, detail, note)
+    return tuple(sheet.row(line, edges.get(line)) for line in range(shape.lines))
+
+
+def plain(rows: tuple[Row, ...]) -> list[str]:
+    """Return the characters of a drawing alone, line by line."""
+    return ["".join(text for text, _, _ in row) for row in rows]
+
+
+def _edges(frame: PitchFrame, shape: Shape, detail: Detail, note: str) -> dict[int, str]:
+    """Return the boundary's first and last line with the words in them."""
+    corners, level = MARKS[detail].boundary[:4], MARKS[detail].boundary[4]
+    clock = f"{frame.time_s:.1f} s"
+    width = shape.columns - 2
+    top = _between_ends(f"Episode {frame.episode}", clock, width, level)
+    bottom = _between_ends(frame.caption(), note, width, level)
+    return {0: corners[0] + top + corners[1], shape.lines - 1: corners[2] + bottom + corners[3]}
+
+
+def _between_ends(left: str, right: str, width: int, level: str) -> str:
+    left, right = (f" {text} " if text else "" for text in (left, right))
+    if len(left) + len(right) + 2 > width:
+        right = ""
+    return (level + left + level * (width - 2 - len(left) - len(right)) + right + level)[:width]
