@@ -153,9 +153,13 @@ class ArlApp(App[Outcome], inherit_bindings=False):
 
     def _header(self, created_utc: str) -> Header:
         from arl_tui import facts  # Not needed before the first paint.
+        from arl_tui.timing.kept import timing_facts
 
         name, resolution_ns = facts.clock_facts()
         stamps = "flush" if self._flush_clock.running else "queued"
+        terminal = facts.terminal(
+            self.size.width, self.size.height, stamps=stamps, frames_per_s=constants.MAX_FPS
+        )
         protocol = self.sitting.protocol
         return Header(
             origin="live",
@@ -167,9 +171,7 @@ class ArlApp(App[Outcome], inherit_bindings=False):
             root_seed=self.sitting.root_seed,
             protocol=to_plain(protocol),
             software=facts.software(),
-            terminal=facts.terminal(
-                self.size.width, self.size.height, stamps=stamps, frames_per_s=constants.MAX_FPS
-            ),
+            terminal=terminal | timing_facts(self.sitting.recordings, terminal, created_utc),
             departures=protocol.departures(),
             source=dict(self.sitting.source),
         )

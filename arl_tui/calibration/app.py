@@ -294,11 +294,14 @@ class CalibrationApp(App[Outcome], inherit_bindings=False):
 
     def _facts(self) -> dict[str, str]:
         from arl_tui import facts  # Not needed before the first paint.
+        from arl_tui.timing.kept import timing_facts
 
         stamps = "flush" if self._flush_clock.running else "queued"
-        found = facts.software() | facts.terminal(
+        terminal = facts.terminal(
             self.size.width, self.size.height, stamps=stamps, frames_per_s=constants.MAX_FPS
         )
+        found = facts.software() | terminal
+        found |= timing_facts(self._sitting.recordings, terminal, wall_time_utc())
         name, resolution_ns = facts.clock_facts()
         found |= {"clock": name, "clock_resolution_ns": str(resolution_ns), PLANNED: self._sitting.planned}
         if self._sitting.hindrances:

@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING
 
 import click
 
+from arl_tui.recordings import DEFAULT_FOLDER
+
 if TYPE_CHECKING:
     from arl_tui.timing.plan import Plan
     from arl_tui.timing.result import SceneResult, TimingResult
 
-SCENE_NAMES = ("at rest", "beside a board")
+SCENE_NAMES = ("bare reader", "at rest", "beside a board")
 """Written out here so that `--help` need not load them; a test compares."""
 BUSY = 0.5
 """Load per core above which only medians say something about the program."""
@@ -41,13 +43,33 @@ BUSY = 0.5
     type=click.Path(dir_okay=False, path_type=Path),
     help="Write everything, each trial included, for machines.",
 )
+@click.option(
+    "--recordings",
+    type=click.Path(file_okay=False, path_type=Path),
+    default=DEFAULT_FOLDER,
+    show_default=True,
+    help="The result is kept below this folder, and later sessions name it in their headers.",
+)
+@click.option(
+    "--gate",
+    type=click.FloatRange(min=0.0, min_open=True),
+    metavar="MS",
+    help="Leave with status 1 where a scene's median error is larger. Nothing is kept then or otherwise: for CI.",
+)
 def timing(
-    trials: int, scenes: tuple[str, ...], longest: int, seed: int | None, json_path: Path | None
+    trials: int,
+    scenes: tuple[str, ...],
+    longest: int,
+    seed: int | None,
+    json_path: Path | None,
+    recordings: Path,
+    gate: float | None,
 ) -> None:
     """Test how exactly reaction times are measured on this machine.
 
     A robot participant at the other end of a pseudo-terminal answers a stimulus exactly 150 to 1000 ms after it has
-    seen its bytes; measured minus true is printed, at rest and beside a moving board. No keyboard is needed.
+    seen its bytes; measured minus true is printed, at rest and beside a moving board, and what is left of it with a
+    program of a few lines that only reads. No keyboard is needed.
     """
     result = measure(
         tuple(scenes) or SCENE_NAMES, trials, longest, secrets.randbits(63) if seed is None else seed
@@ -59,6 +81,23 @@ def timing(
 
         json_path.write_bytes(msgspec.json.format(msgspec.json.encode(result), indent=1))
         click.echo(f"JSON: {json_path}", err=True)
+    if gate is not None:
+        stop_above(result, gate)
+        return
+    from arl_tui.timing.kept import keep_timing
+
+    click.echo(f"Kept for the headers of later sessions: {keep_timing(recordings, result)}", err=True)
+
+
+def stop_above(result: "TimingResult", gate_ms: float) -> None:
+    """Leave with status 1 where a median is too large, or a scene has no usable trial. Means are the machine's."""
+    for scene in result.scenes:
+        if scene.on_time is None:
+            raise click.ClickException(f"{scene.scene}: no usable trial of {scene.n_trials}")
+        if scene.on_time.median > gate_ms:
+            raise click.ClickException(
+                f"{scene.scene}: the median error is {scene.on_time.median:.2f} ms, allowed are {gate_ms:g} ms"
+            )
 
 
 def measure(scenes: tuple[str, ...], n_trials: int, longest_ms: int, seed: int) -> "TimingResult":
@@ -68,6 +107,8 @@ def measure(scenes: tuple[str, ...], n_trials: int, longest_ms: int, seed: int) 
     import os
 
     from arl_tui import facts
+    from arl_tui.commands.play import FRAMES_PER_S
+    from arl_tui.timing.kept import machine_code, this_terminal
     from arl_tui.timing.plan import SCENES, make_plan
     from arl_tui.timing.result import TimingResult
     from core.clock import wall_time_utc
@@ -80,6 +121,8 @@ def measure(scenes: tuple[str, ...], n_trials: int, longest_ms: int, seed: int) 
         cores=os.cpu_count() or 1,
         load=os.getloadavg()[0],
         software=facts.software(),
+        machine=machine_code(),
+        terminal=this_terminal(facts.terminal(0, 0, stamps="flush", frames_per_s=int(FRAMES_PER_S))),
         scenes=results,
     )
 
@@ -112,6 +155,10 @@ def report_lines(result: "TimingResult") -> Iterator[str]:
     yield (
         f"Read late: the kernel passed the bytes to the robot more than {LATE_MS:g} ms after the flush. The robot's true "
         "time begins then, so the delay counts as error, though it is the pseudo-terminal's."
+    )
+    yield (
+        "Bare reader: a few lines without a screen, in the same pseudo-terminal. What it has, the machine does; the rest "
+        "is this program's."
     )
     if result.load > BUSY * result.cores:
         yield (

@@ -5,10 +5,9 @@ from typing import Literal
 
 import msgspec
 
-from core.streams import stream
-
-Scene = Literal["at rest", "beside a board"]
+Scene = Literal["bare reader", "at rest", "beside a board"]
 SCENES: dict[Scene, str] = {
+    "bare reader": "a program of a few lines without any screen: what this machine adds to everybody's times",
     "at rest": "nothing else moves",
     "beside a board": "a Tetris board at 30 fps, its agent learning in a process of its own",
 }
@@ -89,6 +88,8 @@ def make_plan(scene: Scene, n_trials: int, *, root_seed: int, longest_ms: int = 
         raise ValueError(
             f"need 1 to 9999 trials and a longest delay from {SHORTEST_MS} ms, got {n_trials} and {longest_ms}"
         )
+    from core.streams import stream  # Numpy: a session's header only reads results.
+
     rng = stream(root_seed, "timing self-test", scene)
     foreperiods = rng.integers(300, 600, n_trials, endpoint=True)
     delays = rng.integers(SHORTEST_MS, longest_ms, n_trials, endpoint=True)

@@ -2,12 +2,14 @@
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import msgspec
-import numpy as np
 
 from arl_tui.timing.plan import SCENES, Plan, Scene, Seen
-from arl_tui.timing.robot import RobotTrial
+
+if TYPE_CHECKING:
+    from arl_tui.timing.robot import RobotTrial
 
 LATE_MS = 5.0
 """A robot that read the stimulus later than this after its flush is counted apart: the kernel held the bytes up."""
@@ -73,6 +75,10 @@ class TimingResult(msgspec.Struct, frozen=True, kw_only=True):
     load: float
     """Load average of the last minute, at the end of the test."""
     software: dict[str, str]
+    machine: str = ""
+    """See `arl_tui.timing.kept.machine_code`."""
+    terminal: dict[str, str] = {}
+    """Where the command was run; see `arl_tui.facts.terminal`."""
     scenes: tuple[SceneResult, ...]
 
 
@@ -80,13 +86,15 @@ def summarise(errors_ms: Sequence[float]) -> Summary | None:
     """Return the summary of some errors; None of none."""
     if not errors_ms:
         return None
+    import numpy as np  # A session's header only reads results, and must not wait for this.
+
     values = np.array(errors_ms)
     median, p95, p99 = (float(q) for q in np.percentile(values, [50, 95, 99]))
     sd = float(values.std(ddof=1)) if len(values) > 1 else 0.0
     return Summary(n=len(values), bias=float(values.mean()), sd=sd, median=median, p95=p95, p99=p99)
 
 
-def compare(plan: Plan, robot: Sequence[RobotTrial], seen: Seen) -> SceneResult:
+def compare(plan: Plan, robot: "Sequence[RobotTrial]", seen: Seen) -> SceneResult:
     """Set both ends of a scene against each other."""
     answers = {answer.number: answer for answer in seen.answers}
     trials = []

@@ -37,7 +37,7 @@ class Header(Record, frozen=True, kw_only=True, omit_defaults=False, tag="header
     software: dict[str, str]
     """Versions of this program, its commit, Python and the libraries that numbers depend on."""
     terminal: dict[str, str] = msgspec.field(default_factory=dict)
-    """Facts about the terminal: TERM, size, multiplexer, connection."""
+    """Facts about the terminal: TERM, size, multiplexer, connection, and how exactly times are measured in it."""
     departures: list[str] = msgspec.field(default_factory=list)
     """Where this configuration departs from the paper, in words."""
     source: dict[str, str] = msgspec.field(default_factory=dict)

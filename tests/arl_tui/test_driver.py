@@ -3,8 +3,11 @@
 import io
 import threading
 
+import pytest
+
 from arl_tui.driver import FlushClock, WatchedFile, stamped_driver
 from core.clock import ManualClock
+from core.keys import NS_PER_MS
 
 
 def bench() -> tuple[ManualClock, FlushClock, WatchedFile, io.StringIO]:
@@ -64,6 +67,58 @@ def test_one_flush_may_bring_several_frames() -> None:
     clock.advance_ns(9)
     file.flush()
     assert flush_clock.take() == [(0, 9), (1, 9), (2, 9)]
+
+
+class Slow(io.StringIO):
+    """A terminal that takes its time: `flush` returns later."""
+
+    def __init__(self, clock: ManualClock, takes_ms: int, *, line_buffering: bool = False) -> None:
+        super().__init__()
+        self._clock, self._takes_ms, self._by_line = clock, takes_ms, line_buffering
+
+    @property
+    def line_buffering(self) -> bool:
+        return self._by_line
+
+    def write(self, text: str) -> int:
+        if self._by_line and "\n" in text:
+            self.flush()
+        return super().write(text)
+
+    def flush(self) -> None:
+        self._clock.advance_ns(self._takes_ms * NS_PER_MS)
+
+
+@pytest.mark.parametrize(("takes_ms", "stamped_ms"), [(0, 3), (9, 3), (20, 3), (21, 24), (1500, 1503)])
+def test_waiting_for_the_interpreters_lock_does_not_count_waiting_for_the_terminal_does(
+    takes_ms: int, stamped_ms: int
+) -> None:
+    clock = ManualClock()
+    flush_clock = FlushClock(clock)
+    file = WatchedFile(Slow(clock, takes_ms), flush_clock)
+    flush_clock.queued(2)
+    flush_clock.mark(1)
+    file.write("ab")
+    clock.advance_ns(3 * NS_PER_MS)
+    file.flush()
+    assert flush_clock.take() == [(1, stamped_ms * NS_PER_MS)]
+
+
+def test_a_file_that_flushes_lines_by_itself_has_flushed_when_it_has_written() -> None:
+    clock = ManualClock()
+    flush_clock = FlushClock(clock)
+    file = WatchedFile(Slow(clock, 2, line_buffering=True), flush_clock)
+    flush_clock.queued(7)
+    flush_clock.mark(1)
+    clock.advance_ns(5)
+    file.write("a\nb")
+    assert flush_clock.take() == []  # Three of seven characters.
+    file.write("c\nde")
+    assert flush_clock.take() == [(1, 5 + 2 * NS_PER_MS)]
+    flush_clock.queued(1)
+    flush_clock.mark(2)
+    file.write("f")
+    assert flush_clock.take() == []
 
 
 def test_news_is_passed_on_once_per_stamp_from_either_side() -> None:

@@ -183,6 +183,7 @@ async def test_the_recordings_header_says_where_the_credit_rule_comes_from(
     (path,) = tmp_path.glob("P01-*.jsonl")
     header = read_recording(path).header
     assert header.source == choice.source
+    assert header.terminal["timing"].startswith("none for this machine and terminal")
     assert header.protocol["agent"]["credit"]["delay"] == {
         "type": "gamma",
         "shape": 9.0,

@@ -95,6 +95,7 @@ def test_known_delays_are_measured_fitted_and_kept(tmp_path: Path) -> None:
         assert "r/participants/P01.json" in terminal.text
     file = the_file(tmp_path)
     assert file.header.facts["stamps"] == "flush"
+    assert file.header.facts["timing"].startswith("none for this machine and terminal")
     assert [record.status for record in file.trials] == ["ok"] * 6
     records = answered(file)
     errors = errors_ms(records, participant.delays_s)

@@ -2,18 +2,24 @@
 
 import json
 import os
+import pty
 import subprocess
 import sys
+import threading
 import time
+import tty
 from pathlib import Path
 
+import click
 import msgspec
 import pytest
 from click.testing import CliRunner
 
 from arl_tui.cli import main
-from arl_tui.commands.timing import SCENE_NAMES, report_lines
+from arl_tui.commands.timing import SCENE_NAMES, report_lines, stop_above
 from arl_tui.link import Begin, Crashed, Picture, Ready
+from arl_tui.timing import bare
+from arl_tui.timing.kept import NONE, keep_timing, machine_code, timing_facts
 from arl_tui.timing.plan import MARKER, SCENES, Answered, Plan, PlannedTrial, Seen, make_plan, marker
 from arl_tui.timing.result import TimingResult, compare, header_facts, read_timing, summarise
 from arl_tui.timing.robot import Robot, RobotTrial, TimingError, run_plan
@@ -30,13 +36,13 @@ GENEROUS_MS = 25.0
 """Medians only: on a busy machine single trials are late by any amount, in any program."""
 
 
-def test_the_robot_measures_at_rest_and_beside_a_board(tmp_path: Path) -> None:
+def test_the_robot_measures_every_scene_and_the_result_is_kept(tmp_path: Path) -> None:
     path = tmp_path / "timing.json"
-    result = CliRunner().invoke(
-        main, ["timing", "--trials", "7", "--longest", "400", "--seed", "5", "--json", str(path)]
-    )
+    options = ["--trials", "6", "--longest", "300", "--seed", "5", "--json", path, "--recordings", tmp_path]
+    result = CliRunner().invoke(main, ["timing", *map(str, options)])
     assert result.exit_code == 0, result.output
     for expected in (
+        "bare reader",
         "at rest",
         "beside a board",
         "median",
@@ -47,13 +53,16 @@ def test_the_robot_measures_at_rest_and_beside_a_board(tmp_path: Path) -> None:
     ):
         assert expected in result.stdout
     found = read_timing(path)
-    assert [scene.scene for scene in found.scenes] == ["at rest", "beside a board"]
+    (kept,) = (tmp_path / "timing").iterdir()
+    assert read_timing(kept) == found
+    assert found.machine == machine_code()
+    assert [scene.scene for scene in found.scenes] == ["bare reader", "at rest", "beside a board"]
     for scene in found.scenes:
         planned = {
-            t.number: t.delay_ms for t in make_plan(scene.scene, 7, root_seed=5, longest_ms=400).trials
+            t.number: t.delay_ms for t in make_plan(scene.scene, 6, root_seed=5, longest_ms=300).trials
         }
-        assert len(scene.trials) + scene.n_missed == 7
-        assert len(scene.trials) >= 5
+        assert len(scene.trials) + scene.n_missed == 6
+        assert len(scene.trials) >= 4
         for trial in scene.trials:
             assert trial.true_ms >= planned[trial.number]
         everything = summarise([trial.error_ms for trial in scene.trials])
@@ -61,7 +70,8 @@ def test_the_robot_measures_at_rest_and_beside_a_board(tmp_path: Path) -> None:
         # A key cannot be stamped before it was written; that the median is far below a frame (33 ms) shows that the
         # stamps are those of flushes and of the input thread.
         assert 0.0 < everything.median < GENEROUS_MS
-    rest, board = found.scenes
+    bare, rest, board = found.scenes
+    assert bare.board_fps == 0.0
     assert rest.board_fps == 0.0
     assert board.board_fps > 3.0
 
@@ -269,6 +279,76 @@ def test_the_result_fits_into_a_sessions_header() -> None:
     assert facts["timing_load"] == "0.5 on 2 cores"
     assert facts["timing_beside_a_board"].startswith("n 1, error ms: bias 3.00")
     assert facts["timing_beside_a_board_read_late"].startswith("n 1, error ms: bias 10.00")
+
+
+TERMINAL = {"TERM": "xterm", "connection": "local", "size": "80x24"}
+
+
+def kept_result(created_utc: str, **changes: object) -> TimingResult:
+    given = {
+        "created_utc": created_utc,
+        "machine": machine_code(),
+        "terminal": {"TERM": "xterm", "connection": "local"},
+    }
+    return msgspec.structs.replace(result_by_hand(load=0.5), **{**given, **changes})
+
+
+def test_a_session_names_the_newest_result_of_its_machine_and_terminal_with_its_age(tmp_path: Path) -> None:
+    ours = ("2026-03-01T10:00:00+00:00", "2026-03-02T06:30:00+00:00")
+    for created_utc in reversed(ours):
+        keep_timing(tmp_path, kept_result(created_utc))
+    keep_timing(tmp_path, kept_result("2026-03-03T00:00:00+00:00", machine="another"))
+    keep_timing(
+        tmp_path, kept_result("2026-03-03T00:00:00+00:00", terminal={"TERM": "xterm", "connection": "ssh"})
+    )
+    facts = timing_facts(tmp_path, TERMINAL, "2026-03-03T12:00:00+00:00")
+    assert facts["timing"] == "20260302T063000Z.json"
+    assert facts["timing_age_h"] == "29.5"
+    assert facts["timing_beside_a_board"].startswith("n 1, error ms: bias 3.00")
+    assert len(list((tmp_path / "timing").iterdir())) == 4
+
+
+def test_a_session_says_that_there_is_no_result_and_which_cannot_be_read(tmp_path: Path) -> None:
+    assert timing_facts(tmp_path, TERMINAL, "2026-03-03T12:00:00+00:00") == {"timing": NONE}
+    path = keep_timing(tmp_path, kept_result("2026-03-02T06:30:00+00:00", machine="another"))
+    path.with_name("x.json").write_text("{")
+    facts = timing_facts(tmp_path, TERMINAL, "2026-03-03T12:00:00+00:00")
+    assert facts == {"timing": NONE, "timing_unreadable": "x.json"}
+
+
+def test_a_gate_judges_medians_only(tmp_path: Path) -> None:
+    result = result_by_hand(load=9.0)  # Median of the trials that were read in time: 3 ms.
+    stop_above(result, 3.0)
+    with pytest.raises(click.ClickException, match=r"median error is 3\.00 ms, allowed are 2\.9 ms"):
+        stop_above(result, 2.9)
+    (scene,) = result.scenes
+    unusable = msgspec.structs.replace(result, scenes=(msgspec.structs.replace(scene, on_time=None),))
+    with pytest.raises(click.ClickException, match="no usable trial of 4"):
+        stop_above(unusable, 100.0)
+    wrong = CliRunner().invoke(main, ["timing", "--gate", "0"])
+    assert wrong.exit_code == 2
+
+
+def test_the_bare_reader_takes_no_key_for_an_answer_that_came_before_the_stimulus() -> None:
+    ours, theirs = pty.openpty()
+    tty.setraw(theirs)
+    plan = Plan(
+        scene="bare reader", root_seed=1, trials=(PlannedTrial(number=7, foreperiod_ms=100, delay_ms=150),)
+    )
+    os.write(ours, b"j")
+    seen: list[Seen] = []
+    reader = threading.Thread(target=lambda: seen.append(bare.run(plan, theirs, theirs)))
+    reader.start()
+    assert os.read(ours, 64) == marker(7).encode()
+    pressed_ns = time.monotonic_ns()
+    os.write(ours, b"xj")
+    reader.join()
+    (answer,) = seen[0].answers
+    assert answer.key_ns is not None
+    assert answer.flushed_ns is not None
+    assert answer.flushed_ns <= pressed_ns <= answer.key_ns
+    os.close(ours)
+    os.close(theirs)
 
 
 def test_a_result_is_read_back_and_anything_else_is_refused(tmp_path: Path) -> None:
