@@ -27,6 +27,9 @@ class SessionConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     """Unseen episodes before the first watched one: 0 shows the agent as it begins."""
     unseen_between: int = 100
     """Unseen episodes between two watched ones; 100 are one iteration of the cross-entropy method."""
+    watched: Literal["top", "proposed"] = "top"
+    """What is watched: one of the top policies, drawn by performance and match, or the learner's next proposal, so
+    that watched episodes are the learner's own (`docs/decisions/watched-and-unseen-episodes.md`)."""
     watched_steps: int = 60
     """A watched episode is truncated after this many steps (a good policy would play for hours)."""
     unseen_steps: int = 5000

@@ -15,7 +15,7 @@ from core.protocol import Protocol, SessionConfig
 from core.rollout import Agent, Audience, EpisodePlan, FeedbackSource, Played, play_episode
 from core.streams import stream_seed
 from core.tetris.afterstate import Tetris
-from core.tetris.autoplay import play_combined
+from core.tetris.combined import play_combined
 from core.tetris.config import TetrisConfig
 
 Player = Callable[[EpisodePolicy, int, int], Played]
@@ -66,7 +66,7 @@ class Session:
         plan = EpisodePlan(
             episode=self._next_episode,
             episode_seed=stream_seed(self._root_seed, "episode", self._next_episode),
-            policy=self.agent.begin_episode(self._next_episode, exploring=False),
+            policy=self.agent.begin_episode(self._next_episode, exploring=self.config.watched == "proposed"),
             first_step=self._next_step,
             max_steps=self.config.watched_steps,
         )

@@ -193,6 +193,17 @@ class ArlAgent:
             action = self._choose(env_values, human_values, choices, policy)
         return Decision(action, environment_action, human_action, human_worst_action)
 
+    def count_decisions(self, decisions: int, agreed: int, agreed_worst: int) -> None:
+        """Take in decisions of the present episode that a compiled player made as `choose` would have.
+
+        Args:
+            decisions: how many there were while there was a human policy.
+            agreed: at how many the environment policy chose the human policy's best action.
+            agreed_worst: at how many it chose the human policy's worst action.
+        """
+        before = self._watched
+        self._watched = (before[0] + decisions, before[1] + agreed, before[2] + agreed_worst)
+
     def learn_from_domain(self, policy: EpisodePolicy, played: Outcome) -> None:
         """Take in how an episode went: the learner hears of its proposal, policies are ranked, w_h is revised.
 

@@ -1,16 +1,13 @@
-"""Whole games in compiled code: greedy play for the environment's learner, combined play with a human model.
+"""Whole games in compiled code, played greedily by linear policies; with a human model: `core.tetris.combined`.
 
 Every game is fixed by its policy, its seed and the rules: pieces come from a counter, values are exact, ties go
 to the first placement. A game is columns, number of pieces and lines, so it can be stopped and continued.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from core.combination.config import ENVIRONMENT_WEIGHTS, EpisodeWeights
-from core.combination.schemes import best_action, choose, takes_control, worst_action
+from core.combination.schemes import best_action
 from core.compiled import kernel
 from core.tetris.board import (
     COLUMNS,
@@ -20,7 +17,6 @@ from core.tetris.board import (
     ROWS,
     SEVEN_BAG,
     Ints,
-    allow_all,
     fill_heights,
     mark_ruled_out,
     new_work,
@@ -40,7 +36,6 @@ from core.tetris.evaluation import (
     fill_values_any,
     fill_values_of_clearing,
     grid_weights,
-    linear_policy,
     set_weights,
 )
 from core.tetris.features import BERTSEKAS_21, feature_set
@@ -123,84 +118,6 @@ def play_greedy(
     return games
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class CombinedEpisode:
-    """What an episode played with R and H together came to."""
-
-    lines: int
-    """Lines cleared."""
-    n_decisions: int
-    """Pieces placed."""
-    n_agree: int
-    """Decisions where the environment policy's best action is the human policy's best action."""
-    n_agree_worst: int
-    """Decisions where it is the human policy's worst action instead."""
-    finished: bool
-    """Whether the game ended; False where the piece cap stopped it."""
-    window_boards: Ints
-    """Columns of the boards of the last w decisions, oldest first, shape (w, n_columns)."""
-    window_decisions: Ints
-    """Number of each of these decisions in the episode: the counter of its piece, shape (w,)."""
-
-
-def play_combined(
-    environment_weights: NDArray[np.float64],
-    human_weights: NDArray[np.float64],
-    seed: int,
-    config: TetrisConfig,
-    combination: EpisodeWeights = ENVIRONMENT_WEIGHTS,
-    *,
-    share_seed: int = 0,
-    piece_cap: int = PIECE_LIMIT,
-    window: int = 0,
-) -> CombinedEpisode:
-    """Play one episode in which every decision combines R = theta . phi and H = v . psi (Eqs. 1 to 3).
-
-    All placements are open, also those that primitive actions could not reach (`TetrisConfig.placements`).
-
-    Args:
-        environment_weights: theta, under `config.features`, shape (F,).
-        human_weights: v, under `config.feedback_features`, shape (G,).
-        seed: of the piece stream, in [0, 2**63).
-        config: board and rules; `lines_in_value` must be off.
-        combination: form and weights of the combination in this episode.
-        share_seed: seed that decides where control is shared (`combination.share`), in [0, 2**62).
-        piece_cap: stop after this many pieces, >= 0.
-        window: how many of the last decisions to hand back, >= 0.
-    """
-    if config.lines_in_value:
-        raise ValueError(
-            "lines_in_value is for given policies only: play_greedy; here values come from features"
-        )
-    environment = linear_policy(environment_weights, config, config.features)
-    human = linear_policy(human_weights, config, config.feedback_features)
-    ring = np.zeros((max(window, 1), MAX_COLUMNS), dtype=np.int64)
-    decisions, lines, n_agree, n_agree_worst, finished = _play_combined(
-        *environment,
-        *human,
-        new_work(),
-        rule_codes(config),
-        seed,
-        piece_cap,
-        combination.form,
-        float(combination.w_r),
-        float(combination.w_h),
-        float(combination.share),
-        share_seed,
-        ring,
-    )
-    recent = np.arange(max(decisions - window, 0), decisions)
-    return CombinedEpisode(
-        lines=int(lines),
-        n_decisions=int(decisions),
-        n_agree=int(n_agree),
-        n_agree_worst=int(n_agree_worst),
-        finished=bool(finished),
-        window_boards=ring[recent % len(ring), : config.columns],
-        window_decisions=recent,
-    )
-
-
 @kernel
 def _advance_games(
     code: int,
@@ -280,69 +197,3 @@ def worst_of(values: Floats, n: int) -> int:
         worst = action if value < lowest else worst
         lowest = min(lowest, value)
     return worst
-
-
-@kernel
-def _play_combined(
-    env_code: int,
-    env_table: Ints,
-    env_numbers: Floats,
-    human_code: int,
-    human_table: Ints,
-    human_numbers: Floats,
-    work: Ints,
-    rules: Ints,
-    seed: int,
-    cap: int,
-    form: int,
-    w_r: float,
-    w_h: float,
-    share: float,
-    share_seed: int,
-    ring: Ints,
-) -> tuple[int, int, int, int, bool]:
-    """Play an episode; return decisions, lines, agreements with H's best and with its worst action, over."""
-    n_columns, must_fit = rules[COLUMNS], rules[OVERFLOW] == 0
-    env_values, human_values = np.empty(MAX_PLACEMENTS), np.empty(MAX_PLACEMENTS)
-    ruled_out = np.zeros(MAX_PLACEMENTS, dtype=np.bool_)
-    decision = lines = n_agree = n_agree_worst = 0
-    over = False
-    while not over:
-        n = scan_placements(work, rules, piece_at(seed, decision, rules[SEVEN_BAG]))
-        crowded = wall_height(work, NOW, n_columns) + MAX_SHAPE_SIZE > rules[ROWS]
-        n_open = mark_ruled_out(work, rules, n, ruled_out) if crowded else allow_all(ruled_out, n)
-        over = must_fit and n_open == 0
-        if over or decision >= cap:
-            break
-        for column in range(n_columns):
-            ring[decision % len(ring), column] = work[NOW, column]
-        if env_code != BERTSEKAS_21:
-            fill_values_any(env_code, env_numbers, work, rules, n, False, env_values)
-        else:
-            fill_sums(env_table, work, n_columns)
-            if fill_values_21(env_table, env_numbers, work, n_columns, n, 0, env_values):
-                fill_values_of_clearing(env_table, env_numbers, work, n_columns, n, 0, env_values)
-        if human_code != BERTSEKAS_21:
-            fill_values_any(human_code, human_numbers, work, rules, n, True, human_values)
-        else:
-            before = fill_sums(human_table, work, n_columns)
-            if fill_values_21(human_table, human_numbers, work, n_columns, n, before, human_values):
-                fill_values_of_clearing(human_table, human_numbers, work, n_columns, n, before, human_values)
-        if n_open == n:
-            env_best, human_best = best_of(env_values, n), best_of(human_values, n)
-            human_worst = worst_of(human_values, n)
-        else:
-            env_best = best_action(env_values, ruled_out, n)
-            human_best = best_action(human_values, ruled_out, n)
-            human_worst = worst_action(human_values, ruled_out, n)
-        n_agree += env_best == human_best
-        n_agree_worst += env_best == human_worst
-        action = choose(env_values, human_values, ruled_out, n, form, w_r, w_h)
-        if share > 0.0 and takes_control(share_seed, decision, share):
-            action = human_best
-        full = put_down(work, NOW, action)
-        if full != 0:
-            lines += remove_rows(work, NOW, n_columns, full)
-        decision += 1
-        over = crowded and not must_fit and wall_height(work, NOW, n_columns) > rules[ROWS]
-    return decision, lines, n_agree, n_agree_worst, over

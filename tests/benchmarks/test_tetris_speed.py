@@ -16,7 +16,8 @@ import numpy as np
 import pytest
 
 from core.combination.config import LINEAR, EpisodeWeights
-from core.tetris.autoplay import play_combined, play_greedy
+from core.tetris.autoplay import play_greedy
+from core.tetris.combined import play_combined
 from core.tetris.config import TetrisConfig
 from tests.core.tetris.test_autoplay import naive_game
 from tests.data_folder import data_folder

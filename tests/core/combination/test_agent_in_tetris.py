@@ -21,7 +21,7 @@ from core.feedback.samples import CreditConfig
 from core.learners.cross_entropy import CrossEntropyConfig, CrossEntropyLearner
 from core.streams import stream
 from core.tetris.afterstate import Tetris
-from core.tetris.autoplay import play_combined
+from core.tetris.combined import play_combined
 from core.tetris.config import TetrisConfig
 
 RULES = TetrisConfig()

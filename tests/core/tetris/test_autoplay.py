@@ -15,8 +15,9 @@ from core.fixed_point import exact_weights
 from core.learners.linear import action_values
 from core.streams import stream
 from core.tetris.afterstate import Tetris, TetrisState
-from core.tetris.autoplay import GreedyGames, best_of, play_combined, play_greedy, worst_of
+from core.tetris.autoplay import GreedyGames, best_of, play_greedy, worst_of
 from core.tetris.board import piece_at
+from core.tetris.combined import play_combined
 from core.tetris.config import FEATURE_SETS, TetrisConfig
 from core.tetris.features import DELLACHERIE_WEIGHTS, DT_10_WEIGHTS, DT_20_WEIGHTS, feature_set
 from core.tetris.pieces import seven_bag_piece, uniform_piece

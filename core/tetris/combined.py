@@ -1,0 +1,301 @@
+"""Whole games in which environment and human decide together, in compiled code; they can be stopped and continued.
+
+A game between two changes of the human model is one call. What a watcher needs of the last decisions (board and
+action) is kept in a ring, so that whoever judges them need not have been asked at each.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.combination.config import ENVIRONMENT_WEIGHTS, EpisodeWeights
+from core.combination.schemes import best_action, choose, takes_control, worst_action
+from core.compiled import kernel
+from core.tetris.autoplay import PIECE_LIMIT, best_of, worst_of
+from core.tetris.board import (
+    COLUMNS,
+    MAX_PLACEMENTS,
+    NOW,
+    OVERFLOW,
+    ROWS,
+    SEVEN_BAG,
+    Ints,
+    allow_all,
+    fill_heights,
+    mark_ruled_out,
+    new_work,
+    piece_at,
+    put_down,
+    remove_rows,
+    rule_codes,
+    scan_placements,
+    wall_height,
+)
+from core.tetris.config import MAX_COLUMNS, TetrisConfig
+from core.tetris.evaluation import (
+    Floats,
+    fill_sums,
+    fill_values_21,
+    fill_values_any,
+    fill_values_of_clearing,
+    linear_policy,
+)
+from core.tetris.features import BERTSEKAS_21
+from core.tetris.pieces import MAX_SHAPE_SIZE
+
+# Places in a game's row of counters.
+PIECES, LINES, FINISHED, AGREED, AGREED_WORST = range(5)
+
+
+class CombinedGame:
+    """A game in which every decision combines R = theta . phi and H = v . psi (Eqs. 1 to 3).
+
+    All placements are open, also those that primitive actions could not reach (`TetrisConfig.placements`).
+    """
+
+    def __init__(
+        self,
+        environment_weights: NDArray[np.float64],
+        human_weights: NDArray[np.float64],
+        seed: int,
+        config: TetrisConfig,
+        combination: EpisodeWeights = ENVIRONMENT_WEIGHTS,
+        *,
+        share_seed: int = 0,
+        window: int = 1,
+    ) -> None:
+        """Set up a game.
+
+        Args:
+            environment_weights: theta, under `config.features`, shape (F,).
+            human_weights: v, under `config.feedback_features`, shape (G,).
+            seed: of the piece stream, in [0, 2**63).
+            config: board and rules; `lines_in_value` must be off.
+            combination: form and weights of the combination in this game.
+            share_seed: seed that decides where control is shared (`combination.share`), in [0, 2**62).
+            window: how many of the last decisions are kept, >= 1.
+        """
+        if config.lines_in_value:
+            raise ValueError(
+                "lines_in_value is for given policies only: play_greedy; here values come from features"
+            )
+        self._config = config
+        self._environment = linear_policy(environment_weights, config, config.features)
+        self._human = linear_policy(human_weights, config, config.feedback_features)
+        self._seed = seed
+        self._combination = combination
+        self._share_seed = share_seed
+        self._work = new_work()
+        self._rules = rule_codes(config)
+        # One row per kept decision: the columns of the board, then the action.
+        self._ring = np.zeros((window, MAX_COLUMNS + 1), dtype=np.int64)
+        self._counters = np.zeros(5, dtype=np.int64)
+
+    @property
+    def pieces(self) -> int:
+        """Pieces placed so far: the number of decisions."""
+        return int(self._counters[PIECES])
+
+    @property
+    def lines(self) -> int:
+        """Lines cleared so far."""
+        return int(self._counters[LINES])
+
+    @property
+    def finished(self) -> bool:
+        """Whether the game has ended (not: was stopped by a cap)."""
+        return bool(self._counters[FINISHED])
+
+    @property
+    def agreed(self) -> int:
+        """Decisions so far at which the environment policy's best action was the human policy's best."""
+        return int(self._counters[AGREED])
+
+    @property
+    def agreed_worst(self) -> int:
+        """Decisions so far at which it was the human policy's worst action instead."""
+        return int(self._counters[AGREED_WORST])
+
+    def advance(self, piece_cap: int) -> None:
+        """Play on until the game ends or has `piece_cap` pieces."""
+        _play_combined(
+            *self._environment,
+            *self._human,
+            self._work,
+            self._rules,
+            self._seed,
+            piece_cap,
+            self._combination.form,
+            float(self._combination.w_r),
+            float(self._combination.w_h),
+            float(self._combination.share),
+            self._share_seed,
+            self._ring,
+            self._counters,
+        )
+
+    def set_human_weights(self, human_weights: NDArray[np.float64]) -> None:
+        """Go on with another human model; what has been decided and counted stays."""
+        self._human = linear_policy(human_weights, self._config, self._config.feedback_features)
+
+    def kept(self, decision: int) -> tuple[tuple[int, ...], int]:
+        """Return the board before one of the last decisions, column by column, and the action that was taken.
+
+        The action is an index into the choices of `core.tetris.afterstate.Tetris` with all placements offered.
+        """
+        if not max(0, self.pieces - len(self._ring)) <= decision < self.pieces:
+            raise ValueError(
+                f"decision {decision} is not one of the last {len(self._ring)} of {self.pieces} decisions"
+            )
+        row = self._ring[decision % len(self._ring)]
+        return tuple(row[: self._config.columns].tolist()), int(row[MAX_COLUMNS])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CombinedEpisode:
+    """What an episode played with R and H together came to."""
+
+    lines: int
+    """Lines cleared."""
+    n_decisions: int
+    """Pieces placed."""
+    n_agree: int
+    """Decisions where the environment policy's best action is the human policy's best action."""
+    n_agree_worst: int
+    """Decisions where it is the human policy's worst action instead."""
+    finished: bool
+    """Whether the game ended; False where the piece cap stopped it."""
+    window_boards: Ints
+    """Columns of the boards of the last w decisions, oldest first, shape (w, n_columns)."""
+    window_decisions: Ints
+    """Number of each of these decisions in the episode: the counter of its piece, shape (w,)."""
+
+
+def play_combined(
+    environment_weights: NDArray[np.float64],
+    human_weights: NDArray[np.float64],
+    seed: int,
+    config: TetrisConfig,
+    combination: EpisodeWeights = ENVIRONMENT_WEIGHTS,
+    *,
+    share_seed: int = 0,
+    piece_cap: int = PIECE_LIMIT,
+    window: int = 0,
+) -> CombinedEpisode:
+    """Play one episode in which every decision combines R = theta . phi and H = v . psi (Eqs. 1 to 3).
+
+    All placements are open, also those that primitive actions could not reach (`TetrisConfig.placements`).
+
+    Args:
+        environment_weights: theta, under `config.features`, shape (F,).
+        human_weights: v, under `config.feedback_features`, shape (G,).
+        seed: of the piece stream, in [0, 2**63).
+        config: board and rules; `lines_in_value` must be off.
+        combination: form and weights of the combination in this episode.
+        share_seed: seed that decides where control is shared (`combination.share`), in [0, 2**62).
+        piece_cap: stop after this many pieces, >= 0.
+        window: how many of the last decisions to hand back, >= 0.
+    """
+    game = CombinedGame(
+        environment_weights,
+        human_weights,
+        seed,
+        config,
+        combination,
+        share_seed=share_seed,
+        window=max(window, 1),
+    )
+    game.advance(piece_cap)
+    recent = range(max(game.pieces - window, 0), game.pieces)
+    boards = [game.kept(decision)[0] for decision in recent]
+    return CombinedEpisode(
+        lines=game.lines,
+        n_decisions=game.pieces,
+        n_agree=game.agreed,
+        n_agree_worst=game.agreed_worst,
+        finished=game.finished,
+        window_boards=np.array(boards, dtype=np.int64).reshape(len(boards), config.columns),
+        window_decisions=np.array(recent, dtype=np.int64),
+    )
+
+
+@kernel
+def _play_combined(
+    env_code: int,
+    env_table: Ints,
+    env_numbers: Floats,
+    human_code: int,
+    human_table: Ints,
+    human_numbers: Floats,
+    work: Ints,
+    rules: Ints,
+    seed: int,
+    cap: int,
+    form: int,
+    w_r: float,
+    w_h: float,
+    share: float,
+    share_seed: int,
+    ring: Ints,
+    counters: Ints,
+) -> None:
+    """Play on to the game's end or to `cap` pieces; the board, `ring` and `counters` are changed."""
+    n_columns, must_fit = rules[COLUMNS], rules[OVERFLOW] == 0
+    env_values, human_values = np.empty(MAX_PLACEMENTS), np.empty(MAX_PLACEMENTS)
+    ruled_out = np.zeros(MAX_PLACEMENTS, dtype=np.bool_)
+    decision, lines = counters[PIECES], counters[LINES]
+    n_agree, n_agree_worst = counters[AGREED], counters[AGREED_WORST]
+    fill_heights(work, NOW, n_columns)
+    over = counters[FINISHED] != 0
+    while not over:
+        n = scan_placements(work, rules, piece_at(seed, decision, rules[SEVEN_BAG]))
+        crowded = wall_height(work, NOW, n_columns) + MAX_SHAPE_SIZE > rules[ROWS]
+        n_open = mark_ruled_out(work, rules, n, ruled_out) if crowded else allow_all(ruled_out, n)
+        over = must_fit and n_open == 0
+        if over or decision >= cap:
+            break
+        kept = decision % len(ring)
+        for column in range(n_columns):
+            ring[kept, column] = work[NOW, column]
+        if env_code != BERTSEKAS_21:
+            fill_values_any(env_code, env_numbers, work, rules, n, False, env_values)
+        else:
+            fill_sums(env_table, work, n_columns)
+            if fill_values_21(env_table, env_numbers, work, n_columns, n, 0, env_values):
+                fill_values_of_clearing(env_table, env_numbers, work, n_columns, n, 0, env_values)
+        if human_code != BERTSEKAS_21:
+            fill_values_any(human_code, human_numbers, work, rules, n, True, human_values)
+        else:
+            before = fill_sums(human_table, work, n_columns)
+            if fill_values_21(human_table, human_numbers, work, n_columns, n, before, human_values):
+                fill_values_of_clearing(human_table, human_numbers, work, n_columns, n, before, human_values)
+        if n_open == n:
+            env_best, human_best = best_of(env_values, n), best_of(human_values, n)
+            human_worst = worst_of(human_values, n)
+        else:
+            env_best = best_action(env_values, ruled_out, n)
+            human_best = best_action(human_values, ruled_out, n)
+            human_worst = worst_action(human_values, ruled_out, n)
+        n_agree += env_best == human_best
+        n_agree_worst += env_best == human_worst
+        action = choose(env_values, human_values, ruled_out, n, form, w_r, w_h)
+        if share > 0.0 and takes_control(share_seed, decision, share):
+            action = human_best
+        ring[kept, MAX_COLUMNS] = _place_among_offered(ruled_out, action) if must_fit else action
+        full = put_down(work, NOW, action)
+        if full != 0:
+            lines += remove_rows(work, NOW, n_columns, full)
+        decision += 1
+        over = crowded and not must_fit and wall_height(work, NOW, n_columns) > rules[ROWS]
+    counters[PIECES], counters[LINES], counters[FINISHED] = decision, lines, over
+    counters[AGREED], counters[AGREED_WORST] = n_agree, n_agree_worst
+
+
+@kernel
+def _place_among_offered(ruled_out: NDArray[np.bool_], action: int) -> int:
+    """Return which of the actions that are not ruled out this one is: where a piece must fit, others are not offered."""
+    place = 0
+    for other in range(action):
+        place += not ruled_out[other]
+    return place
