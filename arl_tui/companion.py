@@ -22,7 +22,7 @@ class Companion:
         from core.feedback.trainers import SimulatedTrainer
         from core.tetris.oracle import TetrisOracle
 
-        self._oracle = TetrisOracle(protocol.domain)
+        self._oracle = TetrisOracle(protocol.domain, protocol.trainer.knowledge)
         self._domain = session.domain
         self._keys = protocol.keys
         self._trainer = SimulatedTrainer(protocol.trainer, root_seed=root_seed)

@@ -36,7 +36,7 @@ def simulate_session(protocol: Protocol, root_seed: int, target: Path, *, softwa
     session = build_session(protocol, root_seed)
     participant = SimulatedParticipant[TetrisState](
         session.domain,
-        TetrisOracle(protocol.domain),
+        TetrisOracle(protocol.domain, protocol.trainer.knowledge),
         SimulatedTrainer(protocol.trainer, root_seed=root_seed),
         PressGate(protocol.keys),
         clock,

@@ -7,6 +7,9 @@ import msgspec
 
 from core.feedback.delays import Delay, Density, GammaDelay, PreviousStep
 
+Knowledge = Literal["expert", "lay", "myopic"]
+"""By what a simulated participant judges; each domain says what these see."""
+
 
 class CreditConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How presses become samples."""
@@ -39,10 +42,16 @@ class TrainerConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     mean_presses: float | None = None
     """Judgements per long episode on average: the most for an episode is then drawn from a binomial distribution
     with this mean and at most `max_presses`. None: always `max_presses`. (Section 4: at most 5, on average 2.)"""
+    knowledge: Knowledge = "expert"
+    """By what they judge. Expert: a controller far beyond the learner's features; lay: what meets the eye; myopic:
+    the immediate effect of the step alone (B-Pref's myopia, to the end)."""
     good_share: float = 0.25
     """An action among this share of the best ones is good, any other is bad. (Our choice.)"""
     skip_margin: float = 0.0
     """No judgement where the action's rank is within this share of the border between good and bad."""
+    equal_margin: float = 0.0
+    """No judgement where the action's value is within this many sd of the values on offer from the border between
+    good and bad (B-Pref's "equal": values too close to tell apart)."""
     mistake_rate: float = 0.1
     """Chance of the wrong key by mistake (B-Pref: 0.1). 1 is an adversary."""
     deliberate_rate: float = 0.0
@@ -67,6 +76,8 @@ class TrainerConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
         for name in (*rates, "good_share", "skip_margin"):
             if not 0 <= getattr(self, name) <= 1:
                 raise ValueError(f"{name} is in [0, 1], got {getattr(self, name)}")
+        if not 0 <= self.equal_margin < math.inf:
+            raise ValueError(f"equal_margin is >= 0 standard deviations, got {self.equal_margin}")
         if self.max_presses < 0 or self.burst_presses < 1:
             raise ValueError(
                 f"need max_presses >= 0 and burst_presses >= 1: {self.max_presses}, {self.burst_presses}"

@@ -5,6 +5,7 @@ mistakes and skips as in B-Pref (Lee et al. 2021), delay, few presses and stoppi
 2018), bursts as in TAMER's public logs, and the paper's own limits (section 4).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,7 +39,12 @@ class IntendedPress:
 
 
 def judgement(
-    oracle_values: NDArray[np.float64], action: int, *, good_share: float, skip_margin: float = 0.0
+    oracle_values: NDArray[np.float64],
+    action: int,
+    *,
+    good_share: float,
+    skip_margin: float = 0.0,
+    equal_margin: float = 0.0,
 ) -> float | None:
     """Return 1.0 for one of the best actions, -1.0 for another, None for one too near the border.
 
@@ -47,13 +53,31 @@ def judgement(
         action: the chosen one.
         good_share: an action is good if fewer than this share of the n actions are better.
         skip_margin: nothing is said if the share of better actions is less than this away from `good_share`.
+        equal_margin: nothing is said of an action (not a fatal one) whose value is less than this many sd of the
+            finite values away from the middle between the worst good and the best bad value; nor where all are alike.
     """
     if not 0 <= action < len(oracle_values):
         raise ValueError(f"action {action} is not one of {len(oracle_values)}")
-    better = float(np.count_nonzero(oracle_values > oracle_values[action])) / len(oracle_values)
+    value = oracle_values[action]
+    better = float(np.count_nonzero(oracle_values > value)) / len(oracle_values)
     if abs(better - good_share) < skip_margin:
         return None
+    if equal_margin > 0 and np.isfinite(value) and _too_close(oracle_values, value, good_share, equal_margin):
+        return None
     return 1.0 if better < good_share else -1.0
+
+
+def _too_close(values: NDArray[np.float64], value: float, good_share: float, margin: float) -> bool:
+    known = np.sort(values[np.isfinite(values)])[::-1]
+    if known[0] == known[-1]:
+        return True
+    # Of equal values the first has as many better ones as each: `searchsorted` counts them.
+    better = np.searchsorted(-known, -known, side="left") / len(values)
+    bad = np.flatnonzero(better >= good_share)
+    if len(bad) == 0:
+        return False
+    border = (known[max(bad[0] - 1, 0)] + known[bad[0]]) / 2
+    return bool(abs(value - border) < margin * known.std())
 
 
 class SimulatedTrainer:
@@ -153,7 +177,11 @@ class SimulatedTrainer:
         if speaks >= self.press_probability:
             return ()
         believed = judgement(
-            oracle_values, action, good_share=config.good_share, skip_margin=config.skip_margin
+            oracle_values,
+            action,
+            good_share=config.good_share,
+            skip_margin=config.skip_margin,
+            equal_margin=config.equal_margin,
         )
         if believed is None:
             return ()
@@ -171,6 +199,32 @@ class SimulatedTrainer:
             IntendedPress(first_ns + k * interval_ns, value, step, believed, deliberate)
             for k in range(n_presses)
         )
+
+    def answer(self, step: int, oracle_values: NDArray[np.float64], options: Sequence[int]) -> int | None:
+        """Return which of the agent's options they choose; None where they do not say.
+
+        The best option by the oracle, the first of equal ones; in a mistake another one, any as likely. They do not
+        answer where the best two are too close to tell apart (`equal_margin`), or when they have left.
+
+        Args:
+            step: its number in the session.
+            oracle_values: the oracle's value of each action, shape (n,); -inf for a fatal one.
+            options: 2 or more different actions.
+        """
+        if len(set(options)) != len(options) or len(options) < 2:
+            raise ValueError(f"a question has 2 or more different options, got {list(options)}")
+        if self.press_probability == 0:
+            return None
+        config = self.config
+        ranked = sorted(options, key=lambda action: -oracle_values[action])
+        known = oracle_values[np.isfinite(oracle_values)]
+        lead = oracle_values[ranked[0]] - oracle_values[ranked[1]]
+        if config.equal_margin > 0 and not lead > config.equal_margin * known.std():
+            return None
+        mistakes, which = stream(self._root_seed, "trainer answer", self._episode, step).random(2)
+        if mistakes >= config.mistake_rate:
+            return ranked[0]
+        return ranked[1 + int(which * (len(ranked) - 1))]
 
 
 def draw_delay_s(delay: Density, *, rng: np.random.Generator) -> float:
