@@ -4,6 +4,7 @@ from pathlib import Path
 
 import click
 
+from arl_tui.commands.experiment import experiment
 from arl_tui.commands.fit import fit
 from arl_tui.commands.timing import timing
 from arl_tui.recordings import DEFAULT_FOLDER
@@ -262,6 +263,7 @@ def list_recordings(recordings: Path) -> None:
     list_all(recordings)
 
 
+main.add_command(experiment)
 main.add_command(fit)
 main.add_command(timing)
 

@@ -6,6 +6,7 @@ full rows. Rows count from the bottom; on a terminal afterstate rows above the b
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,6 +71,7 @@ class FeatureSet:
     """What each integer is divided by, shape (F,), > 0."""
 
 
+@lru_cache
 def feature_set(name: str, columns: int) -> FeatureSet:
     """Return the feature set called `name` for a board of `columns` columns.
 

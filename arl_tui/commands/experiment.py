@@ -1,0 +1,129 @@
+"""`arl experiment`: run a sweep with progress, resumable; report from its files."""
+
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import TYPE_CHECKING, Self
+
+import click
+
+if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
+NAMES = ("fig5",)
+"""Written out here so that `--help` need not load them; a test compares."""
+DEFAULT_RESULTS = Path("results")
+
+name_argument = click.argument("name", type=click.Choice(NAMES))
+out_option = click.option(
+    "--out",
+    type=click.Path(file_okay=False, path_type=Path),
+    default=DEFAULT_RESULTS,
+    show_default=True,
+    help="Results are kept in a folder of the experiment's name below this one.",
+)
+
+
+@click.group()
+def experiment() -> None:
+    """Run the experiments behind the figures, and report them."""
+
+
+@experiment.command()
+@name_argument
+@click.option("--trials", type=click.IntRange(1), default=20, show_default=True, help="Trials per condition.")
+@click.option(
+    "--first-seed", type=click.IntRange(0), default=0, show_default=True, help="Root seed of trial 0."
+)
+@click.option("--quick", is_flag=True, help="Short trials: to see that everything works.")
+@click.option("--workers", type=click.IntRange(1), help="Processes; one per processor by default.")
+@click.option("--cluster", metavar="ADDRESS", help="Play on a Dask cluster instead, as tcp://host:8786.")
+@click.option(
+    "--only", multiple=True, metavar="CONDITION", help="Only this condition. May be given several times."
+)
+@out_option
+def run(
+    name: str,
+    trials: int,
+    first_seed: int,
+    quick: bool,
+    workers: int | None,
+    cluster: str | None,
+    only: tuple[str, ...],
+    out: Path,
+) -> None:
+    """Play experiment NAME: every trial that has no file yet. May be stopped at any time and goes on from there."""
+    from arl_tui import facts
+    from studies.experiments.run import SweepError, run_sweep
+    from studies.experiments.sweep import load_experiment, root_seeds
+
+    sweep = load_experiment(name)
+    folder = out / (f"{name}-quick" if quick else name)
+    try:
+        with _executor(workers, cluster) as executor, _Progress(name) as progress:
+            files = run_sweep(
+                sweep,
+                root_seeds(trials, first_seed),
+                folder,
+                executor,
+                quick=quick,
+                only=only,
+                software=facts.software(),
+                on_progress=progress.show,
+            )
+    except (SweepError, ValueError) as error:
+        raise click.ClickException(str(error)) from error
+    click.echo(f"{len(files)} trials in {folder}. Next: arl experiment report {name} --out {out}")
+
+
+def _executor(workers: int | None, cluster: str | None) -> "AbstractContextManager[Executor]":
+    import os
+
+    from studies.experiments.run import dask_cluster, processes
+
+    if cluster:
+        return dask_cluster(cluster)
+    return processes(workers or os.cpu_count() or 1)
+
+
+class _Progress:
+    """A bar with the remaining time; where there is no terminal, a line now and then."""
+
+    def __init__(self, name: str) -> None:
+        from rich.progress import (
+            BarColumn,
+            MofNCompleteColumn,
+            Progress,
+            TextColumn,
+            TimeElapsedColumn,
+            TimeRemainingColumn,
+        )
+
+        self._progress = Progress(
+            TextColumn(name),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TextColumn("trials, left"),
+            # Trials take seconds to minutes: look back far.
+            TimeRemainingColumn(),
+            TextColumn("since"),
+            TimeElapsedColumn(),
+            speed_estimate_period=1800.0,
+        )
+        self._task = self._progress.add_task(name, total=None)
+        self._first_done: int | None = None
+
+    def __enter__(self) -> Self:
+        self._progress.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._progress.stop()
+
+    def show(self, done: int, planned: int) -> None:
+        """Show that so many trials are done."""
+        if self._first_done is None:
+            self._first_done = done
+            if done:
+                click.echo(f"{done} of {planned} trials are there already")
+        # Those of an earlier run took no time now: they would spoil the estimate.
+        self._progress.update(self._task, completed=done - self._first_done, total=planned - self._first_done)

@@ -1,0 +1,87 @@
+"""Results of a sweep as they lie in its folder: reads files, never plays."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studies.experiments.run import SweepError, SweepRecord, read_record
+from studies.experiments.sweep import Experiment
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Results:
+    """The trials that every condition of an experiment has."""
+
+    experiment: Experiment
+    record: SweepRecord
+    seeds: tuple[int, ...]
+    trials: dict[str, tuple[dict[str, Floats], ...]]
+    """By condition; one entry per seed, in their order: columns by name."""
+
+    @property
+    def conditions(self) -> tuple[str, ...]:
+        """Names of the conditions that are there, in the experiment's order."""
+        return tuple(self.trials)
+
+    def label(self, condition: str) -> str:
+        """Return how a condition is called in figures."""
+        return self.experiment.condition(condition).label
+
+    def table(self, condition: str, column: str) -> Floats:
+        """Return one column of all trials, shape (trials, episodes); trials must have equal lengths."""
+        return np.array([trial[column] for trial in self.trials[condition]])
+
+    def blocks(self, condition: str, column: str, size: int) -> Floats:
+        """Return means over blocks of `size` episodes, shape (trials, blocks)."""
+        table = self.table(condition, column)
+        n_blocks = table.shape[1] // size
+        return np.asarray(table[:, : n_blocks * size].reshape(len(table), n_blocks, size).mean(axis=2))
+
+
+def read_results(experiment: Experiment, folder: Path, only: Sequence[str] = ()) -> Results:
+    """Read what a folder holds of an experiment.
+
+    Only trials that all conditions have are taken: comparisons are paired.
+
+    Args:
+        experiment: which.
+        folder: where its results are.
+        only: conditions to read; where empty all that have any trial.
+
+    Raises:
+        SweepError: there is nothing, or no trial that all conditions have.
+    """
+    record = read_record(folder)
+    if record is None:
+        raise SweepError(f"{folder} holds no results: `arl experiment run {experiment.name}` plays them")
+    names = list(only) or [c.name for c in experiment.conditions if any((folder / c.name).glob("seed-*.csv"))]
+    found = [{_seed_of(path) for path in (folder / name).glob("seed-*.csv")} for name in names]
+    seeds = sorted(set.intersection(*found)) if found else []
+    if not seeds:
+        raise SweepError(
+            f"{folder}: no trial was played under every condition ({', '.join(names) or 'none'})"
+        )
+    trials = {
+        name: tuple(_read_rows(folder / name / f"seed-{seed:07d}.csv") for seed in seeds) for name in names
+    }
+    return Results(experiment, record, tuple(seeds), trials)
+
+
+def _seed_of(path: Path) -> int:
+    return int(path.stem.removeprefix("seed-"))
+
+
+def _read_rows(path: Path) -> dict[str, Floats]:
+    with path.open(encoding="utf-8") as lines:
+        names = lines.readline().rstrip("\n").split(",")
+        table = np.loadtxt(lines, delimiter=",", ndmin=2)
+    if table.shape[1] != len(names):
+        raise SweepError(
+            f"{path}: {len(names)} columns are named, rows have {table.shape[1]}; remove the file"
+        )
+    return {name: table[:, place] for place, name in enumerate(names)}

@@ -1,0 +1,191 @@
+"""Plays what an experiment still lacks: one unit of work is one trial of one condition, and one file.
+
+A file is written whole or not at all, so a run that was killed goes on where it stopped. Units go to any
+`concurrent.futures.Executor`; what they return does not depend on which.
+"""
+
+import os
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
+from contextlib import contextmanager
+from dataclasses import dataclass
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from studies.experiments.sweep import Condition, Experiment, describe_settings, run_unit
+
+SWEEP_FILE = "sweep.json"
+
+
+class SweepError(RuntimeError):
+    """A folder cannot be used for this sweep; the message says why and what to do."""
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """One trial of one condition."""
+
+    condition: str
+    root_seed: int
+
+    def path(self, folder: Path) -> Path:
+        """Return its file below the sweep's folder."""
+        return folder / self.condition / f"seed-{self.root_seed:07d}.csv"
+
+
+class SweepRecord(msgspec.Struct, frozen=True, kw_only=True):
+    """What `sweep.json` says: what is in the folder."""
+
+    experiment: str
+    quick: bool
+    conditions: dict[str, Any]
+    """Settings of each condition that was ever asked for, by name."""
+    software: list[dict[str, str]]
+    """Versions of each program that added units, in order."""
+
+
+def planned_units(conditions: Sequence[Condition], seeds: Iterable[int]) -> list[Unit]:
+    """Return all units, trial by trial, so that a run cut short has the same trials of every condition."""
+    return [Unit(condition.name, seed) for seed in seeds for condition in conditions]
+
+
+def run_sweep(
+    experiment: Experiment,
+    seeds: Sequence[int],
+    folder: Path,
+    executor: Executor,
+    *,
+    quick: bool = False,
+    only: Sequence[str] = (),
+    software: dict[str, str] | None = None,
+    on_progress: Callable[[int, int], None] = lambda done, planned: None,
+) -> list[Path]:
+    """Play every unit that has no file yet.
+
+    Args:
+        experiment: what to run.
+        seeds: root seeds of the trials.
+        folder: of this experiment's results; made if missing.
+        executor: where units are played; as many at once as it takes.
+        quick: play the smoke-test versions.
+        only: names of conditions; all where empty.
+        software: versions, for `sweep.json`.
+        on_progress: called with (units done, units planned), first before any is played.
+
+    Returns:
+        The files of all planned units.
+
+    Raises:
+        SweepError: the folder holds results of other settings.
+    """
+    conditions = [experiment.condition(name) for name in only] if only else list(experiment.conditions)
+    folder.mkdir(parents=True, exist_ok=True)
+    _note_sweep(folder, experiment, conditions, quick, software or {})
+    units = planned_units(conditions, seeds)
+    missing = [unit for unit in units if not unit.path(folder).exists()]
+    done = len(units) - len(missing)
+    on_progress(done, len(units))
+    for unit, text in _played(experiment.name, missing, quick, executor):
+        write_whole(unit.path(folder), text)
+        done += 1
+        on_progress(done, len(units))
+    return [unit.path(folder) for unit in units]
+
+
+def _played(name: str, units: Sequence[Unit], quick: bool, executor: Executor) -> Iterator[tuple[Unit, str]]:
+    """Yield each unit with its rows as soon as it is done; an error stops the rest."""
+    waiting: dict[Future[str], Unit] = {
+        executor.submit(run_unit, name, unit.condition, unit.root_seed, quick): unit for unit in units
+    }
+    try:
+        while waiting:
+            finished, _ = wait(waiting, return_when=FIRST_COMPLETED)
+            for future in finished:
+                yield waiting.pop(future), future.result()
+    finally:
+        for future in waiting:
+            future.cancel()
+
+
+def write_whole(path: Path, text: str) -> None:
+    """Write a file so that it is there completely or not at all, also after a crash."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    with part.open("w", encoding="utf-8", newline="\n") as out:
+        out.write(text)
+        out.flush()
+        os.fsync(out.fileno())
+    part.replace(path)
+
+
+@contextmanager
+def processes(workers: int) -> Iterator[Executor]:
+    """Run units in so many processes of this machine."""
+    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+        try:
+            yield pool
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+
+
+@contextmanager
+def dask_cluster(address: str) -> Iterator[Executor]:
+    """Run units on an existing Dask cluster.
+
+    Args:
+        address: of its scheduler, as "tcp://10.0.0.1:8786". Its workers need the same version of this program.
+
+    Raises:
+        SweepError: Dask is not installed, or nobody answers.
+    """
+    try:
+        from distributed import Client
+    except ImportError as error:
+        raise SweepError("a cluster needs Dask: pip install 'arl-tui[cluster]'") from error
+    try:
+        client = Client(address, timeout="10s")
+    except OSError as error:
+        raise SweepError(f"no Dask scheduler answers at {address}: {error}") from error
+    with client:
+        yield client.get_executor(pure=False)
+
+
+def read_record(folder: Path) -> SweepRecord | None:
+    """Return what a folder says it holds; None where it says nothing."""
+    path = folder / SWEEP_FILE
+    if not path.exists():
+        return None
+    try:
+        return msgspec.json.decode(path.read_bytes(), type=SweepRecord)
+    except (msgspec.DecodeError, msgspec.ValidationError) as error:
+        raise SweepError(f"{path} is not a sweep's record: {error}") from error
+
+
+def _note_sweep(
+    folder: Path,
+    experiment: Experiment,
+    conditions: Sequence[Condition],
+    quick: bool,
+    software: dict[str, str],
+) -> None:
+    """Write what the folder is going to hold; refuse a folder that holds something else."""
+    settings = describe_settings(conditions)
+    record = read_record(folder)
+    if record is None:
+        record = SweepRecord(experiment=experiment.name, quick=quick, conditions={}, software=[])
+    elif record.experiment != experiment.name or record.quick != quick:
+        what = f"{'quick ' * record.quick}{record.experiment}"
+        raise SweepError(f"{folder} holds results of {what}: choose another folder (--out)")
+    for name, known in record.conditions.items():
+        if name in settings and settings[name] != known:
+            raise SweepError(
+                f"{folder}: condition {name} was played with other settings than the present ones; "
+                f"remove {folder / name} and its entry in {SWEEP_FILE}, or choose another folder (--out)"
+            )
+    versions = record.software if software in record.software else [*record.software, software]
+    record = msgspec.structs.replace(record, conditions=record.conditions | settings, software=versions)
+    write_whole(folder / SWEEP_FILE, msgspec.json.format(msgspec.json.encode(record)).decode() + "\n")
