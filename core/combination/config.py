@@ -21,8 +21,15 @@ EXPONENTIAL = 1
 """Form: argmax w_r R (1 + H^w_h), H mapped to [0, 1] and R shifted to >= 0 (section 3.1)."""
 LINEAR_RAW = 2
 """Form: argmax w_r R + w_h H of the values as they come (Eq. 3 to the letter)."""
+ADVISE = 3
+"""Form: argmax pi_R pi_H, softmax of R times the probability that the human calls the action right (Advise)."""
 
-FORM_NAMES: dict[int, str] = {LINEAR: "linear", EXPONENTIAL: "exponential", LINEAR_RAW: "linear, raw values"}
+FORM_NAMES: dict[int, str] = {
+    LINEAR: "linear",
+    EXPONENTIAL: "exponential",
+    LINEAR_RAW: "linear, raw values",
+    ADVISE: "Advise",
+}
 """Names of the forms, for reports."""
 
 
@@ -31,13 +38,17 @@ class EpisodeWeights:
     """How environment and human are combined during one episode."""
 
     form: int
-    """LINEAR, EXPONENTIAL or LINEAR_RAW."""
+    """LINEAR, EXPONENTIAL, LINEAR_RAW or ADVISE."""
     w_r: float
     """Weight of the environment's values, >= 0."""
     w_h: float
     """Weight of the human's values; negative where the human is believed to mean the opposite."""
     share: float = 0.0
     """Probability, per decision, of taking the human model's best action instead, in [0, 1]."""
+    shaping: float = 0.0
+    """What is added to the environment's reward of a step per unit of its H (reward shaping)."""
+    augmentation: float = 0.0
+    """The learner learns Q so that Q + this times H fits its returns (Q augmentation)."""
 
     def __post_init__(self) -> None:
         if self.form not in FORM_NAMES:
@@ -46,6 +57,10 @@ class EpisodeWeights:
             raise ValueError(f"w_r is finite and >= 0, w_h finite; got w_r={self.w_r}, w_h={self.w_h}")
         if not 0 <= self.share <= 1:
             raise ValueError(f"share is a probability, got {self.share}")
+        if not (math.isfinite(self.shaping) and math.isfinite(self.augmentation)):
+            raise ValueError(
+                f"shaping and augmentation are finite, got {self.shaping} and {self.augmentation}"
+            )
 
 
 ENVIRONMENT_WEIGHTS = EpisodeWeights(LINEAR, 1.0, 0.0)
@@ -156,8 +171,103 @@ class ControlSharing(msgspec.Struct, frozen=True, tag="control-sharing"):
         return EpisodeWeights(LINEAR, 1.0, 0.0, min(1.0, _annealed(self.beta_0, self.decay, episode)))
 
 
+class Advise(msgspec.Struct, frozen=True, tag="advise"):
+    """a = argmax pi_R(a) pi_H(a): policy shaping by the Advise rule (Griffith et al. 2013).
+
+    pi_R is the softmax of R; pi_H = C^d / (C^d + (1 - C)^d), d being how much more often the action has been called right
+    than wrong, and C how consistent the human is. Where states do not come back nobody counts: d is H, standardised over the
+    actions of the decision as R is (`docs/decisions/more-schemes.md`).
+    """
+
+    consistency: float = 0.9
+    """C, in (0, 1): chance that a press is right. 0.5 means nothing, less the opposite. (Paper, section 4: 1 in 10 wrong.)"""
+    temperature: float = 1.0
+    """Of the softmax, > 0, in standard deviations of R. (Our choice.)"""
+
+    def __post_init__(self) -> None:
+        if not 0 < self.consistency < 1:
+            raise ValueError(f"consistency is a chance in (0, 1), got {self.consistency}")
+        if not (math.isfinite(self.temperature) and self.temperature > 0):
+            raise ValueError(f"temperature is > 0, got {self.temperature}")
+
+    def weights(self, trust: float, episode: int) -> EpisodeWeights:
+        """Return 1 / temperature and the log odds of C; `trust` and `episode` play no part."""
+        odds = math.log(self.consistency / (1.0 - self.consistency))
+        return EpisodeWeights(ADVISE, 1.0 / self.temperature, odds)
+
+
+class RewardShaping(msgspec.Struct, frozen=True, tag="reward-shaping"):
+    """The learner hears r + beta H(s, a), beta annealed, and chooses by R alone (Knox & Stone 2010, technique 1)."""
+
+    beta_0: float = 1.0
+    """Reward per unit of H in the first episode: a press is worth a line, or a cycle. (Our choice.)"""
+    decay: float = 0.98
+    """Factor per episode (parameters that TAMER's code documents for AAMAS 2010)."""
+
+    def __post_init__(self) -> None:
+        _check_annealing(self.beta_0, self.decay)
+
+    def weights(self, trust: float, episode: int) -> EpisodeWeights:
+        """Return the weights of episode `episode` >= 0; `trust` plays no part."""
+        return EpisodeWeights(LINEAR, 1.0, 0.0, shaping=_annealed(self.beta_0, self.decay, episode))
+
+
+class QAugmentation(msgspec.Struct, frozen=True, tag="q-augmentation"):
+    """Q + beta H takes Q's place in learning and in choice, beta constant (Knox & Stone 2010, technique 4).
+
+    The temporal difference of Q + beta H is that of Q with beta (gamma H(s', a') - H(s, a)) added to the reward.
+    """
+
+    beta: float = 1.0
+    """Weight of H, in units of the return. (Our choice.)"""
+
+    def __post_init__(self) -> None:
+        if not math.isfinite(self.beta):
+            raise ValueError(f"beta is finite, got {self.beta}")
+
+    def weights(self, trust: float, episode: int) -> EpisodeWeights:
+        """Return the constant weights; `trust` and `episode` play no part."""
+        return EpisodeWeights(LINEAR_RAW, 1.0, self.beta, augmentation=self.beta)
+
+
+class Coach(msgspec.Struct, frozen=True, tag="coach"):
+    """A press is the advantage of what was done: it moves an actor's policy itself (COACH, MacGlashan et al. 2017).
+
+    theta <- theta + alpha f e, e being the trace of grad log pi up to the step that the press is about. No human model
+    takes part in choices; the learner must be an actor (policy gradient).
+    """
+
+    step_size: float = 0.05
+    """alpha of the presses, > 0. (Our choice; the source's 0.05 belongs to a robot's features.)"""
+    trace_decay: float = 0.95
+    """lambda of the trace, in [0, 1] (the source, for plain presses)."""
+    environment_too: bool = True
+    """The environment's reward goes on teaching; False: the source, where the human is the only teacher."""
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.step_size) and self.step_size > 0 and 0 <= self.trace_decay <= 1):
+            raise ValueError(
+                f"need step_size > 0 and trace_decay in [0, 1]: {self.step_size}, {self.trace_decay}"
+            )
+
+    def weights(self, trust: float, episode: int) -> EpisodeWeights:
+        """Return w_r = 1, w_h = 0."""
+        return ENVIRONMENT_WEIGHTS
+
+
 Scheme = (
-    Linear | Exponential | Annealed | Constant | EnvironmentOnly | HumanOnly | ActionBiasing | ControlSharing
+    Linear
+    | Exponential
+    | Annealed
+    | Constant
+    | EnvironmentOnly
+    | HumanOnly
+    | ActionBiasing
+    | ControlSharing
+    | RewardShaping
+    | QAugmentation
+    | Advise
+    | Coach
 )
 """Any scheme; msgspec decodes it by its tag, the field "type"."""
 
@@ -170,8 +280,15 @@ SCHEMES: dict[str, type[Scheme]] = {
     "human-only": HumanOnly,
     "action-biasing": ActionBiasing,
     "control-sharing": ControlSharing,
+    "reward-shaping": RewardShaping,
+    "q-augmentation": QAugmentation,
+    "advise": Advise,
+    "coach": Coach,
 }
 """Every scheme by its tag: the one registry."""
+
+TEACHING_SCHEMES = (RewardShaping, QAugmentation, Coach)
+"""Schemes that act on what the environment's learner learns: they need one that learns at every step."""
 
 
 MatchKind = Literal["rate", "chance-corrected", "signed"]

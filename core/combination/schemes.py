@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.combination.config import (
+    ADVISE,
     ENVIRONMENT_WEIGHTS,
     EXPONENTIAL,
     LINEAR,
@@ -20,8 +21,10 @@ from core.combination.config import (
 )
 from core.compiled import kernel
 from core.counters import uniform_at
+from core.softmax import exponential
 
 __all__ = [
+    "ADVISE",
     "ENVIRONMENT_WEIGHTS",
     "EXPONENTIAL",
     "LINEAR",
@@ -70,7 +73,7 @@ def choose(
         human_values: H of each action, shape (>= n,).
         ruled_out: actions that are not to be taken, shape (>= n,). If all are, the answer is 0.
         n: number of actions, >= 1.
-        form: LINEAR, EXPONENTIAL or LINEAR_RAW (`core.combination.config`).
+        form: LINEAR, EXPONENTIAL, LINEAR_RAW or ADVISE (`core.combination.config`).
         w_r: weight of R, >= 0.
         w_h: weight of H. 0 gives exactly `best_action(env_values)` whatever the form.
     """
@@ -82,6 +85,8 @@ def choose(
         if w_h > 0.0:
             return best_action(human_values, ruled_out, n)
         return worst_action(human_values, ruled_out, n)
+    if form == ADVISE:
+        return _choose_by_advice(env_values, human_values, ruled_out, n, w_r, w_h)
     if form == LINEAR:
         centre_r, spread_r = mean_and_sd(env_values, ruled_out, n)
         centre_h, spread_h = mean_and_sd(human_values, ruled_out, n)
@@ -157,6 +162,36 @@ def _choose_exponential(
             if w_h < 0.0:
                 share = 1.0 - share
             value = w_r * (env_values[action] - low_r) * (1.0 + share ** abs(w_h))
+            if best < 0 or value > best_value:
+                best = action
+                best_value = value
+    return max(best, 0)
+
+
+@kernel
+def chance_of_right(advice: float) -> float:
+    """Return 1 / (1 + e^-advice): the probability of Advise, advice being d ln(C / (1 - C))."""
+    if advice >= 0.0:
+        return 1.0 / (1.0 + exponential(-advice))
+    return exponential(advice) / (1.0 + exponential(advice))
+
+
+@kernel
+def _choose_by_advice(
+    env_values: Values, human_values: Values, ruled_out: Mask, n: int, w_r: float, w_h: float
+) -> int:
+    """Return argmax e^(w_r R') P(w_h H'), R' and H' standardised over the actions."""
+    spread_r = mean_and_sd(env_values, ruled_out, n)[1]
+    centre_h, spread_h = mean_and_sd(human_values, ruled_out, n)
+    highest_r = env_values[best_action(env_values, ruled_out, n)]
+    gain_r = w_r / spread_r if spread_r > 0.0 else 0.0
+    gain_h = w_h / spread_h if spread_h > 0.0 else 0.0
+    best = -1
+    best_value = 0.0
+    for action in range(n):
+        if not ruled_out[action]:
+            value = exponential((env_values[action] - highest_r) * gain_r)
+            value *= chance_of_right((human_values[action] - centre_h) * gain_h)
             if best < 0 or value > best_value:
                 best = action
                 best_value = value

@@ -5,12 +5,15 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from core.combination.config import EXPONENTIAL, LINEAR
-from core.combination.schemes import best_action, mean_and_sd, worst_action
+from core.combination.config import ADVISE, EXPONENTIAL, LINEAR
+from core.combination.schemes import best_action, chance_of_right, mean_and_sd, worst_action
 from core.compiled import kernel
 
 Values = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+
+LEAST_CHANCE = 1e-300
+"""A chance of being right below this counts as this: its logarithm is finite."""
 
 
 @kernel
@@ -30,6 +33,7 @@ def fill_logits(
     Linear: w_r R + w_h s H', H' being H standardised over the actions and s the larger of 1 and the sd of R. That is
     Eq. 3 with both standardised, times a factor of the decision: R keeps the sharpness that learning gave it
     (`docs/decisions/policy-gradient.md`). Raw: w_r R + w_h H. Exponential: w_r (R - min R)(1 + h^w_h) as in `choose`.
+    Advise: w_r R + log P(w_h H').
 
     Args:
         env_values: R of each action, shape (>= n,).
@@ -53,10 +57,10 @@ def fill_logits(
         reference = worst_action(env_values, ruled_out, n)
         centre = human_values[worst_action(human_values, ruled_out, n)]
         range_h = human_values[best_action(human_values, ruled_out, n)] - centre
-    elif form == LINEAR and w_h != 0.0:
+    elif form in (LINEAR, ADVISE) and w_h != 0.0:
         centre, spread_h = mean_and_sd(human_values, ruled_out, n)
-        spread_r = mean_and_sd(env_values, ruled_out, n)[1]
-        factor = w_h * max(1.0, spread_r) / spread_h if spread_h > 0.0 else 0.0
+        scale = max(1.0, mean_and_sd(env_values, ruled_out, n)[1]) if form == LINEAR else 1.0
+        factor = w_h * scale / spread_h if spread_h > 0.0 else 0.0
     for action in range(n):
         if exponential:
             share = (human_values[action] - centre) / range_h if range_h > 0.0 else 0.0
@@ -66,5 +70,8 @@ def fill_logits(
             logits[action] = gains[action] * (env_values[action] - env_values[reference])
         else:
             gains[action] = w_r
-            logits[action] = w_r * env_values[action] + factor * (human_values[action] - centre)
+            said = factor * (human_values[action] - centre)
+            if form == ADVISE and w_h != 0.0:
+                said = math.log(max(chance_of_right(said), LEAST_CHANCE))
+            logits[action] = w_r * env_values[action] + said
     return reference

@@ -1,8 +1,4 @@
-"""Kernels of policy gradient: softmax, its score, and one step of learning, for rows of features of any task.
-
-All run in a fixed order of plain IEEE operations (the exponential, too), so that every machine and plain Python give
-the same bits.
-"""
+"""Kernels of policy gradient: the score of a softmax, and one step of learning, for rows of features of any task."""
 
 import math
 from typing import NamedTuple
@@ -13,16 +9,11 @@ from numpy.typing import NDArray
 from core.compiled import kernel
 
 Floats = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 BASELINE, STEPS = range(2)
 """Places in `Memory.numbers`: running mean reward; decisions of the episode so far."""
 STEP_SIZE, TRACE_DECAY, BASELINE_RATE, ONLINE, NATURAL = range(5)
 """Places in `Memory.rates`; the last two are 1 for yes."""
-
-_LN2_HIGH = 6.93147180369123816490e-01
-_LN2_LOW = 1.90821492927058770002e-10
-_TERMS = 14
 
 
 class Memory(NamedTuple):
@@ -42,53 +33,6 @@ class Memory(NamedTuple):
     """In the order of the constants above."""
     rates: Floats
     """In the order of the constants above."""
-
-
-@kernel
-def exponential(x: float) -> float:
-    """Return e**x for x <= 0, to the last bit or two; 0 below -700."""
-    if x < -700.0:
-        return 0.0
-    halvings = math.floor(x / _LN2_HIGH + 0.5)
-    rest = (x - halvings * _LN2_HIGH) - halvings * _LN2_LOW
-    total = 1.0
-    for term in range(_TERMS, 0, -1):
-        total = 1.0 + rest * total / term
-    return math.ldexp(total, int(halvings))
-
-
-@kernel
-def softmax(logits: Floats, ruled_out: Mask, n: int, out: Floats) -> None:
-    """Write the probabilities of n actions, shape (>= n,): 0 where ruled out; if all are, action 0 is certain."""
-    highest = -math.inf
-    for action in range(n):
-        out[action] = 0.0
-        if not ruled_out[action]:
-            highest = max(highest, logits[action])
-    if highest == -math.inf:
-        out[0] = 1.0
-        return
-    total = 0.0
-    for action in range(n):
-        if not ruled_out[action]:
-            out[action] = exponential(logits[action] - highest)
-            total += out[action]
-    for action in range(n):
-        out[action] /= total
-
-
-@kernel
-def drawn(probabilities: Floats, n: int, point: float) -> int:
-    """Return the action in whose share of [0, 1) `point` lies; the shares are in the order of the actions."""
-    cumulative = 0.0
-    last = 0
-    for action in range(n):
-        if probabilities[action] > 0.0:
-            cumulative += probabilities[action]
-            last = action
-            if point < cumulative:
-                break
-    return last
 
 
 @kernel

@@ -18,14 +18,8 @@ from core.compiled import kernel
 from core.counters import uniform_at
 from core.learners.linear import action_values
 from core.learners.policy_gradient import PolicyGradient
-from core.learners.policy_gradient_kernels import (
-    Memory,
-    drawn,
-    fill_score,
-    learn_from_reward,
-    remember_score,
-    softmax,
-)
+from core.learners.policy_gradient_kernels import Memory, fill_score, learn_from_reward, remember_score
+from core.softmax import drawn, softmax
 from core.streams import stream_seed
 from core.tetris.afterstate import Tetris
 from core.tetris.autoplay import PIECE_LIMIT

@@ -71,3 +71,26 @@ def exponential_choice(
             share = 1.0 - share
         scores[a] = w_r * (float(env[a]) - low_r) * (1.0 + share ** abs(w_h))
     return first_best(scores)
+
+
+def advised_choice(
+    env: Sequence[float],
+    human: Sequence[float],
+    ruled_out: Sequence[bool],
+    w_r: float,
+    w_h: float,
+    *,
+    taken: int,
+) -> bool:
+    """Whether `taken` is a best action of Advise, in logarithms: the same but for rounding."""
+    actions = allowed_actions(ruled_out)
+    if not actions or w_h == 0:
+        return taken == first_best({a: float(env[a]) for a in actions})
+    mean_r, sd_r = mean_and_sd([float(env[a]) for a in actions])
+    mean_h, sd_h = mean_and_sd([float(human[a]) for a in actions])
+    scores = {}
+    for a in actions:
+        r = (float(env[a]) - mean_r) / sd_r if sd_r > 0 else 0.0
+        advice = w_h * (float(human[a]) - mean_h) / sd_h if sd_h > 0 else 0.0
+        scores[a] = w_r * r + min(advice, 0.0) - math.log1p(math.exp(-abs(advice)))
+    return taken in actions and scores[taken] >= max(scores.values()) - 1e-9

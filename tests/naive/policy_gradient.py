@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from core.combination.config import EXPONENTIAL, LINEAR
+from core.combination.config import ADVISE, EXPONENTIAL, LINEAR
 
 
 def logits(env, human, w_h, form, open_):
@@ -14,6 +14,9 @@ def logits(env, human, w_h, form, open_):
         if human.std() == 0:
             return env
         return env + w_h * max(1.0, env.std()) * (human - human.mean()) / human.std()
+    if form == ADVISE:
+        advice = w_h * (human - human.mean()) / human.std() if human.std() > 0 else np.zeros_like(human)
+        return env + np.log(1 / (1 + np.exp(-advice)))
     if form == EXPONENTIAL:
         span = human.max() - human.min()
         share = (human - human.min()) / span if span > 0 else np.zeros_like(human)

@@ -12,12 +12,16 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from core.combination.config import (
+    ADVISE,
+    ENVIRONMENT_WEIGHTS,
     EXPONENTIAL,
     LINEAR,
     LINEAR_RAW,
     SCHEMES,
     ActionBiasing,
+    Advise,
     Annealed,
+    Coach,
     Constant,
     ControlSharing,
     EnvironmentOnly,
@@ -25,11 +29,13 @@ from core.combination.config import (
     Exponential,
     HumanOnly,
     Linear,
+    QAugmentation,
+    RewardShaping,
     Scheme,
 )
-from core.combination.schemes import best_action, choose, takes_control, worst_action
+from core.combination.schemes import best_action, chance_of_right, choose, takes_control, worst_action
 from core.streams import stream
-from tests.naive.combination import exponential_choice, linear_choice
+from tests.naive.combination import advised_choice, exponential_choice, linear_choice
 
 
 def row(*values: float) -> NDArray[np.float64]:
@@ -64,6 +70,26 @@ def test_exponential_scheme_by_hand() -> None:
     assert choose(env, human, ruled_out, 3, EXPONENTIAL, 1.0, 3.0) == 1
 
 
+def test_advise_by_hand() -> None:
+    # Two actions: R' = -1, 1 and H' = 1, -1. pi_R(0) / pi_R(1) = e^-2; with C = 0.9 odds are ln 9 = 2.197:
+    # pi_H = 0.9 and 0.1, so action 0 has 0.9 e^-2 = 0.1218 to 0.1: taken, though R is as sure of action 1.
+    env, human, ruled_out = row(0, 1), row(5, 3), nothing_ruled_out(2)
+    assert chance_of_right(math.log(9.0)) == pytest.approx(0.9)
+    assert choose(env, human, ruled_out, 2, ADVISE, 1.0, math.log(9.0)) == 0
+    # C = 0.85: 0.85 e^-2 = 0.115 to 0.15
+    assert choose(env, human, ruled_out, 2, ADVISE, 1.0, math.log(0.85 / 0.15)) == 1
+    # A human as consistent as a coin says nothing; one who is mostly wrong means the opposite.
+    assert choose(env, human, ruled_out, 2, ADVISE, 1.0, 0.0) == 1
+    assert choose(row(1, 1.001, 0), row(9, 3, 0), nothing_ruled_out(3), 3, ADVISE, 1.0, -9.0) == 1
+
+
+def test_advice_is_the_formula_of_counts() -> None:
+    # C^d / (C^d + (1 - C)^d) with C = 0.8, d = 3 and d = -2
+    odds = math.log(0.8 / 0.2)
+    assert chance_of_right(3 * odds) == pytest.approx(0.8**3 / (0.8**3 + 0.2**3), rel=1e-14)
+    assert chance_of_right(-2 * odds) == pytest.approx(0.8**-2 / (0.8**-2 + 0.2**-2), rel=1e-14)
+
+
 def test_a_negative_weight_turns_the_humans_order_round_in_every_form() -> None:
     env, human, ruled_out = row(1, 1.1, 1), row(5, 4, -5), nothing_ruled_out(3)
     assert choose(env, human, ruled_out, 3, LINEAR, 1.0, -9.0) == 2
@@ -89,7 +115,7 @@ def test_ruled_out_actions_are_not_taken_and_do_not_set_the_scale() -> None:
     assert choose(env, human, ruled_out, 3, LINEAR, 1.0, 1.1) == 0
 
 
-@pytest.mark.parametrize("form", [LINEAR, EXPONENTIAL, LINEAR_RAW])
+@pytest.mark.parametrize("form", [LINEAR, EXPONENTIAL, LINEAR_RAW, ADVISE])
 def test_the_first_action_is_taken_when_all_are_ruled_out(form: int) -> None:
     all_out = np.ones(3, dtype=np.bool_)
     assert choose(row(1, 2, 3), row(3, 2, 1), all_out, 3, form, 1.0, 0.5) == 0
@@ -131,6 +157,8 @@ def test_kernel_and_naive_twin_choose_the_same_action(data: st.DataObject) -> No
         *lists, w_r, w_h, standardise=False
     )
     assert choose(env, human, ruled_out, n, EXPONENTIAL, 1.0, w_h) == exponential_choice(*lists, 1.0, w_h)
+    advised = choose(env, human, ruled_out, n, ADVISE, 1.0, w_h)
+    assert advised_choice(*lists, 1.0, w_h, taken=advised)
 
 
 @given(
@@ -146,7 +174,7 @@ def test_a_participant_on_another_scale_leads_to_the_same_action(
     env = np.array(env_values, dtype=np.float64)
     human = stream(seed, "human").normal(size=n)
     ruled_out = nothing_ruled_out(n)
-    for form in (LINEAR, EXPONENTIAL):
+    for form in (LINEAR, EXPONENTIAL, ADVISE):
         one = choose(env, human, ruled_out, n, form, 1.0, 0.7)
         assert choose(env, factor * human + shift, ruled_out, n, form, 1.0, 0.7) == one
 
@@ -167,6 +195,16 @@ def test_weights_of_every_scheme_by_hand() -> None:
     shares = [ControlSharing(beta_0=4.0, decay=0.5).weights(trust, k).share for k in range(4)]
     assert shares == [1.0, 1.0, 1.0, 0.5]
     assert ControlSharing().weights(trust, 0).w_h == 0.0
+    # 4 * 0.5^3 = 0.5 in the reward, nothing in the choice
+    assert RewardShaping(beta_0=4.0, decay=0.5).weights(trust, 3) == EpisodeWeights(
+        LINEAR, 1.0, 0.0, shaping=0.5
+    )
+    assert QAugmentation(beta=2.0).weights(trust, 3) == EpisodeWeights(LINEAR_RAW, 1.0, 2.0, augmentation=2.0)
+    # ln(0.8 / 0.2) = ln 4; temperature 0.5 doubles R
+    advice = Advise(consistency=0.8, temperature=0.5).weights(trust, 3)
+    assert (advice.form, advice.w_r) == (ADVISE, 2.0)
+    assert advice.w_h == pytest.approx(math.log(4.0))
+    assert Coach().weights(trust, 3) == ENVIRONMENT_WEIGHTS
 
 
 def test_the_papers_baseline_halves_in_about_34_episodes() -> None:
@@ -188,6 +226,10 @@ def test_every_scheme_is_registered_under_its_tag_and_survives_a_recordings_head
         ('{"type":"annealed","decay":1.5}', "decay is a factor"),
         ('{"type":"control-sharing","beta_0":-1}', "beta_0 is finite"),
         ('{"type":"linear","scale":"ranked"}', "scale"),
+        ('{"type":"reward-shaping","decay":0}', "decay is a factor"),
+        ('{"type":"advise","consistency":1}', "consistency is a chance"),
+        ('{"type":"advise","temperature":0}', "temperature"),
+        ('{"type":"coach","step_size":0}', "step_size"),
         ('{"type":"democratic"}', "democratic"),
     ],
 )
@@ -205,6 +247,8 @@ def test_wrong_episode_weights_are_refused() -> None:
         EpisodeWeights(LINEAR, 1.0, math.nan)
     with pytest.raises(ValueError, match="share"):
         EpisodeWeights(LINEAR, 1.0, 0.0, 1.01)
+    with pytest.raises(ValueError, match="shaping"):
+        EpisodeWeights(LINEAR, 1.0, 0.0, shaping=math.inf)
     with pytest.raises(ValueError, match="episode"):
         Annealed().weights(0.0, -1)
 

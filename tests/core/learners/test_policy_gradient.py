@@ -8,23 +8,21 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from core.combination.config import EXPONENTIAL, LINEAR, LINEAR_RAW
+from core.combination.config import ADVISE, EXPONENTIAL, LINEAR, LINEAR_RAW
 from core.combination.soft import fill_logits
 from core.learners.policy_gradient import PolicyGradient, PolicyGradientConfig, PolicyGradientLearner
 from core.learners.policy_gradient_kernels import (
     BASELINE,
-    drawn,
-    exponential,
     fill_score,
     invert_positive,
     learn_from_reward,
     remember_score,
-    softmax,
 )
+from core.softmax import drawn, exponential, softmax
 from core.streams import stream
 from tests.naive import policy_gradient as naive
 
-FORMS = (LINEAR, LINEAR_RAW, EXPONENTIAL)
+FORMS = (LINEAR, LINEAR_RAW, EXPONENTIAL, ADVISE)
 
 
 def learner(n=2, **changes) -> PolicyGradient:
