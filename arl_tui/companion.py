@@ -3,7 +3,7 @@
 The screen makes each suggestion a real key event, so a suggested press takes the same way as a person's.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from arl_tui.link import PressSuggested
 from core.episode import EpisodeStarted, StepTaken
@@ -11,7 +11,6 @@ from core.protocol import Protocol
 
 if TYPE_CHECKING:
     from core.session import Session
-    from core.tetris.afterstate import TetrisState
 
 
 class Companion:
@@ -20,25 +19,41 @@ class Companion:
     def __init__(self, session: "Session", protocol: Protocol, root_seed: int) -> None:
         # Here, not above: compiled code, and the screen's process imports this module with the worker's.
         from core.feedback.trainers import SimulatedTrainer
-        from core.tetris.oracle import TetrisOracle
+        from core.games import game_of
 
-        self._oracle = TetrisOracle(protocol.domain, protocol.trainer.knowledge)
+        game = game_of(protocol)
+        self._oracle = game.oracle(protocol)
+        self._viewing = game.viewing(protocol)
         self._domain = session.domain
         self._keys = protocol.keys
         self._trainer = SimulatedTrainer(protocol.trainer, root_seed=root_seed)
-        self._state: TetrisState | None = None
+        self._state: Any = None
 
     def begin(self, episode: EpisodeStarted) -> None:
         """Note that a watched episode begins."""
         self._state = self._domain.initial(episode.episode_seed)
         self._trainer.begin_episode(episode.episode)
 
-    def watch(self, step: StepTaken, *, shown_ns: int, hidden_ns: int) -> list[PressSuggested]:
-        """Return the presses about a step that is about to be shown, in order of time."""
+    def watch(self, step: StepTaken, *, shown_ns: int, hidden_ns: int | None = None) -> list[PressSuggested]:
+        """Return the presses about a step that is about to be shown, in order of time.
+
+        Args:
+            step: what was decided.
+            shown_ns: when it comes on screen.
+            hidden_ns: when its outcome is seen; None where the game's own pace says it.
+        """
         assert self._state is not None, "an episode starts before its first step"
-        values = self._oracle(self._state)
-        presses = self._trainer.watch(step.step, values, step.action, shown_ns=shown_ns, hidden_ns=hidden_ns)
-        self._state = self._domain.transition(self._state, step.action).next_state
+        following = self._domain.transition(self._state, step.action).next_state
+        seen = self._viewing.watched(self._state, step.action, following)
+        presses = self._trainer.watch(
+            step.step,
+            self._oracle(self._state),
+            step.action,
+            shown_ns=shown_ns,
+            hidden_ns=shown_ns + seen.judged_after_ns if hidden_ns is None else hidden_ns,
+            attention=seen.attention,
+        )
+        self._state = following
         good, bad = self._keys.good, self._keys.bad
         return [
             PressSuggested(key=good if press.value > 0 else bad, time_ns=press.time_ns) for press in presses

@@ -20,7 +20,7 @@ import msgspec
 
 from arl_tui.companion import Companion
 from arl_tui.link import Begin, Crashed, Picture, Ready, WorkerLine, WorkerLink
-from arl_tui.stage import TetrisStage
+from arl_tui.stage import stage_of
 from core.clock import NS_PER_S, Clock, ManualClock, MonotonicClock
 from core.episode import (
     EpisodeEnded,
@@ -165,7 +165,7 @@ class Show:
         self._line = line
         self._clock = clock
         self._companion = companion
-        self._stage = TetrisStage(protocol.domain)
+        self._stage = stage_of(protocol)
         self._tick_ns = protocol.screen.tick_ms * NS_PER_MS
         self._break_ns = round(protocol.screen.pause_between_episodes_s * NS_PER_S)
         self._arrived: list[Input] = []
@@ -197,7 +197,7 @@ class Show:
                 if self._companion is not None:
                     self._companion.begin(output)
                 self._due_ns = self._clock.now_ns()
-                self._play(-1, (self._stage.begin(output),))
+                self._play(-1, self._stage.begin(output))
             case StepTaken():
                 pictures = self._stage.act(output)
                 self._suggest(output, len(pictures))

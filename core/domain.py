@@ -32,6 +32,10 @@ class Choices:
     """psi(s, a) of the human reward model, shape (n, n_feedback_features)."""
     ruled_out: NDArray[np.bool_]
     """Actions whose value is -inf whatever the weights (a placement that ends the game), shape (n,)."""
+    actor: int = 0
+    """Who decides, where several learn side by side (Keepaway: the keeper), >= 0."""
+    time: int = 0
+    """When, in the domain's own time since the episode began (`Domain.time`), >= 0."""
 
     def __post_init__(self) -> None:
         n_actions = len(self.features)
@@ -76,7 +80,14 @@ class Domain(Protocol[State]):
         ...
 
     def performance(self, state: State) -> float:
-        """Return the performance measure pm of the episode up to `state`, >= 0 (Tetris: lines cleared)."""
+        """Return the performance measure pm of the episode up to `state`, >= 0.
+
+        Tetris: lines cleared. Keepaway: seconds since the kick-off.
+        """
+        ...
+
+    def time(self, state: State) -> int:
+        """Return the domain's own time since the episode began (Tetris: pieces; Keepaway: cycles of 100 ms)."""
         ...
 
     def detail(self, state: State, action: int) -> dict[str, int]:

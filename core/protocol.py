@@ -1,21 +1,35 @@
 """What an experimenter decides about a session, in one TOML file. No compiled code is imported.
 
-Every field has a default, and every default names its source, so an empty file is a protocol. The whole protocol
-is written to each recording's header, and a session is built from that alone (`core.session.build_session`).
+Every field has a default for each game, and every default names its source, so an empty file is a protocol. The whole
+protocol is written to each recording's header, and a session is built from that alone (`core.session.build_session`).
 """
 
 import tomllib
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import msgspec
 
-from core.combination.config import AgentConfig
-from core.feedback.config import TrainerConfig
+from core.combination.config import AgentConfig, Equation4
+from core.feedback.config import CreditConfig, TrainerConfig
 from core.feedback.delays import GammaDelay, describe
+from core.keepaway.pitch import KeepawayConfig
 from core.keys import KeyConfig
 from core.learners.cross_entropy_config import CrossEntropyConfig
+from core.learners.human_config import TileModel
+from core.learners.sarsa_config import SarsaConfig
 from core.tetris.config import TetrisConfig
+
+DomainConfig = TetrisConfig | KeepawayConfig
+"""What is played; msgspec decodes it by its tag, the field "type"."""
+LearnerConfig = CrossEntropyConfig | SarsaConfig
+"""How the environment's learner learns; decoded by its tag, too."""
+LEARNERS: dict[type[DomainConfig], tuple[type[LearnerConfig], ...]] = {
+    TetrisConfig: (CrossEntropyConfig,),
+    KeepawayConfig: (SarsaConfig,),
+}
+"""The learners that can learn each game."""
 
 
 class SessionConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -48,7 +62,10 @@ class ScreenConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     """How the session looks and how fast it goes."""
 
     tick_ms: int = 80
-    """Time per primitive action and per row of gravity, in milliseconds (TAMER's demo: 150)."""
+    """Tetris: time per primitive action and per row of gravity, in milliseconds (TAMER's demo: 150)."""
+    speed: float = 1.0
+    """Keepaway: simulated seconds per second, in [0.05, 5]; below 1 is slow motion. Times of presses and of what was on
+    screen stay real. (The paper plays the simulator at its own speed.)"""
     pause_between_episodes_s: float = 2.0
     """How long the final board of an episode stays, in seconds."""
     palette: Literal["standard", "colour-blind", "high-contrast", "sixteen"] = "standard"
@@ -57,6 +74,8 @@ class ScreenConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     def __post_init__(self) -> None:
         if not 10 <= self.tick_ms <= 2000:
             raise ValueError(f"tick_ms is 10..2000 milliseconds, got {self.tick_ms}")
+        if not 0.05 <= self.speed <= 5.0:
+            raise ValueError(f"speed is 0.05..5 simulated seconds per second, got {self.speed}")
         if not 0.0 <= self.pause_between_episodes_s <= 60.0:
             raise ValueError(
                 f"pause_between_episodes_s is 0..60 seconds, got {self.pause_between_episodes_s}"
@@ -72,9 +91,11 @@ class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
 
     name: str = "default"
     """What the experimenter calls it."""
-    domain: TetrisConfig = TetrisConfig(placements="reachable")
-    """Board and rules. What is shown must be what the paper's four actions can do, hence "reachable"."""
-    learner: CrossEntropyConfig = CrossEntropyConfig()
+    domain: DomainConfig = TetrisConfig(placements="reachable")
+    """Which game, its size and rules. Tetris: what is shown must be what the paper's four actions can do, hence
+    "reachable"."""
+    learner: LearnerConfig = CrossEntropyConfig()
+    """The environment's learner; each game has its own (`LEARNERS`)."""
     agent: AgentConfig = AgentConfig()
     delay_of: DelayOf = "rule"
     """Credit by `agent.credit.delay` ("rule"), by the participant's own measured delay of judging ("feedback-lag"), of
@@ -86,6 +107,33 @@ class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     trainer: TrainerConfig = TrainerConfig()
     """The simulated participant of demonstrations and of simulated sessions."""
 
+    def __post_init__(self) -> None:
+        known = [str(kind.__struct_config__.tag) for kind in LEARNERS[type(self.domain)]]
+        if _tag(self.learner) not in known:
+            raise ValueError(
+                f"a session of {self.game} has one of the learners {', '.join(known)}, not {_tag(self.learner)}: "
+                "set [learner] type"
+            )
+        if (self.game == "keepaway") != isinstance(self.agent.human_model, TileModel):
+            raise ValueError(
+                "the human model of Keepaway is of type tiles, that of Tetris is not; got "
+                f"{_tag(self.agent.human_model)} for {self.game}: set [agent.human_model] type"
+            )
+        trust = self.agent.bootstrap.trust
+        looks_back = isinstance(trust, Equation4) and (
+            trust.measured == "window" or (trust.match == "chance-corrected" and trust.chance is None)
+        )
+        if looks_back and isinstance(self.learner, SarsaConfig):
+            raise ValueError(
+                "a policy that changes at every step cannot be asked again about earlier decisions: use "
+                'measured = "as-played", and name the chance of a chance-corrected match'
+            )
+
+    @property
+    def game(self) -> str:
+        """Name of the game: "tetris" or "keepaway"."""
+        return _tag(self.domain)
+
     def departures(self) -> list[str]:
         """Return, in plain sentences, where this protocol does otherwise than the paper, or fills its silence."""
         credit, trust = self.agent.credit, self.agent.bootstrap.trust
@@ -93,33 +141,121 @@ class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         found = [
             "R and H are standardised over the actions of each decision (the paper does not say how they are scaled)",
             f"watched episodes stop after {session.watched_steps} steps, unseen ones after {session.unseen_steps}",
-            "the symmetric update is made explicit: top policies are drawn by performance and match",
         ]
         if not (isinstance(credit.delay, GammaDelay) and credit.delay == GammaDelay()):
             found.append(f"a press is credited by the rule {describe(credit.delay)}")
         else:
             found.append("gamma(2.5, 0.3) is read as shape and scale: mean 0.75 s, mode 0.45 s, not 0.5 s")
         found.append(f"w_h follows the rule {type(trust).__name__}")
-        if self.domain.features != "bertsekas-21":
-            found.append(f"the environment's learner sees the features {self.domain.features}")
+        return found + (
+            _in_tetris(self.domain) if isinstance(self.domain, TetrisConfig) else self._in_keepaway()
+        )
+
+    def _in_keepaway(self) -> list[str]:
+        """Return what is particular to Keepaway."""
+        assert isinstance(self.domain, KeepawayConfig)
+        found = [
+            "the simulator is our own, not the RoboCup soccer server (docs/results/keepaway_fidelity.md)",
+            "each episode begins a new match: body directions are drawn anew",
+            "every episode counts as one policy, because the learner changes all the time",
+            f"the human model sees the learner's tiles, {self._shares_human_model()}",
+        ]
+        if self.screen.speed != 1.0:
+            found.append(f"the game is shown at {self.screen.speed:g} times its own speed")
+        if self.domain.exact_state:
+            found.append("players know the exact state instead of noisy perceptions")
         return found
+
+    def _shares_human_model(self) -> str:
+        model = self.agent.human_model
+        shared = isinstance(model, TileModel) and model.shared
+        return "one model for all keepers" if shared else "one model per keeper"
+
+
+def _in_tetris(domain: TetrisConfig) -> list[str]:
+    """Return what is particular to Tetris."""
+    found = ["the symmetric update is made explicit: top policies are drawn by performance and match"]
+    if domain.features != "bertsekas-21":
+        found.append(f"the environment's learner sees the features {domain.features}")
+    return found
+
+
+def _tag(config: msgspec.Struct) -> str:
+    return str(config.__struct_config__.tag)
+
+
+TETRIS = Protocol()
+KEEPAWAY = Protocol(
+    domain=KeepawayConfig(),
+    learner=SarsaConfig(),
+    agent=AgentConfig(
+        credit=CreditConfig(delay=GammaDelay()),
+        human_model=TileModel(),
+    ),
+    # Section 4: at most two presses per episode, about 1 in 10 of them wrong.
+    keys=KeyConfig(max_presses_per_episode=2),
+    trainer=TrainerConfig(press_probability=0.5, max_presses=2),
+    # An untrained team keeps the ball for about 7 s, a trained one for 12 s; a step takes 0.1 s or a pass.
+    session=SessionConfig(episodes=20, unseen_between=0, watched_steps=1200, unseen_steps=12000),
+)
+DEFAULTS: dict[str, Protocol] = {"tetris": TETRIS, "keepaway": KEEPAWAY}
+"""The default protocol of each game."""
+
+
+def protocol_from(plain: Mapping[str, Any], *, game: str = "tetris") -> Protocol:
+    """Return the protocol that plain types describe: a recording's header, or a TOML file.
+
+    What is not said has the default of the game. A table with another `type` than the default's stands for itself.
+
+    Args:
+        plain: tables as in `arl protocol`; recordings made before there was a second game do not name theirs.
+        game: which one is meant where `plain` does not say.
+
+    Raises:
+        ValueError: a field is unknown, of the wrong type or out of range (`msgspec.ValidationError`, with its place).
+    """
+    domain = plain.get("domain", {})
+    named = domain.get("type", game) if isinstance(domain, Mapping) else game
+    default = DEFAULTS.get(str(named), TETRIS)
+    return msgspec.convert(_filled(plain, msgspec.to_builtins(default)), Protocol)
+
+
+def _filled(plain: Mapping[str, Any], default: Mapping[str, Any]) -> dict[str, Any]:
+    """Return `plain` with the default's fields where it has none, table by table."""
+    filled = {name: value for name, value in default.items() if name not in plain}
+    for name, value in plain.items():
+        below = default.get(name)
+        if isinstance(value, Mapping) and isinstance(below, Mapping) and _same_kind(value, below):
+            filled[name] = _filled(value, below)
+        else:
+            filled[name] = value
+    return filled
+
+
+def _same_kind(value: Mapping[str, Any], default: Mapping[str, Any]) -> bool:
+    kind = default.get("type")
+    return bool(value.get("type", kind) == kind)
 
 
 class ProtocolError(ValueError):
     """A protocol file cannot be used; the message names file, place and reason."""
 
 
-def load_protocol(path: Path | None) -> Protocol:
+def load_protocol(path: Path | None, *, game: str = "tetris") -> Protocol:
     """Return the protocol in a TOML file; the defaults for None.
+
+    Args:
+        path: the file.
+        game: which game's defaults are meant where the file does not name one.
 
     Raises:
         ProtocolError: the file is not TOML, or a field is unknown, of the wrong type or out of range.
         OSError: the file cannot be read.
     """
     if path is None:
-        return Protocol()
+        return DEFAULTS[game]
     try:
-        return msgspec.convert(tomllib.loads(path.read_text(encoding="utf-8")), Protocol)
+        return protocol_from(tomllib.loads(path.read_text(encoding="utf-8")), game=game)
     except tomllib.TOMLDecodeError as error:
         raise ProtocolError(f"{path}: not a TOML file: {error}") from error
     except (msgspec.ValidationError, ValueError) as error:

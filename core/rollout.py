@@ -61,6 +61,8 @@ class Played:
     agreed_worst: int
     """Steps at which the environment policy chose the human policy's worst action."""
     ended: Literal["termination", "truncation"]
+    time: int = 0
+    """The domain's own time at the end (`Domain.time`)."""
 
 
 class FeedbackSource(Protocol):
@@ -112,6 +114,10 @@ class Agent(Listener, Protocol):
 
     def choose(self, choices: Choices, policy: EpisodePolicy, *, step: int) -> Decision:
         """Decide step number `step` of the episode."""
+        ...
+
+    def learn_from_step(self, choices: Choices, action: int, reward: float) -> None:
+        """Take in what was done in the decision last made, and the reward of its step."""
         ...
 
     def learn_from_domain(self, policy: EpisodePolicy, played: Played) -> None:
@@ -221,6 +227,7 @@ def play_episode(
         choices = domain.choices(state)
         decision = agent.choose(choices, plan.policy, step=steps)
         transition = domain.transition(state, decision.action)
+        agent.learn_from_step(choices, decision.action, transition.reward)
         audience.expect(plan.first_step + steps, choices.feedback_features[decision.action])
         agreed += decision.environment_action == decision.human_action
         agreed_worst += decision.environment_action == decision.human_worst_action
@@ -244,6 +251,7 @@ def play_episode(
         agreed=agreed,
         agreed_worst=agreed_worst,
         ended="termination" if domain.terminal(state) else "truncation",
+        time=domain.time(state),
     )
     agent.learn_from_domain(plan.policy, played)
     yield EpisodeEnded(

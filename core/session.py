@@ -3,23 +3,17 @@
 Everything that is not in its inputs follows from the protocol and the root seed, so a recording replays exactly.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 from core.clock import Clock
-from core.combination.agent import ArlAgent, EpisodePolicy
+from core.combination.agent import ArlAgent
 from core.domain import Domain
 from core.episode import Output, SessionEnded, StepTaken, UnseenPlayed
-from core.learners.cross_entropy import CrossEntropyLearner
+from core.games import Player, game_of
 from core.protocol import Protocol, SessionConfig
 from core.rollout import Agent, Audience, EpisodePlan, FeedbackSource, Played, play_episode
 from core.streams import stream_seed
-from core.tetris.afterstate import Tetris
-from core.tetris.combined import play_combined
-from core.tetris.config import TetrisConfig
-
-Player = Callable[[EpisodePolicy, int, int], Played]
-"""Plays one unseen episode: (policy, episode seed, most steps) -> what came of it."""
 
 
 class Session:
@@ -107,55 +101,15 @@ def build_session(protocol: Protocol, root_seed: int) -> Session:
 
     Args:
         protocol: everything the experimenter decided.
-        root_seed: >= 0; pieces, candidates and all random choices follow from it.
-
-    Raises:
-        ValueError: the protocol asks for a participant's measured delay and nobody has put its numbers in.
+        root_seed: >= 0; episodes, policies and all random choices follow from it.
     """
-    if protocol.delay_of != "rule":
-        raise ValueError(
-            f"delay_of is {protocol.delay_of!r}: put the participant's delay into agent.credit.delay and set delay_of to "
-            "'rule' (`arl play` does both)"
-        )
+    game = game_of(protocol)
+    agent = game.agent(protocol, root_seed)
     return Session(
-        Tetris(protocol.domain),
-        build_agent(protocol, root_seed),
-        tetris_player(protocol.domain),
-        protocol.session,
-        root_seed=root_seed,
+        game.domain(protocol), agent, game.player(protocol, agent), protocol.session, root_seed=root_seed
     )
 
 
 def build_agent(protocol: Protocol, root_seed: int) -> ArlAgent:
     """Return a new agent that has learned nothing."""
-    domain = Tetris(protocol.domain)
-    return ArlAgent(
-        CrossEntropyLearner(protocol.learner, n_weights=len(domain.feature_names), root_seed=root_seed),
-        protocol.agent,
-        n_feedback_features=len(domain.feedback_feature_names),
-        root_seed=root_seed,
-    )
-
-
-def tetris_player(config: TetrisConfig) -> Player:
-    """Return what plays unseen games of Tetris: whole games in compiled code."""
-
-    def play(policy: EpisodePolicy, episode_seed: int, max_steps: int) -> Played:
-        episode = play_combined(
-            policy.theta,
-            policy.human_weights,
-            episode_seed,
-            config,
-            policy.weights,
-            share_seed=policy.share_seed,
-            piece_cap=max_steps,
-        )
-        return Played(
-            performance=float(episode.lines),
-            steps=episode.n_decisions,
-            agreed=episode.n_agree,
-            agreed_worst=episode.n_agree_worst,
-            ended="termination" if episode.finished else "truncation",
-        )
-
-    return play
+    return game_of(protocol).agent(protocol, root_seed)

@@ -5,6 +5,7 @@ cell exactly one starts at each of the last n_tilings cells. Stored by the cell 
 are one contiguous window: a decision needs one integer per variable.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -31,6 +32,15 @@ class TileCoder(NamedTuple):
     n_tilings: int
     n_tiles: int
     """Number of tiles of all variables and tilings: the length of a weight vector."""
+
+
+class Tiling(NamedTuple):
+    """How rows of active tiles index one flat weight vector: each entry of a row is the first tile of a window."""
+
+    n_weights: int
+    """Length of the weight vector."""
+    n_tilings: int
+    """Length of each window."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,3 +120,35 @@ def add_to_windows(weights: Floats, windows: Ints, n_tilings: int, amount: float
     for v in range(len(windows)):
         for k in range(windows[v], windows[v] + n_tilings):
             weights[k] += amount
+
+
+@kernel
+def row_values(rows: Floats, weights: Floats, n_tilings: int) -> Floats:
+    """Return the sum of the weights of the active tiles of each row of window starts, (n, v) -> (n,)."""
+    out = np.empty(rows.shape[0])
+    windows = np.empty(rows.shape[1], np.int64)
+    for i in range(rows.shape[0]):
+        for v in range(rows.shape[1]):
+            windows[v] = int(rows[i, v])
+        out[i] = window_sum(weights, windows, n_tilings)
+    return out
+
+
+def tile_values(tiling: Tiling) -> Callable[[Floats, Floats], Floats]:
+    """Return the function (rows of window starts (n, v), weights) -> values (n,)."""
+    return lambda rows, weights: row_values(rows, weights, tiling.n_tilings)
+
+
+def runs(weights: Floats) -> tuple[Floats, Floats]:
+    """Return the starts of runs of equal numbers, and these numbers: short, because a window changes all its tiles.
+
+    A weight vector is these numbers, each repeated up to the next start; `from_runs` is the way back, exactly.
+    """
+    starts = np.flatnonzero(np.append(True, np.diff(weights) != 0.0)).astype(np.float64)
+    return starts, weights[starts.astype(np.int64)]
+
+
+def from_runs(starts: Floats, values: Floats, n: int) -> Floats:
+    """Return the n numbers behind `runs`."""
+    lengths = np.diff(np.append(np.asarray(starts, np.int64), n))
+    return np.repeat(np.asarray(values, np.float64), lengths)

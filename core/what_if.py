@@ -7,6 +7,7 @@ shown others. What is learned from the recorded steps is exact; what it would ha
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -27,13 +28,12 @@ from core.episode import (
     StepTaken,
     UnseenPlayed,
 )
+from core.games import Player, game_of
 from core.protocol import Protocol
 from core.recording.reader import Recording
 from core.replay import Recorded
 from core.rollout import Audience, Played
-from core.session import Player, build_agent, tetris_player
 from core.streams import stream_seed
-from core.tetris.afterstate import Tetris, TetrisState
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,6 +44,8 @@ class WatchedStep:
     choices: Choices
     taken: NDArray[np.float64]
     """psi(s, a) of the action that was taken, shape (G,); NaN where the recording does not tell."""
+    time_after: int = 0
+    """The domain's own time when the step was over; 0 where the recording does not tell."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,9 +70,10 @@ class Relearned:
 
 def watched_steps(recording: Recording, protocol: Protocol) -> dict[int, WatchedStep]:
     """Return every watched step by its number, with the features that `protocol` asks for."""
-    domain = Tetris(protocol.domain)
+    game = game_of(protocol)
+    domain = game.domain(protocol)
     steps: dict[int, WatchedStep] = {}
-    state: TetrisState | None = None
+    state: Any = None
     for output in recording.outputs:
         match output:
             case EpisodeStarted(episode_seed=seed):
@@ -78,12 +81,12 @@ def watched_steps(recording: Recording, protocol: Protocol) -> dict[int, Watched
             case StepTaken(observed=None):
                 assert state is not None, "a step follows the start of its episode"
                 choices = domain.choices(state)
-                steps[output.step] = WatchedStep(
-                    output.step, choices, choices.feedback_features[output.action]
-                )
                 state = domain.transition(state, output.action).next_state
+                steps[output.step] = WatchedStep(
+                    output.step, choices, choices.feedback_features[output.action], domain.time(state)
+                )
             case StepTaken():
-                steps[output.step] = _observed_step(domain, output)
+                steps[output.step] = WatchedStep(output.step, *game.observed(domain, output))
     return steps
 
 
@@ -102,8 +105,9 @@ def relearn(
         steps: from `watched_steps` with the same protocol.
         root_seed: of the agent and of unseen episodes. That of the recording gives a live session's own agent.
     """
-    agent = build_agent(protocol, root_seed)
-    play = tetris_player(protocol.domain)
+    game = game_of(protocol)
+    agent = game.agent(protocol, root_seed)
+    play = game.player(protocol, agent)
     source = Recorded(recording.inputs)
     audience = Audience(agent, source)
     relearned = Relearned(agent)
@@ -145,11 +149,7 @@ def hear(
         steps: from `watched_steps` with the same protocol.
         count: which accepted presses (by number) count; the others are left out.
     """
-    human = HumanLearner(
-        protocol.agent.credit,
-        protocol.agent.human_model,
-        len(Tetris(protocol.domain).feedback_feature_names),
-    )
+    human = game_of(protocol).listener(protocol)
     inputs = tuple(_countable(recording.inputs, count))
     source = Recorded(inputs)
     audience = Audience(human, source)
@@ -173,6 +173,7 @@ class _Watched:
         self._steps = steps
         self._policy: EpisodePolicy | None = None
         self._taken = 0
+        self._time = 0
 
     @property
     def policy(self) -> EpisodePolicy:
@@ -182,15 +183,18 @@ class _Watched:
     def begin(self, policy: EpisodePolicy) -> None:
         self._policy = policy
         self._taken = 0
+        self._time = 0
 
     def take(self, agent: ArlAgent, audience: Audience, output: StepTaken) -> None:
         watched = self._steps[output.step]
         agent.choose(watched.choices, self.policy, step=self._taken)
+        agent.learn_from_step(watched.choices, output.action, output.reward)
         audience.expect(output.step, watched.taken)
         self._taken += 1
+        self._time = watched.time_after
 
     def played(self, output: EpisodeEnded) -> Played:
-        return Played(output.performance, output.steps, 0, 0, output.ended)
+        return Played(output.performance, output.steps, 0, 0, output.ended, self._time)
 
 
 def _countable(inputs: Iterable[Input], count: Callable[[int], bool]) -> Iterator[Input]:
@@ -211,19 +215,6 @@ def _play_unseen(
         policy = agent.begin_episode(episode, exploring=True)
         seed = stream_seed(root_seed, "episode", episode)
         agent.learn_from_domain(policy, play(policy, seed, protocol.session.unseen_steps))
-
-
-def _observed_step(domain: Tetris, output: StepTaken) -> WatchedStep:
-    """Return a step of an imported recording, from the boards as they were seen."""
-    assert output.observed is not None
-    before = tuple(output.observed["before"])
-    choices = domain.choices_on(before, output.detail["piece"])
-    after = output.observed.get("after")
-    if after is None:
-        taken = np.full(choices.feedback_features.shape[1], np.nan)
-    else:
-        taken = domain.feedback_difference(before, tuple(after))
-    return WatchedStep(output.step, choices, taken)
 
 
 def _attend_rest(audience: Audience, source: Recorded, recording: Recording) -> Iterator[CreditGiven]:

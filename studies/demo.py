@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,17 +11,13 @@ from core.clock import ManualClock, wall_time_utc
 from core.episode import EpisodeEnded, KeyPressed, UnseenPlayed
 from core.feedback.source import SimulatedParticipant
 from core.feedback.trainers import SimulatedTrainer
-from core.keys import NS_PER_MS, PressGate
+from core.games import game_of
+from core.keys import PressGate
 from core.protocol import Protocol
 from core.recording.reader import Recording
 from core.recording.recorder import LineWriter
 from core.recording.schema import Header, to_plain
 from core.session import build_session
-from core.tetris.afterstate import TetrisState
-from core.tetris.oracle import TetrisOracle
-
-TICKS_PER_STEP = 14
-"""How long a simulated step is on screen, in ticks: about what a shown piece takes."""
 
 
 def simulate_session(protocol: Protocol, root_seed: int, target: Path, *, software: dict[str, str]) -> Path:
@@ -34,14 +31,14 @@ def simulate_session(protocol: Protocol, root_seed: int, target: Path, *, softwa
     """
     clock = ManualClock()
     session = build_session(protocol, root_seed)
-    participant = SimulatedParticipant[TetrisState](
+    game = game_of(protocol)
+    participant = SimulatedParticipant[Any](
         session.domain,
-        TetrisOracle(protocol.domain, protocol.trainer.knowledge),
+        game.oracle(protocol),
         SimulatedTrainer(protocol.trainer, root_seed=root_seed),
         PressGate(protocol.keys),
         clock,
-        step_ns=TICKS_PER_STEP * protocol.screen.tick_ms * NS_PER_MS,
-        pause_ns=round(protocol.screen.pause_between_episodes_s * 1000) * NS_PER_MS,
+        game.viewing(protocol),
     )
     header = Header(
         origin="simulated",
@@ -71,10 +68,10 @@ class SessionSummary:
     episodes: int
     """Watched episodes."""
     unseen_episodes: int
-    lines: tuple[float, ...]
-    """Lines cleared in each watched episode."""
+    performances: tuple[float, ...]
+    """Lines cleared, or seconds the ball was kept, in each watched episode."""
     unseen_means: tuple[float, ...]
-    """Mean lines of the unseen episodes between two watched ones."""
+    """Mean performance of the unseen episodes between two watched ones."""
     accepted: int
     """Presses that counted."""
     praised: int
@@ -94,7 +91,7 @@ def summarise(recording: Recording) -> SessionSummary:
     return SessionSummary(
         episodes=len(ended),
         unseen_episodes=sum(len(block.policies) for block in unseen),
-        lines=tuple(event.performance for event in ended),
+        performances=tuple(event.performance for event in ended),
         unseen_means=tuple(_mean(block.performances) for block in unseen),
         accepted=len(accepted),
         praised=sum(press.value is not None and press.value > 0 for press in accepted),

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from core.combination.config import SCHEMES
 from core.episode import CreditGiven, KeyPressed, PressRetracted
 from core.feedback.credit import Delay, describe
+from core.games import game_of
 from core.protocol import Protocol
 from core.recording.reader import Recording, read_recording
-from core.session import tetris_player
 from core.streams import stream, stream_seed
 from core.what_if import Relearned, WatchedStep, hear, relearn, watched_steps
 from studies.statistics import Interval, mean_interval
@@ -133,12 +133,10 @@ def _evaluate(
     relearned: Relearned, protocol: Protocol, settings: WhatIfSettings
 ) -> tuple[NDArray[np.float64], float]:
     """Play fresh games with what was learned; every row plays the same seeds."""
-    policy = relearned.agent.final_policy(len(relearned.w_h))
-    play = tetris_player(protocol.domain)
-    played = [
-        play(policy, stream_seed(settings.root_seed, "what-if", "game", game), settings.piece_cap)
-        for game in range(settings.games)
-    ]
+    seeds = [stream_seed(settings.root_seed, "what-if", "game", game) for game in range(settings.games)]
+    played = game_of(protocol).evaluate(
+        protocol, relearned.agent, seeds, max_steps=settings.piece_cap, episode=len(relearned.w_h)
+    )
     lines = np.array([game.performance for game in played])
     return lines, sum(game.ended == "truncation" for game in played) / len(played)
 

@@ -57,7 +57,7 @@ def tell_summary(path: Path) -> None:
     from studies.demo import summarise
 
     summary = summarise(read_or_stop(path, allow_truncated=True))
-    lines = ", ".join(f"{value:g}" for value in summary.lines)
+    lines = ", ".join(f"{value:g}" for value in summary.performances)
     unseen = ", ".join(f"{value:.1f}" for value in summary.unseen_means)
     click.echo(f"Games watched: {summary.episodes}; lines cleared: {lines}")
     click.echo(

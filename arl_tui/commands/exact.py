@@ -6,7 +6,7 @@ import click
 import msgspec
 
 from core.episode import SessionEnded
-from core.protocol import Protocol
+from core.protocol import Protocol, protocol_from
 from core.recording.reader import Recording, RecordingError, read_recording
 
 
@@ -21,7 +21,7 @@ def read_or_stop(path: Path, *, allow_truncated: bool) -> Recording:
 def protocol_of(recording: Recording) -> Protocol:
     """Return the protocol in a recording's header."""
     try:
-        return msgspec.convert(recording.header.protocol, Protocol)
+        return protocol_from(recording.header.protocol)
     except msgspec.ValidationError as error:
         raise click.ClickException(f"{recording.path}:1: the protocol cannot be used: {error}") from error
 

@@ -31,6 +31,7 @@ from core.episode import (
     WrongPressAsked,
 )
 from core.protocol import Protocol
+from core.tetris.config import TetrisConfig
 
 if TYPE_CHECKING:
     from arl_tui.app import ArlApp
@@ -69,10 +70,12 @@ class PlayScreen(Screen[None], inherit_bindings=False):
             palette: colours of the pieces.
         """
         super().__init__()
-        self.board = TetrisBoard(protocol.domain.rows, protocol.domain.columns, palette=palette)
+        assert isinstance(protocol.domain, TetrisConfig), "this screen shows a board"
+        rows, columns = protocol.domain.rows, protocol.domain.columns
+        self.board = TetrisBoard(rows, columns, palette=palette)
         self._needed = Size(
-            max(SMALLEST.width, protocol.domain.columns * CELLS_PER_BLOCK + BESIDE),
-            max(SMALLEST.height, protocol.domain.rows + BELOW),
+            max(SMALLEST.width, columns * CELLS_PER_BLOCK + BESIDE),
+            max(SMALLEST.height, rows + BELOW),
         )
         self.feedback = FeedbackBar(protocol.keys)
         self._next = NextPiece(palette=palette)

@@ -2,13 +2,14 @@
 
 import hashlib
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from core.combination.bootstrap_learning import BootstrapLearning, EpisodeReport
 from core.combination.config import ENVIRONMENT_WEIGHTS, AgentConfig, EpisodeWeights, HumanOnly
+from core.combination.environment import Ending, environment_side
 from core.combination.human_learner import HumanLearner
 from core.combination.schemes import best_action, choose, takes_control, worst_action
 from core.combination.trust import Comparison
@@ -16,9 +17,10 @@ from core.combination.window import DecisionWindow, Values
 from core.domain import Choices
 from core.episode import CreditGiven
 from core.fixed_point import exact_weights
-from core.learners.contract import EnvironmentLearner
+from core.learners.contract import EnvironmentLearner, StepwiseLearner
 from core.learners.linear import action_values
 from core.streams import stream, stream_seed
+from core.tile_coding import Tiling, tile_values
 
 
 def exact_values(rows: NDArray[np.float64], weights: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -32,7 +34,7 @@ class EpisodePolicy:
 
     policy_id: int
     theta: NDArray[np.float64]
-    """Weights of the environment policy, shape (F,)."""
+    """Weights of the environment policy, shape (F,); empty where the learner changes at every step."""
     human_weights: NDArray[np.float64]
     """v of the human model when the episode began, shape (G,); zeros while nothing is known."""
     weights: EpisodeWeights
@@ -60,13 +62,8 @@ class Decision:
     """The human policy's worst action; -1 while there is none."""
 
 
-class Outcome(Protocol):
+class Outcome(Ending, Protocol):
     """How an episode went (`core.rollout.Played`)."""
-
-    @property
-    def performance(self) -> float:
-        """Performance measure, >= 0."""
-        ...
 
     @property
     def steps(self) -> int:
@@ -83,11 +80,6 @@ class Outcome(Protocol):
         """Decisions at which the environment policy chose the human policy's worst action."""
         ...
 
-    @property
-    def ended(self) -> Literal["termination", "truncation"]:
-        """Whether the episode came to its end."""
-        ...
-
 
 class ArlAgent:
     """Chooses actions by environment and human (Fig. 1), and learns from both.
@@ -99,34 +91,37 @@ class ArlAgent:
 
     def __init__(
         self,
-        learner: EnvironmentLearner,
+        learner: EnvironmentLearner | StepwiseLearner,
         config: AgentConfig,
         *,
         n_feedback_features: int,
         root_seed: int,
+        feedback_tiles: Tiling | None = None,
         environment_values: Values | None = None,
         human_values: Values | None = None,
     ) -> None:
         """Begin without human feedback.
 
         Args:
-            learner: proposes policies and hears how they did.
+            learner: proposes policies and hears how they did, or learns at every step.
             config: scheme, trust, credit, human model.
             n_feedback_features: G, length of psi(s, a).
-            root_seed: of the session; streams "policy", "share" and "chance".
+            root_seed: of the session; streams "policy", "explore", "share" and "chance".
+            feedback_tiles: what psi(s, a) means where it lists active tiles; None for plain features.
             environment_values: R of each action from feature rows (n, F) and theta (F,). Default: `exact_values`.
             human_values: H of each action from feature rows (n, G) and v (G,); a constant does not matter.
                 Default: `exact_values`.
         """
         environment_values = environment_values or exact_values
-        human_values = human_values or exact_values
         self.config = config
-        self.human = HumanLearner(config.credit, config.human_model, n_feedback_features)
+        self.human = HumanLearner(
+            config.credit, config.human_model, n_feedback_features, tiles=feedback_tiles
+        )
+        human_values = human_values or (tile_values(feedback_tiles) if feedback_tiles else exact_values)
         self.window = DecisionWindow(config.bootstrap.window_decisions, environment_values, human_values)
         self.bootstrap = BootstrapLearning(config.bootstrap, self.window, root_seed=root_seed)
-        self._learner = learner
+        self._environment = environment_side(learner, environment_values)
         self._root_seed = root_seed
-        self._environment_values = environment_values
         self._human_values = human_values
         # Comparison of the episode being watched: (decisions, agreed, agreed_worst).
         self._watched = (0, 0, 0)
@@ -146,20 +141,23 @@ class ArlAgent:
         """
         self._watched = (0, 0, 0)
         share_seed = stream_seed(self._root_seed, "share", episode) >> 1
-        ranked = self.bootstrap.ranked
-        if exploring or not ranked:
-            candidate = self._learner.propose()
-            policy_id, theta = candidate.policy_id, candidate.weights
-        else:
+
+        def draw() -> tuple[int, NDArray[np.float64]]:
             drawn = self.bootstrap.draw(self._known_weights(), rng=stream(self._root_seed, "policy", episode))
-            policy_id, theta = drawn.policy_id, drawn.theta
+            return drawn.policy_id, drawn.theta
+
+        policy_id, theta, proposed = self._environment.begin_episode(
+            episode,
+            None if exploring or not self.bootstrap.ranked else draw,
+            rng=stream(self._root_seed, "explore", episode),
+        )
         return EpisodePolicy(
             policy_id=policy_id,
             theta=theta,
             human_weights=self.human.weights,
             weights=self._weights(episode),
             share_seed=share_seed,
-            exploring=exploring or not ranked,
+            exploring=proposed,
         )
 
     def choose(self, choices: Choices, policy: EpisodePolicy, *, step: int) -> Decision:
@@ -172,12 +170,12 @@ class ArlAgent:
         """
         n = len(choices.ruled_out)
         self.window.remember(choices)
-        env_values = self._environment_values(choices.features, policy.theta)
+        env_values = self._environment.values(choices, policy.theta)
         environment_action = best_action(env_values, choices.ruled_out, n)
         if not self.human.knows_something:
-            return Decision(
-                self._choose(env_values, np.zeros(n), choices, policy), environment_action, -1, -1
-            )
+            preferred = self._prefer(env_values, np.zeros(n), choices, policy)
+            action = self._environment.act(env_values, choices, preferred)
+            return Decision(action, environment_action, -1, -1)
         human_values = self._human_values(choices.feedback_features, self.human.weights)
         human_action = best_action(human_values, choices.ruled_out, n)
         human_worst_action = worst_action(human_values, choices.ruled_out, n)
@@ -188,9 +186,10 @@ class ArlAgent:
             agreed_worst + (environment_action == human_worst_action),
         )
         if takes_control(policy.share_seed, step, policy.weights.share):
-            action = human_action
+            preferred = human_action
         else:
-            action = self._choose(env_values, human_values, choices, policy)
+            preferred = self._prefer(env_values, human_values, choices, policy)
+        action = self._environment.act(env_values, choices, preferred)
         return Decision(action, environment_action, human_action, human_worst_action)
 
     def count_decisions(self, decisions: int, agreed: int, agreed_worst: int) -> None:
@@ -204,6 +203,10 @@ class ArlAgent:
         before = self._watched
         self._watched = (before[0] + decisions, before[1] + agreed, before[2] + agreed_worst)
 
+    def learn_from_step(self, choices: Choices, action: int, reward: float) -> None:
+        """Take in what was done in the decision last made, whoever chose it, and the reward of its step."""
+        self._environment.took(choices, action, reward)
+
     def learn_from_domain(self, policy: EpisodePolicy, played: Outcome) -> None:
         """Take in how an episode went: the learner hears of its proposal, policies are ranked, w_h is revised.
 
@@ -216,8 +219,7 @@ class ArlAgent:
         if decisions == 0 and policy.human_known:
             decisions, agreed, agreed_worst = played.steps, played.agreed, played.agreed_worst
         self._watched = (0, 0, 0)
-        if policy.exploring:
-            self._learner.report(policy.policy_id, played.performance)
+        self._environment.end_episode(policy.policy_id, played, proposed=policy.exploring)
         self.bootstrap.record(
             EpisodeReport(
                 policy_id=policy.policy_id,
@@ -259,7 +261,7 @@ class ArlAgent:
         best = ranked[0] if ranked else None
         return EpisodePolicy(
             policy_id=best.policy_id if best else -1,
-            theta=best.theta if best else np.zeros_like(self._learner.propose().weights),
+            theta=best.theta if best else self._environment.no_policy(),
             human_weights=self.human.weights,
             weights=self._weights(episode),
             share_seed=stream_seed(self._root_seed, "share", episode) >> 1,
@@ -268,14 +270,15 @@ class ArlAgent:
 
     def export(self) -> dict[str, list[float]]:
         """Return the weight vectors by name: the human model's, and those of the top policies, best first."""
-        vectors = {"human": self.human.weights.tolist(), "w_h": [self.w_h]}
+        vectors = {**self.human.export(), "w_h": [self.w_h], **self._environment.export()}
         for place, policy in enumerate(self.bootstrap.ranked):
-            vectors[f"policy-{place}"] = policy.theta.tolist()
+            if len(policy.theta):
+                vectors[f"policy-{place}"] = policy.theta.tolist()
         return vectors
 
     def digest(self) -> str:
         """Return SHA-256 over everything learned, hex: learner, top policies, human model, w_h."""
-        parts = (self._learner.state_digest(), self.bootstrap.state_bytes(), self.human.state_bytes())
+        parts = (self._environment.state_digest(), self.bootstrap.state_bytes(), self.human.state_bytes())
         digest = hashlib.sha256()
         for part in parts:
             digest.update(len(part).to_bytes(8, "little"))
@@ -290,14 +293,17 @@ class ArlAgent:
             return ENVIRONMENT_WEIGHTS
         return self.config.scheme.weights(self.w_h, episode)
 
-    def _choose(
+    def _prefer(
         self,
         env_values: NDArray[np.float64],
         human_values: NDArray[np.float64],
         choices: Choices,
         policy: EpisodePolicy,
     ) -> int:
+        """Return what both sides together prefer; -1 where the human has no say."""
         weights = policy.weights
+        if weights.w_h == 0.0:
+            return -1
         return choose(
             env_values,
             human_values,

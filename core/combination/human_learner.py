@@ -10,18 +10,30 @@ from core.feedback.assigner import CreditAssigner
 from core.feedback.samples import CreditConfig, MassAccount, Sample
 from core.learners.human_config import HumanModelConfig
 from core.learners.human_reward import HumanRewardModel
+from core.learners.human_tiles import HumanTileModel, human_model
+from core.tile_coding import Tiling
 
 
 class HumanLearner:
     """Keeps assigner and model in step: after every call the model has seen exactly the assigner's samples."""
 
-    def __init__(self, credit: CreditConfig, model: HumanModelConfig, n_features: int) -> None:
+    def __init__(
+        self, credit: CreditConfig, model: HumanModelConfig, n_features: int, *, tiles: Tiling | None = None
+    ) -> None:
+        """Begin without any press.
+
+        Args:
+            credit: how presses become samples.
+            model: how samples become H.
+            n_features: length of psi(s, a).
+            tiles: what psi(s, a) indexes where it lists active tiles; None for plain features.
+        """
         self._assigner = CreditAssigner(credit)
-        self._model = HumanRewardModel(model, n_features)
+        self._model = human_model(model, n_features, tiles)
         self._on_screen = -1
 
     @property
-    def model(self) -> HumanRewardModel:
+    def model(self) -> HumanRewardModel | HumanTileModel:
         """The model behind `weights`."""
         return self._model
 
@@ -80,6 +92,10 @@ class HumanLearner:
         """Learn from the steps that still waited for presses: the session is over."""
         self._assigner.finish(time_ns)
         self._learn()
+
+    def export(self) -> dict[str, list[float]]:
+        """Return the model's weights by name, for a recording's last line."""
+        return self._model.export()
 
     def state_bytes(self) -> bytes:
         """Return all that decides about what is learned later, for fingerprints."""

@@ -14,6 +14,7 @@ from core.clock import ManualClock
 from core.domain import Domain
 from core.episode import EpisodeEnded, EpisodeStarted, FrameShown, Input, Output, StepTaken
 from core.feedback.trainers import IntendedPress, SimulatedTrainer
+from core.feedback.viewing import Viewing
 from core.keys import PressGate
 
 State = TypeVar("State")
@@ -23,7 +24,7 @@ Oracle = Callable[[State], NDArray[np.float64]]
 
 
 class SimulatedParticipant(Generic[State]):
-    """Watches a session at a fixed pace and presses keys; a `core.rollout.FeedbackSource`.
+    """Watches a session at its pace and presses keys; a `core.rollout.FeedbackSource`.
 
     Whoever consumes the session's outputs hands each of them to `watch` before asking for the next one::
 
@@ -40,9 +41,7 @@ class SimulatedParticipant(Generic[State]):
         trainer: SimulatedTrainer,
         gate: PressGate,
         clock: ManualClock,
-        *,
-        step_ns: int,
-        pause_ns: int,
+        viewing: Viewing,
     ) -> None:
         """Sit down.
 
@@ -52,18 +51,14 @@ class SimulatedParticipant(Generic[State]):
             trainer: decides what is pressed and when.
             gate: decides which presses count.
             clock: the session's clock; it is moved on while steps are on screen.
-            step_ns: how long each step stays on screen, > 0.
-            pause_ns: how long the final picture of an episode stays, >= 0.
+            viewing: how long everything stays on screen.
         """
-        if step_ns <= 0 or pause_ns < 0:
-            raise ValueError(f"need step_ns > 0 and pause_ns >= 0, got {step_ns} and {pause_ns}")
         self._domain = domain
         self._oracle = oracle
         self._trainer = trainer
         self._gate = gate
         self._clock = clock
-        self._step_ns = step_ns
-        self._pause_ns = pause_ns
+        self._viewing = viewing
         self._state: State | None = None
         self._frame = -1
         self._arrived: list[Input] = []
@@ -84,13 +79,16 @@ class SimulatedParticipant(Generic[State]):
                 self._state = self._domain.initial(episode_seed)
                 self._trainer.begin_episode(episode)
                 self._gate.episode_started()
+                opening_ns = self._viewing.opening_ns(self._state)
+                if opening_ns > 0:
+                    self._show(-1)
+                    self._wait(opening_ns)
             case StepTaken(step=step, action=action):
                 self._show(step)
-                self._plan(step, action)
-                self._wait(self._step_ns)
+                self._wait(self._plan(step, action))
             case EpisodeEnded():
                 self._show(-1)
-                self._wait(self._pause_ns)
+                self._wait(self._viewing.pause_ns)
             case _:
                 pass  # nothing to see
         return self._arrived[before:]
@@ -100,16 +98,25 @@ class SimulatedParticipant(Generic[State]):
         self._gate.frame, self._gate.step = self._frame, step
         self._arrived.append(FrameShown(frame=self._frame, step=step, flushed_ns=self._clock.now_ns()))
 
-    def _plan(self, step: int, action: int) -> None:
+    def _plan(self, step: int, action: int) -> int:
+        """Note what will be pressed about a step; return how long it is on screen, in nanoseconds."""
         assert self._state is not None, "an episode starts before its first step"
         now_ns = self._clock.now_ns()
+        following = self._domain.transition(self._state, action).next_state
+        seen = self._viewing.watched(self._state, action, following)
         presses = self._trainer.watch(
-            step, self._oracle(self._state), action, shown_ns=now_ns, hidden_ns=now_ns + self._step_ns
+            step,
+            self._oracle(self._state),
+            action,
+            shown_ns=now_ns,
+            hidden_ns=now_ns + seen.judged_after_ns,
+            attention=seen.attention,
         )
         for press in presses:
             heapq.heappush(self._due, (press.time_ns, self._planned, press))
             self._planned += 1
-        self._state = self._domain.transition(self._state, action).next_state
+        self._state = following
+        return seen.duration_ns
 
     def _wait(self, duration_ns: int) -> None:
         """Let time go by, and press what is due."""

@@ -156,7 +156,14 @@ class SimulatedTrainer:
         return self._draws[place:]
 
     def watch(
-        self, step: int, oracle_values: NDArray[np.float64], action: int, *, shown_ns: int, hidden_ns: int
+        self,
+        step: int,
+        oracle_values: NDArray[np.float64],
+        action: int,
+        *,
+        shown_ns: int,
+        hidden_ns: int,
+        attention: float = 1.0,
     ) -> tuple[IntendedPress, ...]:
         """Return the presses about one step, in order of time.
 
@@ -166,6 +173,7 @@ class SimulatedTrainer:
             action: what the agent chose.
             shown_ns: when the step came on screen.
             hidden_ns: when its outcome is seen: the end of its time on screen.
+            attention: chance to speak of this step as a share of `press_probability`, in [0, 1].
         """
         if self._episode < 0:
             raise ValueError("begin_episode comes before the first step")
@@ -174,7 +182,7 @@ class SimulatedTrainer:
             return ()
         # Always drawn, in this order: a change of one rate leaves the other draws as they were.
         speaks, mistakes, deliberates, anticipates, bursts, moment = self._drawn(step)[0].tolist()
-        if speaks >= self.press_probability:
+        if speaks >= self.press_probability * attention:
             return ()
         believed = judgement(
             oracle_values,

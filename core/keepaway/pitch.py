@@ -4,8 +4,9 @@ Sources: RoboCup soccer server 15.2.2 (defaults) in keepaway mode; UT Austin kee
 of the players' own skills. Lengths in metres, speeds in metres per cycle, angles in degrees, one cycle = 100 ms.
 """
 
-from dataclasses import dataclass
 from typing import Final, NamedTuple
+
+import msgspec
 
 CYCLE_NS: Final = 100_000_000
 """Duration of one cycle in nanoseconds."""
@@ -100,8 +101,7 @@ class Rules(NamedTuple):
     """Seen distances, directions and their changes are rounded as the server does."""
 
 
-@dataclass(frozen=True, slots=True)
-class KeepawayConfig:
+class KeepawayConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="keepaway"):
     """A Keepaway task; the defaults are the paper's (section 3.3): 3v2 on 20 m x 20 m."""
 
     n_keepers: int = 3

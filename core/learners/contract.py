@@ -1,10 +1,15 @@
-"""What bootstrap learning asks of an environment learner, whichever algorithm it is."""
+"""What an agent asks of an environment learner, whichever algorithm it is.
+
+Two kinds: those that search among policies, each played for whole episodes, and those that learn at every step.
+"""
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
+
+from core.domain import Choices
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,4 +35,52 @@ class EnvironmentLearner(Protocol):
 
     def state_digest(self) -> bytes:
         """Return bytes that differ whenever anything differs that decides about later proposals."""
+        ...
+
+
+@runtime_checkable
+class StepwiseLearner(Protocol):
+    """Learns while an episode is played, so that each episode is a policy of its own (Sarsa, policy gradient).
+
+    An episode is `begin_episode`, then for each decision `values`, `act`, and `took` when the step's outcome is there,
+    then `end_episode`. Whoever only wants to know what the learner would do asks for `values` and `act` and leaves
+    out `took`.
+    """
+
+    def begin_episode(self, *, rng: np.random.Generator) -> None:
+        """Prepare for an episode; all its exploration is drawn from `rng`."""
+        ...
+
+    def values(self, choices: Choices) -> NDArray[np.float64]:
+        """Return R, the value of each action, shape (n,)."""
+        ...
+
+    def act(self, values: NDArray[np.float64], preferred: int) -> int:
+        """Return the action to take, exploration included.
+
+        Args:
+            values: from `values`, for the decision at hand.
+            preferred: what environment and human together prefer; -1 where the learner alone decides.
+        """
+        ...
+
+    def took(self, choices: Choices, action: int, reward: float) -> None:
+        """Learn from a decision: `action` was taken, whoever chose it, and its step brought `reward`."""
+        ...
+
+    def end_episode(self, time: int, *, terminated: bool) -> None:
+        """Learn from the end of the episode.
+
+        Args:
+            time: the domain's own time at the end (`Domain.time`).
+            terminated: it came to its end; otherwise it was broken off, and nobody knows what would have come.
+        """
+        ...
+
+    def state_digest(self) -> bytes:
+        """Return bytes that differ whenever anything differs that has been learned."""
+        ...
+
+    def export(self) -> dict[str, list[float]]:
+        """Return everything learned, by name, for a recording's last line."""
         ...

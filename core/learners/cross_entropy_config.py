@@ -54,7 +54,9 @@ Noise = NoNoise | ConstantNoise | DecreasingNoise
 """Any noise schedule; msgspec decodes it by its tag, the field "type"."""
 
 
-class CrossEntropyConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class CrossEntropyConfig(
+    msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag="cross-entropy"
+):
     """Settings of the noisy cross-entropy method."""
 
     population: int = 100

@@ -44,5 +44,25 @@ class RidgeModel(msgspec.Struct, frozen=True, tag="ridge"):
             )
 
 
-HumanModelConfig = SgdModel | RidgeModel
+class TileModel(msgspec.Struct, frozen=True, tag="tiles"):
+    """Linear model over the active tiles of a tile-coded domain, by incremental gradient descent from zero.
+
+    H(s, o) is the sum of the weights of the tiles that are active in s, for option o; a sample moves it by
+    step_size * weight of its remaining error.
+    """
+
+    step_size: float = 0.125
+    """Share of a sample's error that is taken out, in (0, 1]: divided by the number of active tiles in every update,
+    as the Sarsa of the released keepaway players does with its own. (Our choice.)"""
+    shared: bool = False
+    """One model for all keepers; otherwise each keeper has its own, as it has its own values."""
+
+    def __post_init__(self) -> None:
+        if not 0 < self.step_size <= 1:
+            raise ValueError(f"step_size is a share in (0, 1], got {self.step_size}")
+
+
+FeatureModelConfig = SgdModel | RidgeModel
+"""A human reward model over plain features."""
+HumanModelConfig = SgdModel | RidgeModel | TileModel
 """Any human reward model; msgspec decodes it by its tag, the field "type"."""

@@ -8,16 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.feedback.samples import Sample
-from core.learners.human_config import HumanModelConfig, RidgeModel, SgdModel
+from core.learners.human_config import FeatureModelConfig, RidgeModel, SgdModel
 from core.learners.linear import action_values, add_to_moments, gradient_step, solve_ridge, standardised
 
-__all__ = ["HumanModelConfig", "HumanRewardModel", "RidgeModel", "SgdModel"]
+__all__ = ["FeatureModelConfig", "HumanRewardModel", "RidgeModel", "SgdModel"]
 
 
 class HumanRewardModel:
     """Learns from samples one by one. The same samples in the same order give the same bits, however batched."""
 
-    def __init__(self, config: HumanModelConfig, n_features: int) -> None:
+    def __init__(self, config: FeatureModelConfig, n_features: int) -> None:
         if n_features < 1:
             raise ValueError(f"a model needs at least one feature, got {n_features}")
         self.config = config
@@ -86,6 +86,10 @@ class HumanRewardModel:
         """Return H of each action, rows (n, G), shape (n,), in units of a press."""
         return action_values(np.ascontiguousarray(rows, dtype=np.float64), self.weights) + self.intercept
 
+    def export(self) -> dict[str, list[float]]:
+        """Return the weights by name, for a recording's last line."""
+        return {"human": self.weights.tolist()}
+
     def state_bytes(self) -> bytes:
         """Return all that the model has learned, for fingerprints."""
         parts = (self._totals, self._means, self._scatter, self._sgd_weights)
@@ -108,7 +112,7 @@ class HumanRewardModel:
     def from_dict(cls, plain: Mapping[str, Any]) -> "HumanRewardModel":
         """Return the model that `to_dict` described; it goes on with the same bits."""
         try:
-            model = cls(msgspec.convert(plain["config"], HumanModelConfig), len(plain["weights"]))
+            model = cls(msgspec.convert(plain["config"], FeatureModelConfig), len(plain["weights"]))
             model._n_samples = int(plain["n_samples"])
             model._totals[0] = plain["total_weight"]
             for name, array in (

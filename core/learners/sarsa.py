@@ -5,50 +5,35 @@ them. A decision is an integer per variable (`core.tile_coding`) and an action.
 """
 
 import math
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from core.compiled import kernel
+from core.learners.sarsa_config import SarsaConfig
 from core.tile_coding import TileCoder, add_to_windows, window_sum
+
+__all__ = [
+    "NOT_YET",
+    "Sarsa",
+    "SarsaConfig",
+    "action_values",
+    "decide",
+    "end_episode",
+    "forget_episode",
+    "frozen",
+    "greedy_or_random",
+    "last_value",
+    "new_sarsa",
+    "reward_of",
+    "take_action",
+]
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 NOT_YET = -1
 """Last decision time of a learner that has not decided in this episode."""
-
-
-@dataclass(frozen=True, slots=True)
-class SarsaConfig:
-    """Sarsa(lambda); the defaults are those of the released keepaway players."""
-
-    step_size: float = 0.125
-    """alpha, divided by the number of active tiles in every update."""
-    discount: float = 1.0
-    """gamma per cycle, in (0, 1]."""
-    trace_decay: float = 0.0
-    """lambda per decision, in [0, 1]."""
-    exploration: float = 0.01
-    """epsilon: share of decisions taken at random."""
-    replacing_traces: bool = True
-    """True: a visited tile's trace becomes 1, those of the other actions there 0. False: traces accumulate."""
-    least_trace: float = 0.01
-    """Traces below this are dropped."""
-    initial_value: float = 0.0
-    """Action value before any learning, in cycles."""
-    shared_weights: bool = False
-    """All learners learn one weight vector."""
-
-    def __post_init__(self) -> None:
-        if not (self.step_size >= 0 and 0 < self.discount <= 1 and 0 <= self.trace_decay <= 1):
-            raise ValueError(
-                "need step_size >= 0, discount in (0, 1] and trace_decay in [0, 1], got "
-                f"{self.step_size}, {self.discount}, {self.trace_decay}"
-            )
-        if not 0 <= self.exploration <= 1:
-            raise ValueError(f"exploration is a share of decisions in [0, 1], got {self.exploration}")
 
 
 class Sarsa(NamedTuple):
@@ -164,7 +149,7 @@ def decide(sarsa: Sarsa, k: int, windows: Ints, time: int, rng: np.random.Genera
     values = sarsa.values[k]
     before = 0.0
     if sarsa.last_time[k] != NOT_YET:
-        before = _last_value(sarsa, k)
+        before = last_value(sarsa, k)
     action_values(sarsa, k, windows, values)
     action = greedy_or_random(values, sarsa.exploration, rng)
     take_action(sarsa, k, windows, action, time, before)
@@ -175,7 +160,7 @@ def decide(sarsa: Sarsa, k: int, windows: Ints, time: int, rng: np.random.Genera
 def take_action(sarsa: Sarsa, k: int, windows: Ints, action: int, time: int, before: float) -> None:
     """Learn from learner k's ended option, now that `action` is chosen, and remember the new decision.
 
-    `before` is the value of the ended option (`_last_value`), unused before the first decision. The values of the
+    `before` is the value of the ended option (`last_value`), unused before the first decision. The values of the
     present state have been written to `sarsa.values[k]`. Use this where somebody else chooses the action.
     """
     last = sarsa.last_time[k]
@@ -197,14 +182,23 @@ def end_episode(sarsa: Sarsa, time: int) -> None:
     for k in range(len(sarsa.last_time)):
         last = sarsa.last_time[k]
         if last != NOT_YET and sarsa.step_size > 0.0:
-            _learn(sarsa, k, reward_of(time - last, sarsa.discount) - _last_value(sarsa, k))
+            _learn(sarsa, k, reward_of(time - last, sarsa.discount) - last_value(sarsa, k))
         sarsa.last_time[k] = NOT_YET
     if sarsa.step_size > 0.0:
         sarsa.traces[:] = 0.0
 
 
 @kernel
-def _last_value(sarsa: Sarsa, k: int) -> float:
+def forget_episode(sarsa: Sarsa) -> None:
+    """Forget traces and decisions of an episode that was broken off: nobody knows what came of its last options."""
+    sarsa.last_time[:] = NOT_YET
+    if sarsa.step_size > 0.0:
+        sarsa.traces[:] = 0.0
+
+
+@kernel
+def last_value(sarsa: Sarsa, k: int) -> float:
+    """Return the value that learner k's last decision has now, in cycles; it must have decided in this episode."""
     weights = sarsa.weights[min(k, sarsa.weights.shape[0] - 1)]
     return window_sum(weights[sarsa.last_action[k]], sarsa.windows[k], sarsa.coder.n_tilings)
 

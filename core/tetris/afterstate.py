@@ -213,6 +213,10 @@ class Tetris:
         """Return the lines cleared so far."""
         return float(state.lines)
 
+    def time(self, state: TetrisState) -> int:
+        """Return the number of pieces placed so far."""
+        return state.k
+
 
 def _checked(action: int, n_actions: int) -> int:
     if not 0 <= action < n_actions:

@@ -16,7 +16,7 @@ MIN_COLUMNS, MAX_COLUMNS = 4, 16
 MIN_ROWS, MAX_ROWS = 4, 40
 
 
-class TetrisConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+class TetrisConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="tetris"):
     """Board, rules and features of a Tetris domain."""
 
     rows: int = 20

@@ -23,6 +23,7 @@ from core.rollout import Played
 from core.streams import stream_seed
 from core.tetris.afterstate import Tetris, TetrisState
 from core.tetris.combined import CombinedGame
+from core.tetris.sessions import tetris_rules
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,7 +91,7 @@ class WatchedTetris:
         """
         _check(protocol)
         self._protocol = protocol
-        self._domain = Tetris(protocol.domain)
+        self._domain = Tetris(tetris_rules(protocol))
         self.agent = agent
         self._trainer = trainer
         self._oracle = oracle
@@ -114,7 +115,7 @@ class WatchedTetris:
             policy.theta,
             policy.human_weights,
             seed,
-            self._protocol.domain,
+            tetris_rules(self._protocol),
             policy.weights,
             share_seed=policy.share_seed,
             window=self._reach + 1,
@@ -240,7 +241,7 @@ def _check(protocol: Protocol) -> None:
         trust.measured == "window" or (trust.match == "chance-corrected" and trust.chance is None)
     )
     for fine, wanted in (
-        (protocol.domain.placements == "all", 'domain.placements = "all"'),
+        (tetris_rules(protocol).placements == "all", 'domain.placements = "all"'),
         (protocol.session.watched == "proposed", 'session.watched = "proposed"'),
         (
             protocol.session.unseen_before == protocol.session.unseen_between == 0,

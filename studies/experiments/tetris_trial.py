@@ -8,8 +8,8 @@ from core.keys import NS_PER_MS
 from core.protocol import Protocol
 from core.session import build_agent
 from core.tetris.oracle import TetrisOracle
+from core.tetris.sessions import TICKS_PER_STEP, tetris_rules
 from core.tetris.watched import WatchedTetris
-from studies.demo import TICKS_PER_STEP
 
 
 def step_ns(protocol: Protocol) -> int:
@@ -23,7 +23,7 @@ def new_trial(protocol: Protocol, root_seed: int) -> WatchedTetris:
         protocol,
         build_agent(protocol, root_seed),
         SimulatedTrainer(protocol.trainer, root_seed=root_seed),
-        TetrisOracle(protocol.domain),
+        TetrisOracle(tetris_rules(protocol), protocol.trainer.knowledge),
         root_seed=root_seed,
         step_ns=step_ns(protocol),
     )

@@ -48,7 +48,7 @@ class Worker:
     def start_episode(self) -> None:
         started = episode_started()
         self.link.say(started)
-        self.show(-1, self.stage.begin(started))
+        self.show(-1, self.stage.begin(started)[0])
 
     def step(self, number: int, column: int = 0) -> None:
         taken = step_taken(number, column=column)

@@ -46,6 +46,6 @@ def test_a_new_episode_clears_the_board() -> None:
     stage = TetrisStage(TetrisConfig())
     stage.begin(episode_started())
     stage.act(step_taken(0))
-    picture = stage.begin(episode_started(1))
+    (picture,) = stage.begin(episode_started(1))
     assert set(picture.cells) == {EMPTY}
     assert picture.counts.pieces == 0

@@ -7,13 +7,12 @@ either. Make a new one only with a new version of the format:
 
 from pathlib import Path
 
-import msgspec
 import pytest
 
 from core.combination.config import AgentConfig, BootstrapConfig, Equation5
 from core.feedback.samples import CreditConfig
 from core.learners.human_config import SgdModel
-from core.protocol import Protocol
+from core.protocol import protocol_from
 from core.recording.reader import read_recording
 from core.replay import replay_exactly
 from core.session import build_session
@@ -37,7 +36,7 @@ GOLDEN = {
 @pytest.mark.parametrize("name", GOLDEN)
 def test_a_golden_session_is_replayed_bit_for_bit(name):
     recording = read_recording(FOLDER / f"{name}.jsonl", allow_truncated=False)
-    protocol = msgspec.convert(recording.header.protocol, Protocol)
+    protocol = protocol_from(recording.header.protocol)
     result = replay_exactly(recording, build_session(protocol, recording.header.root_seed))
     assert result.difference is None
     assert result.outputs == len(recording.outputs)

@@ -15,7 +15,7 @@ from core.episode import StepTaken
 from core.feedback.credit import GammaDelay
 from core.feedback.samples import CreditConfig
 from core.learners.human_config import SgdModel
-from core.protocol import Protocol
+from core.protocol import protocol_from
 from core.recording.reader import Recording, RecordingError
 from core.replay import replay_exactly
 from core.session import build_session
@@ -23,7 +23,7 @@ from tests.core.sessions import simulated, small_protocol
 
 
 def replayed(recording: Recording):
-    protocol = msgspec.convert(recording.header.protocol, Protocol)
+    protocol = protocol_from(recording.header.protocol)
     return replay_exactly(recording, build_session(protocol, recording.header.root_seed))
 
 
@@ -79,7 +79,7 @@ def test_the_first_difference_is_told_with_both_values(tmp_path):
 
 def test_another_seed_is_noticed(tmp_path):
     recording = simulated(tmp_path)
-    protocol = msgspec.convert(recording.header.protocol, Protocol)
+    protocol = protocol_from(recording.header.protocol)
     assert replay_exactly(recording, build_session(protocol, recording.header.root_seed + 1)).difference
 
 

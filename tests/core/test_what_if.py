@@ -8,7 +8,7 @@ from core.combination.config import AgentConfig, BootstrapConfig, FixedWeight
 from core.episode import EpisodeEnded, SessionEnded
 from core.feedback.credit import CurrentStep, GammaDelay, PreviousStep
 from core.feedback.samples import CreditConfig
-from core.protocol import Protocol
+from core.protocol import Protocol, protocol_from
 from core.recording.importers.tamer_log import import_tamer_log, tamer_protocol
 from core.recording.reader import Recording, read_recording
 from core.what_if import hear, relearn, watched_steps
@@ -17,7 +17,7 @@ from tests.core.sessions import simulated
 
 
 def own_protocol(recording: Recording) -> Protocol:
-    return msgspec.convert(recording.header.protocol, Protocol)
+    return protocol_from(recording.header.protocol)
 
 
 def with_delay(protocol: Protocol, delay) -> Protocol:

@@ -5,10 +5,8 @@ import signal
 import time
 from pathlib import Path
 
-import msgspec
-
 from core.episode import EpisodeEnded, FrameShown, KeyPressed, SessionEnded, StepTaken, StopAsked
-from core.protocol import Protocol
+from core.protocol import protocol_from
 from core.recording.reader import Recording, read_recording
 from core.replay import replay_exactly
 from core.session import build_session
@@ -44,7 +42,7 @@ def the_recording(tmp_path: Path) -> Recording:
 
 
 def replayed(recording: Recording) -> None:
-    protocol = msgspec.convert(recording.header.protocol, Protocol)
+    protocol = protocol_from(recording.header.protocol)
     result = replay_exactly(recording, build_session(protocol, recording.header.root_seed))
     assert result.difference is None, str(result.difference)
 

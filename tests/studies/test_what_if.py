@@ -8,7 +8,7 @@ import pytest
 
 from core.episode import KeyPressed
 from core.feedback.credit import CurrentStep, GammaDelay, PreviousStep
-from core.protocol import Protocol, SessionConfig
+from core.protocol import Protocol, SessionConfig, protocol_from
 from core.recording.importers.tamer_log import TamerLogError, import_tamer_log, tamer_protocol
 from core.recording.reader import Recording, read_recording
 from core.what_if import watched_steps
@@ -27,7 +27,7 @@ QUICK = WhatIfSettings(games=5, piece_cap=60)
 
 def test_a_row_comes_for_every_credit_rule_and_scheme_in_order(tmp_path):
     recording = simulated(tmp_path)
-    protocol = msgspec.convert(recording.header.protocol, Protocol)
+    protocol = protocol_from(recording.header.protocol)
     noted = []
     rows = what_if(
         recording.path,
@@ -50,7 +50,7 @@ def test_a_row_comes_for_every_credit_rule_and_scheme_in_order(tmp_path):
 @pytest.mark.jit
 def test_the_rows_are_the_same_for_any_number_of_workers(tmp_path):
     recording = simulated(tmp_path)
-    protocol = msgspec.convert(recording.header.protocol, Protocol)
+    protocol = protocol_from(recording.header.protocol)
     arguments = (recording.path, protocol, [PreviousStep(), GammaDelay()], ["linear"], QUICK)
     alone, together = what_if(*arguments, workers=1), what_if(*arguments, workers=2)
     assert repr(alone) == repr(together)  # repr: NaN is not equal to itself
@@ -84,7 +84,7 @@ def test_scores_that_separate_praise_from_blame_foretell_it():
 
 def test_too_few_presses_give_no_log_loss(tmp_path):
     recording = simulated(tmp_path)
-    protocol = msgspec.convert(recording.header.protocol, Protocol)
+    protocol = protocol_from(recording.header.protocol)
     events = [
         msgspec.structs.replace(event, verdict="other") if isinstance(event, KeyPressed) else event
         for event in recording.events

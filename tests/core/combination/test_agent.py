@@ -55,6 +55,7 @@ class Outcome:
     agreed: int = 0
     agreed_worst: int = 0
     ended: Literal["termination", "truncation"] = "termination"
+    time: int = 0
 
 
 def agent(

@@ -15,6 +15,7 @@ from core.feedback.credit import PreviousStep, UniformDelay
 from core.feedback.samples import CreditConfig
 from core.feedback.source import SimulatedParticipant
 from core.feedback.trainers import SimulatedTrainer, TrainerConfig
+from core.feedback.viewing import SteadyViewing
 from core.keys import KeyConfig, PressGate
 from core.learners.contract import Candidate
 from core.rollout import Audience, EpisodePlan, play_episode
@@ -61,6 +62,9 @@ class Cards:
     def performance(self, state: Deal) -> float:
         return state.won
 
+    def time(self, state: Deal) -> int:
+        return 0
+
     def detail(self, state: Deal, action: int) -> dict[str, int]:
         return {"card": action}
 
@@ -104,8 +108,7 @@ def sit(
         SimulatedTrainer(trainer, root_seed=seed),
         PressGate(keys or KeyConfig()),
         clock,
-        step_ns=STEP_NS,
-        pause_ns=2 * NS_PER_S,
+        SteadyViewing(step_ns=STEP_NS, pause_ns=2 * NS_PER_S),
     )
     audience = Audience(agent, participant)
     events: list[Event] = []
@@ -245,12 +248,4 @@ def test_the_presses_alone_teach_the_same_again() -> None:
 
 def test_impossible_paces_are_refused() -> None:
     with pytest.raises(ValueError, match="step_ns > 0"):
-        SimulatedParticipant(
-            Cards(),
-            oracle,
-            SimulatedTrainer(ATTENTIVE, root_seed=1),
-            PressGate(KeyConfig()),
-            ManualClock(),
-            step_ns=0,
-            pause_ns=0,
-        )
+        SteadyViewing(step_ns=0, pause_ns=0)

@@ -1,0 +1,89 @@
+"""What a session needs of each game, under one interface: sessions, what-ifs and simulated people know no game.
+
+A game's own module is imported when it is asked for: compiled code comes with it.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Any, assert_never
+from typing import Protocol as Interface
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.combination.agent import ArlAgent, EpisodePolicy
+from core.combination.human_learner import HumanLearner
+from core.domain import Choices, Domain
+from core.episode import StepTaken
+from core.feedback.viewing import Viewing
+from core.keepaway.pitch import KeepawayConfig
+from core.protocol import Protocol
+from core.rollout import Played
+from core.tetris.config import TetrisConfig
+
+Player = Callable[[EpisodePolicy, int, int], Played]
+"""Plays one unseen episode: (policy, episode seed, most steps) -> what came of it."""
+Oracle = Callable[[Any], NDArray[np.float64]]
+"""Values of all actions in a state, by somebody who knows the game; -inf for a fatal one."""
+
+
+class Game(Interface):
+    """One game, complete."""
+
+    def domain(self, protocol: Protocol) -> Domain[Any]:
+        """Return the game under the protocol's rules."""
+        ...
+
+    def agent(self, protocol: Protocol, root_seed: int) -> ArlAgent:
+        """Return a new agent that has learned nothing."""
+        ...
+
+    def listener(self, protocol: Protocol) -> HumanLearner:
+        """Return a new human model of the protocol's kind, without an agent."""
+        ...
+
+    def player(self, protocol: Protocol, agent: ArlAgent) -> Player:
+        """Return what plays unseen episodes for an agent, which learns from them as its learner does."""
+        ...
+
+    def evaluate(
+        self, protocol: Protocol, agent: ArlAgent, seeds: Sequence[int], *, max_steps: int, episode: int
+    ) -> list[Played]:
+        """Return how an agent plays the episodes with these seeds, without learning from them.
+
+        Args:
+            protocol: whose rules are played.
+            agent: who plays.
+            seeds: of the episodes.
+            max_steps: where an episode is broken off.
+            episode: which episode of its session the agent would play now; its scheme may depend on it.
+        """
+        ...
+
+    def oracle(self, protocol: Protocol) -> Oracle:
+        """Return by whom simulated people judge."""
+        ...
+
+    def viewing(self, protocol: Protocol) -> Viewing:
+        """Return how long everything is on screen."""
+        ...
+
+    def observed(self, domain: Domain[Any], step: StepTaken) -> tuple[Choices, NDArray[np.float64]]:
+        """Return the choices of a step of an imported recording, and psi of what was done, NaN where unknown.
+
+        Raises:
+            ValueError: there are no imported recordings of this game.
+        """
+        ...
+
+
+def game_of(protocol: Protocol) -> Game:
+    """Return the game that a protocol is about."""
+    match protocol.domain:
+        case TetrisConfig():
+            from core.tetris.sessions import TetrisGame
+
+            return TetrisGame()
+        case KeepawayConfig():
+            raise NotImplementedError("sessions of Keepaway")
+        case other:
+            assert_never(other)

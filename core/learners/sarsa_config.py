@@ -1,0 +1,33 @@
+"""Settings of SMDP Sarsa(lambda) (`core.learners.sarsa`). No numerical library is imported."""
+
+import msgspec
+
+
+class SarsaConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag="sarsa"):
+    """Sarsa(lambda); the defaults are those of the released keepaway players."""
+
+    step_size: float = 0.125
+    """alpha, divided by the number of active tiles in every update."""
+    discount: float = 1.0
+    """gamma per cycle, in (0, 1]."""
+    trace_decay: float = 0.0
+    """lambda per decision, in [0, 1]."""
+    exploration: float = 0.01
+    """epsilon: share of decisions taken at random."""
+    replacing_traces: bool = True
+    """True: a visited tile's trace becomes 1, those of the other actions there 0. False: traces accumulate."""
+    least_trace: float = 0.01
+    """Traces below this are dropped."""
+    initial_value: float = 0.0
+    """Action value before any learning, in cycles."""
+    shared_weights: bool = False
+    """All learners learn one weight vector."""
+
+    def __post_init__(self) -> None:
+        if not (self.step_size >= 0 and 0 < self.discount <= 1 and 0 <= self.trace_decay <= 1):
+            raise ValueError(
+                "need step_size >= 0, discount in (0, 1] and trace_decay in [0, 1], got "
+                f"{self.step_size}, {self.discount}, {self.trace_decay}"
+            )
+        if not 0 <= self.exploration <= 1:
+            raise ValueError(f"exploration is a share of decisions in [0, 1], got {self.exploration}")
