@@ -84,6 +84,8 @@ def game_of(protocol: Protocol) -> Game:
 
             return TetrisGame()
         case KeepawayConfig():
-            raise NotImplementedError("sessions of Keepaway")
+            from core.keepaway.sessions import KeepawayGame
+
+            return KeepawayGame()
         case other:
             assert_never(other)

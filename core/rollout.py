@@ -222,49 +222,117 @@ def play_episode(
         share=plan.policy.weights.share,
     )
     state = domain.initial(plan.episode_seed)
-    steps = agreed = agreed_worst = 0
-    while not domain.terminal(state) and steps < plan.max_steps and audience.stop_asked is None:
-        choices = domain.choices(state)
-        decision = agent.choose(choices, plan.policy, step=steps)
-        transition = domain.transition(state, decision.action)
-        agent.learn_from_step(choices, decision.action, transition.reward)
-        audience.expect(plan.first_step + steps, choices.feedback_features[decision.action])
-        agreed += decision.environment_action == decision.human_action
-        agreed_worst += decision.environment_action == decision.human_worst_action
+    count = _Count()
+    for step in _steps(domain, agent, plan.policy, state):
+        number, decision = plan.first_step + count.steps, step.decision
+        audience.expect(number, step.choices.feedback_features[decision.action])
+        count.add(decision)
         yield StepTaken(
             episode=plan.episode,
-            step=plan.first_step + steps,
+            step=number,
             time_ns=clock.now_ns(),
             inputs=audience.inputs,
             action=decision.action,
             environment_action=decision.environment_action,
             human_action=decision.human_action,
-            detail=domain.detail(state, decision.action),
-            reward=transition.reward,
+            detail=domain.detail(step.state, decision.action),
+            reward=step.reward,
         )
-        yield from audience.attend(plan.first_step + steps)
-        state = transition.next_state
-        steps += 1
-    played = Played(
-        performance=domain.performance(state),
-        steps=steps,
-        agreed=agreed,
-        agreed_worst=agreed_worst,
-        ended="termination" if domain.terminal(state) else "truncation",
-        time=domain.time(state),
-    )
+        yield from audience.attend(number)
+        state = step.following
+        if count.steps == plan.max_steps or audience.stop_asked is not None:
+            break
+    played = count.played(domain, state)
     agent.learn_from_domain(plan.policy, played)
     yield EpisodeEnded(
         episode=plan.episode,
         time_ns=clock.now_ns(),
         inputs=audience.inputs,
         performance=played.performance,
-        steps=steps,
+        steps=played.steps,
         ended=played.ended,
-        agreed=agreed,
-        agreed_worst=agreed_worst,
+        agreed=played.agreed,
+        agreed_worst=played.agreed_worst,
         w_h=agent.w_h,
         digest=agent.digest(),
     )
-    # Late presses on the last step, made while the final board was shown.
+    # Late presses on the last steps, made while the final picture was shown.
     yield from audience.attend(-1)
+
+
+def play_unseen(
+    domain: Domain[Any],
+    agent: Agent,
+    policy: EpisodePolicy,
+    episode_seed: int,
+    max_steps: int,
+    *,
+    learning: bool = True,
+) -> Played:
+    """Play one episode that nobody watches, step by step.
+
+    Args:
+        domain: what is played.
+        agent: who plays; told of every step (`learn_from_step`), not of the episode's end.
+        policy: from the agent's `begin_episode`.
+        episode_seed: of the episode.
+        max_steps: where it is broken off, >= 1.
+        learning: False leaves the agent as it is.
+    """
+    state = domain.initial(episode_seed)
+    count = _Count()
+    for step in _steps(domain, agent, policy, state, learning=learning):
+        count.add(step.decision)
+        state = step.following
+        if count.steps == max_steps:
+            break
+    return count.played(domain, state)
+
+
+@dataclass(frozen=True, slots=True)
+class _Step:
+    state: Any
+    choices: Choices
+    decision: Decision
+    reward: float
+    following: Any
+
+
+def _steps(
+    domain: Domain[Any], agent: Agent, policy: EpisodePolicy, state: Any, *, learning: bool = True
+) -> Iterator[_Step]:
+    """Let the agent play from `state` to the end of the episode: the one loop of agent and domain."""
+    number = 0
+    while not domain.terminal(state):
+        choices = domain.choices(state)
+        decision = agent.choose(choices, policy, step=number)
+        transition = domain.transition(state, decision.action)
+        if learning:
+            agent.learn_from_step(choices, decision.action, transition.reward)
+        yield _Step(state, choices, decision, transition.reward, transition.next_state)
+        state = transition.next_state
+        number += 1
+
+
+@dataclass(slots=True)
+class _Count:
+    """Counts an episode's steps, and agreement of the agent's two sides."""
+
+    steps: int = 0
+    agreed: int = 0
+    agreed_worst: int = 0
+
+    def add(self, decision: Decision) -> None:
+        self.steps += 1
+        self.agreed += decision.environment_action == decision.human_action
+        self.agreed_worst += decision.environment_action == decision.human_worst_action
+
+    def played(self, domain: Domain[Any], state: Any) -> Played:
+        return Played(
+            performance=domain.performance(state),
+            steps=self.steps,
+            agreed=self.agreed,
+            agreed_worst=self.agreed_worst,
+            ended="termination" if domain.terminal(state) else "truncation",
+            time=domain.time(state),
+        )

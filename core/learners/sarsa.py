@@ -26,6 +26,7 @@ __all__ = [
     "greedy_or_random",
     "last_value",
     "new_sarsa",
+    "observe_action",
     "reward_of",
     "take_action",
 ]
@@ -174,6 +175,24 @@ def take_action(sarsa: Sarsa, k: int, windows: Ints, action: int, time: int, bef
     sarsa.last_time[k] = time
     if sarsa.step_size > 0.0:
         _mark(sarsa, k)
+
+
+@kernel
+def observe_action(sarsa: Sarsa, k: int, windows: Ints, action: int, time: int) -> None:
+    """Learn from learner k's ended option and note the new decision: `decide` where somebody else has chosen.
+
+    Args:
+        sarsa: learners, in place.
+        k: which learner.
+        windows: first active tile per variable, shape (v,).
+        action: what was chosen.
+        time: cycle of the decision, within the episode.
+    """
+    before = 0.0
+    if sarsa.last_time[k] != NOT_YET:
+        before = last_value(sarsa, k)
+    action_values(sarsa, k, windows, sarsa.values[k])
+    take_action(sarsa, k, windows, action, time, before)
 
 
 @kernel

@@ -1,0 +1,168 @@
+"""Keepaway as sessions see it: a step is a decision of the keeper with the ball, and states are immutable.
+
+An action is an option of the keeper whose turn it is: 0 holds the ball (for one cycle), k passes to the k-th nearest
+keeper. What an agent sees are the active tiles of the keeper's state variables.
+"""
+
+import hashlib
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.domain import Choices, Transition
+from core.keepaway.autoplay import keepaway_tiles
+from core.keepaway.decisions import NOBODY, DecisionPlay, Saved
+from core.keepaway.match import CYCLE, END, Match
+from core.keepaway.pitch import CYCLE_S, KeepawayConfig
+from core.keepaway.variables import state_variables
+from core.tile_coding import Tiling, find_windows
+
+HOLD = 0
+"""The action that holds the ball."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class KeepawayState:
+    """A match that stands still: a keeper has to decide, or the episode is over. Two are equal if all of it is."""
+
+    saved: Saved = field(repr=False)
+
+    @property
+    def cycle(self) -> int:
+        """Cycles since the episode started."""
+        return int(self.saved.match.status[CYCLE])
+
+    @property
+    def keeper(self) -> int:
+        """Who has to decide; -1 when the episode is over."""
+        return self.saved.keeper
+
+    @property
+    def ended(self) -> int:
+        """ONGOING, OUT or TAKEN (`core.keepaway.pitch`)."""
+        return int(self.saved.match.status[END])
+
+    @property
+    def match(self) -> Match:
+        """The match; not to be written to."""
+        return self.saved.match
+
+    @property
+    def variables(self) -> NDArray[np.float64]:
+        """State variables as the deciding keeper sees them, shape (v,)."""
+        seen: NDArray[np.float64] = self.saved.match.variables[self.keeper]
+        return seen
+
+    def fingerprint(self) -> str:
+        """Return a digest of everything that decides about what follows, hex."""
+        digest = hashlib.sha256()
+        for array in self.saved.match:
+            digest.update(array.tobytes())
+        digest.update(repr((self.saved.streams, self.saved.keeper)).encode())
+        return digest.hexdigest()[:16]
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, KeepawayState) and self.fingerprint() == other.fingerprint()
+
+    def __hash__(self) -> int:
+        return hash(self.fingerprint())
+
+    def __repr__(self) -> str:
+        return f"KeepawayState(cycle={self.cycle}, keeper={self.keeper}, ended={self.ended}, {self.fingerprint()})"
+
+
+class Keepaway:
+    """A `core.domain.Domain`. Each episode is a match of its own: everything random follows from its seed."""
+
+    name = "keepaway"
+
+    def __init__(
+        self, config: KeepawayConfig | None = None, *, n_tilings: int = 32, shared_feedback: bool = False
+    ) -> None:
+        """Take the rules; the paper's where `config` is None.
+
+        Args:
+            config: size of the game, and what players see.
+            n_tilings: tilings per state variable.
+            shared_feedback: one human reward model for all keepers, instead of one for each.
+        """
+        self.config = config if config is not None else KeepawayConfig()
+        self.coder = keepaway_tiles(self.config, n_tilings)
+        self._shared_feedback = shared_feedback
+        models = 1 if shared_feedback else self.config.n_keepers
+        self.feedback_tiles = Tiling(models * self.config.n_actions * self.coder.n_tiles, n_tilings)
+        """What the rows of `Choices.feedback_features` index: tiles by model, option and state variable."""
+        self._names = tuple(variable.name for variable in state_variables(self.config))
+        # One match is played for all states: `_stands_at` says which state it is in.
+        self._play = DecisionPlay(self.config, 0)
+        self._stands_at: KeepawayState | None = None
+
+    @property
+    def feature_names(self) -> tuple[str, ...]:
+        """Names of the state variables, whose first active tiles the environment's learner sees."""
+        return self._names
+
+    @property
+    def feedback_feature_names(self) -> tuple[str, ...]:
+        """Names of the state variables, whose first active tiles the human reward model sees."""
+        return self._names
+
+    def initial(self, episode_seed: int) -> KeepawayState:
+        """Return the first decision of an episode, or its end if there is none; `episode_seed` >= 0."""
+        self._play = DecisionPlay(self.config, episode_seed)
+        self._play.begin()
+        return self._still()
+
+    def terminal(self, state: KeepawayState) -> bool:
+        """Return whether the ball is out or taken (or kept for an hour)."""
+        return state.keeper == NOBODY
+
+    def choices(self, state: KeepawayState) -> Choices:
+        """Return the tiles of the deciding keeper's state: rows of window starts, shape (n_options, v)."""
+        if state.keeper == NOBODY:
+            raise ValueError("the episode is over: a terminal state has no actions")
+        windows = np.empty(len(self._names), np.int64)
+        find_windows(self.coder, state.variables, windows)
+        n_options = self.config.n_actions
+        model = 0 if self._shared_feedback else state.keeper
+        first = (model * n_options + np.arange(n_options)) * self.coder.n_tiles
+        return Choices(
+            features=np.tile(windows.astype(np.float64), (n_options, 1)),
+            feedback_features=(first[:, None] + windows).astype(np.float64),
+            ruled_out=np.zeros(n_options, np.bool_),
+            actor=state.keeper,
+            time=state.cycle,
+        )
+
+    def transition(self, state: KeepawayState, action: int) -> Transition[KeepawayState]:
+        """Return the next decision, of whichever keeper, or the end; the reward is the seconds until then."""
+        if not 0 <= action < self.config.n_actions:
+            raise ValueError(
+                f"there is no action {action}: this decision has actions 0..{self.config.n_actions - 1}"
+            )
+        if self._stands_at is not state:
+            self._play.restore(state.saved)
+        # Half-way through, the match is in no state at all.
+        self._stands_at = None
+        self._play.decide(action)
+        following = self._still()
+        return Transition(following, (following.cycle - state.cycle) * CYCLE_S)
+
+    def performance(self, state: KeepawayState) -> float:
+        """Return the seconds since the kick-off."""
+        return state.cycle * CYCLE_S
+
+    def time(self, state: KeepawayState) -> int:
+        """Return the cycles since the kick-off."""
+        return state.cycle
+
+    def detail(self, state: KeepawayState, action: int) -> dict[str, int]:
+        """Return who decides, when, and the keeper the ball is passed to (-1: it is held)."""
+        target = int(state.match.order[state.keeper, action]) if action != HOLD else NOBODY
+        return {"keeper": state.keeper, "cycle": state.cycle, "target": target}
+
+    def _still(self) -> KeepawayState:
+        """Return the state in which the match stands."""
+        self._stands_at = KeepawayState(self._play.save())
+        return self._stands_at

@@ -1,0 +1,126 @@
+"""Keepaway as sessions see it (`core.games.Game`): an agent over Sarsa, one learner per keeper."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.clock import NS_PER_S
+from core.combination.agent import ArlAgent, EpisodePolicy
+from core.combination.human_learner import HumanLearner
+from core.domain import Choices, Domain
+from core.episode import StepTaken
+from core.feedback.viewing import Watched
+from core.games import Oracle, Player
+from core.keepaway.domain import HOLD, Keepaway, KeepawayState
+from core.keepaway.pitch import CYCLE_NS, CYCLE_S, KeepawayConfig
+from core.keepaway.policies import hand_coded
+from core.learners.human_config import TileModel
+from core.learners.sarsa_config import SarsaConfig
+from core.learners.sarsa_learner import SarsaLearner
+from core.protocol import Protocol
+from core.rollout import Played, play_unseen
+
+HOLDS_NOTICED_PER_S = 0.3
+"""Chance, per second of holding, to look at the hold as one looks at a pass. People judge events, not every 100 ms of
+holding. (Our choice.)"""
+
+
+@dataclass(frozen=True, slots=True)
+class KeepawayViewing:
+    """Simulated time goes by at `speed`; an option is seen to have been chosen when its first cycle is over."""
+
+    speed: float
+    """Simulated seconds per second."""
+    pause_ns: int
+
+    @property
+    def cycle_ns(self) -> int:
+        """How long a cycle is on screen."""
+        return round(CYCLE_NS / self.speed)
+
+    def opening_ns(self, first: KeepawayState) -> int:
+        """Return the time from the kick-off to the first decision."""
+        return first.cycle * self.cycle_ns
+
+    def watched(self, state: KeepawayState, action: int, following: KeepawayState) -> Watched:
+        """Return how an option is seen: a pass is an event, a hold one of many."""
+        cycles = following.cycle - state.cycle
+        noticed = 1.0 if action != HOLD else 1.0 - (1.0 - HOLDS_NOTICED_PER_S) ** CYCLE_S
+        return Watched(cycles * self.cycle_ns, self.cycle_ns, noticed)
+
+
+class KeepawayOracle:
+    """What the hand-coded policy would have done in the keeper's place, on what the keeper sees."""
+
+    def __init__(self, config: KeepawayConfig) -> None:
+        """Judge matches of this size."""
+        self._config = config
+
+    def __call__(self, state: KeepawayState) -> NDArray[np.float64]:
+        """Return 1 for its option and 0 for the others, shape (n,)."""
+        values = np.zeros(self._config.n_actions)
+        values[hand_coded(state.variables, self._config.n_keepers, self._config.n_takers)] = 1.0
+        return values
+
+
+class KeepawayGame:
+    """The game whose learners learn at every step."""
+
+    def domain(self, protocol: Protocol) -> Keepaway:
+        """Return the match under the protocol's rules."""
+        assert isinstance(protocol.domain, KeepawayConfig), "a protocol of Keepaway"
+        model = protocol.agent.human_model
+        shared = isinstance(model, TileModel) and model.shared
+        return Keepaway(protocol.domain, shared_feedback=shared)
+
+    def agent(self, protocol: Protocol, root_seed: int) -> ArlAgent:
+        """Return an agent over Sarsa, one learner per keeper."""
+        domain = self.domain(protocol)
+        config, task = protocol.learner, domain.config
+        assert isinstance(config, SarsaConfig), "a protocol checks that its learner suits its game"
+        return ArlAgent(
+            SarsaLearner(config, domain.coder, n_learners=task.n_keepers, n_actions=task.n_actions),
+            protocol.agent,
+            n_feedback_features=len(domain.feedback_feature_names),
+            feedback_tiles=domain.feedback_tiles,
+            root_seed=root_seed,
+        )
+
+    def listener(self, protocol: Protocol) -> HumanLearner:
+        """Return a human model over the keepers' tiles."""
+        agent, domain = protocol.agent, self.domain(protocol)
+        names = domain.feedback_feature_names
+        return HumanLearner(agent.credit, agent.human_model, len(names), tiles=domain.feedback_tiles)
+
+    def player(self, protocol: Protocol, agent: ArlAgent) -> Player:
+        """Return what plays unseen episodes: decision by decision, as watched ones, and the learner learns."""
+        domain = self.domain(protocol)
+
+        def play(policy: EpisodePolicy, episode_seed: int, max_steps: int) -> Played:
+            return play_unseen(domain, agent, policy, episode_seed, max_steps)
+
+        return play
+
+    def evaluate(
+        self, protocol: Protocol, agent: ArlAgent, seeds: Sequence[int], *, max_steps: int, episode: int
+    ) -> list[Played]:
+        """Play on with what has been learned, exploration included, and learn nothing."""
+        domain = self.domain(protocol)
+        policy = agent.begin_episode(episode, exploring=False)
+        return [play_unseen(domain, agent, policy, seed, max_steps, learning=False) for seed in seeds]
+
+    def oracle(self, protocol: Protocol) -> Oracle:
+        """Return the hand-coded policy's opinion."""
+        assert isinstance(protocol.domain, KeepawayConfig), "a protocol of Keepaway"
+        return KeepawayOracle(protocol.domain)
+
+    def viewing(self, protocol: Protocol) -> KeepawayViewing:
+        """Return cycles of 100 ms at the protocol's speed."""
+        screen = protocol.screen
+        return KeepawayViewing(screen.speed, round(screen.pause_between_episodes_s * NS_PER_S))
+
+    def observed(self, domain: Domain[KeepawayState], step: StepTaken) -> tuple[Choices, NDArray[np.float64]]:
+        """Refuse: nobody's recordings of Keepaway can be imported."""
+        raise ValueError(f"step {step.step}: there are no imported recordings of Keepaway")
