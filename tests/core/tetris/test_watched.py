@@ -24,6 +24,7 @@ from core.feedback.config import CreditConfig
 from core.feedback.delays import GammaDelay, UniformDelay
 from core.feedback.source import SimulatedParticipant
 from core.feedback.trainers import SimulatedTrainer, TrainerConfig
+from core.feedback.viewing import SteadyViewing
 from core.keys import NS_PER_MS, PressGate
 from core.learners.cross_entropy import CrossEntropyConfig
 from core.protocol import Protocol, SessionConfig
@@ -59,8 +60,10 @@ def step_by_step(settings: Protocol, root_seed: int):
         SimulatedTrainer(settings.trainer, root_seed=root_seed),
         PressGate(settings.keys),
         clock,
-        step_ns=step_ns(settings),
-        pause_ns=round(settings.screen.pause_between_episodes_s * 1000) * NS_PER_MS,
+        SteadyViewing(
+            step_ns=step_ns(settings),
+            pause_ns=round(settings.screen.pause_between_episodes_s * 1000) * NS_PER_MS,
+        ),
     )
     weights, played, presses, digest = [], [], 0, ""
     for output in session.run(participant, clock):
