@@ -7,6 +7,7 @@ the likelihood ratio that the profile intervals then use instead of chi-squared 
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,11 +17,14 @@ from studies.reaction_time import gamma_profile
 from studies.reaction_time.families import FAMILIES, Family, FamilyFit
 from studies.reaction_time.intervals import Interval, profile_log_likelihood, quantile_table
 from studies.reaction_time.quantities import gamma_quantities, quantities_of, require_gamma
-from studies.reaction_time.sample import MIN_RESPONSES, FitError, Sample
+from studies.reaction_time.sample import FitError, Sample
 
 Array = NDArray[np.float64]
 CALIBRATED = ("shape", "scale_s", "offset_s", "q05_s")
 """Quantities whose likelihood ratio is farther from chi-squared than chance at 100 trials."""
+
+MOST_ROUNDS = 10
+"""Times that a whole set of samples is drawn, at most, to have enough that can be fitted."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,21 +42,32 @@ def resample(fit: FamilyFit, sample: Sample, n_resamples: int, *, rng: np.random
     """Draw `n_resamples` samples of as many trials from a gamma or shifted gamma fit, and fit each.
 
     Where trials were timed out, simulated trials are too: all at the same limit if all waited equally long,
-    otherwise each at the limit of its own trial.
+    otherwise each at the limit of its own trial. A simulated sample that nobody would fit (fewer than `MIN_RESPONSES`
+    responses, or all alike) is drawn again.
 
     Raises:
-        FitError: where so many trials are timed out that simulated samples keep too few responses.
+        FitError: where so many trials are timed out that hardly any simulated sample keeps enough responses.
     """
     family = FAMILIES[fit.family]
     require_gamma(family)
     p = fit.parameters
     offset = p.get("offset_s", 0.0)
-    draws = offset + rng.gamma(p["shape"], p["scale_s"], size=(n_resamples, sample.n))
     limits = _limits(sample)
-    samples = tuple(_censor(row, limits) for row in draws)
+    samples: list[Sample] = []
+    for _ in range(MOST_ROUNDS):
+        draws = offset + rng.gamma(p["shape"], p["scale_s"], size=(n_resamples, sample.n))
+        usable = (one for row in draws if (one := _censor(row, limits)) is not None)
+        samples += islice(usable, n_resamples - len(samples))
+        if len(samples) == n_resamples:
+            break
+    else:
+        raise FitError(
+            f"too few trials without a time-out ({sample.observed_s.size} of {sample.n}): the fit cannot be simulated; "
+            "lengthen the time-out or run more trials"
+        )
     found = np.empty((n_resamples, 3))
     tops = np.array([_fit(one, family, row) for one, row in zip(samples, found, strict=True)])
-    return Resamples(samples, tops, gamma_quantities(found[:, 0], found[:, 1], found[:, 2]))
+    return Resamples(tuple(samples), tops, gamma_quantities(found[:, 0], found[:, 1], found[:, 2]))
 
 
 def percentile_intervals(resamples: Resamples, *, level: float = 0.95) -> dict[str, Interval]:
@@ -99,11 +114,13 @@ def _limits(sample: Sample) -> Array:
     return limits
 
 
-def _censor(times: Array, limits: Array) -> Sample:
+def _censor(times: Array, limits: Array) -> Sample | None:
+    """Return the sample that these trials make; None where it could not be fitted."""
     late = times >= limits
-    if np.count_nonzero(~late) < MIN_RESPONSES:
-        raise FitError("nearly every trial is timed out: the fit cannot be simulated; lengthen the time-out")
-    return Sample(np.maximum(times[~late], 1e-6), limits[late])
+    try:
+        return Sample(np.maximum(times[~late], 1e-6), limits[late])
+    except FitError:
+        return None
 
 
 def _fit(sample: Sample, family: Family, out: Array) -> float:
@@ -112,7 +129,7 @@ def _fit(sample: Sample, family: Family, out: Array) -> float:
     return float(
         gamma_profile.profile(
             sample.observed_s,
-            sample.censored_s,
+            sample.waits,
             family.shifted,
             gamma_profile.FREE,
             0.0,

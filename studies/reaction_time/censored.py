@@ -101,7 +101,7 @@ class _Climb:
         self._is_log_normal = family.kernel == kernels.LOG_NORMAL
         self._observed = sample.observed_s
         self._step = np.zeros(2)
-        self._waited, self._counts = np.unique(sample.censored_s, return_counts=True)
+        self._waited, self._counts = sample.waits.T
 
     def at(self, offset: float) -> tuple[Array, float]:
         """Return the best (first, second) above `offset` and their log-likelihood."""
@@ -144,7 +144,7 @@ def _fit_gamma(family: Family, sample: Sample) -> tuple[Array, float]:
     no_table = np.zeros(gamma_profile.TABLE_SIZE)
     total = gamma_profile.profile(
         sample.observed_s,
-        sample.censored_s,
+        sample.waits,
         family.shifted,
         gamma_profile.FREE,
         0.0,
@@ -156,7 +156,7 @@ def _fit_gamma(family: Family, sample: Sample) -> tuple[Array, float]:
 
 
 def _fit_ex_gaussian(sample: Sample) -> tuple[Array, float]:
-    waited, counts = np.unique(sample.censored_s, return_counts=True)
+    waited, counts = sample.waits.T
     everything = np.concatenate([sample.observed_s, sample.censored_s])
     mean, sd = float(everything.mean()), float(everything.std())
     least = math.log(kernels.SMALLEST_WIDTH_S)

@@ -83,7 +83,7 @@ class GroupFit(msgspec.Struct, frozen=True, kw_only=True):
     settings: FitSettings
     participants: dict[str, ParticipantFit]
     failures: dict[str, str]
-    """Participant to the reason why there is no fit."""
+    """Participant to the reason why there is no fit; "(pooled)" to the reason why nobody is pooled."""
     spread: Group | None = None
     """How the participants differ; None where they were not pooled."""
     pooled: dict[str, PooledDelay] = {}
@@ -201,12 +201,16 @@ def fit_group(
     fitted = {n: one for n in samples if isinstance(one := done[n], ParticipantFit)}
     spread: Group | None = None
     pooled: dict[str, PooledDelay] = {}
+    failures = {n: str(done[n]) for n in samples if n not in fitted}
     if settings.pooled and len(fitted) >= FEWEST_PEOPLE:
-        spread, pooled = pool({n: samples[n] for n in fitted})
+        try:
+            spread, pooled = pool({n: samples[n] for n in fitted})
+        except (ValueError, ArithmeticError) as error:  # LinAlgError is a ValueError
+            failures["(pooled)"] = f"pooling failed: {error}"
     return GroupFit(
         settings=settings,
         participants=fitted,
-        failures={n: str(done[n]) for n in samples if n not in fitted},
+        failures=failures,
         spread=spread,
         pooled=pooled,
     )
@@ -217,3 +221,8 @@ def _fit_or_reason(participant: str, sample: Sample, settings: FitSettings) -> P
         return fit_participant(participant, sample, settings)
     except FitError as error:
         return str(error)
+    except (
+        ValueError,
+        ArithmeticError,
+    ) as error:  # numerical trouble with one person must not lose the others
+        return f"the fit failed ({type(error).__name__}: {error}); please report these {sample.n} times"

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.compiled import kernel
-from studies.reaction_time.kernels import GOLDEN, GOLDEN_STEPS, gamma_shape, gap_grid, log_moments
+from studies.reaction_time.gamma_functions import gamma_shape, log_gamma_survival
+from studies.reaction_time.kernels import GOLDEN, GOLDEN_STEPS, gap_grid, log_moments
 
 FREE, SHAPE, SCALE, OFFSET, MEAN, SD, QUANTILE = 0, 1, 2, 3, 4, 5, 6
 
@@ -25,43 +26,13 @@ GRID_STEPS = 40
 
 
 @kernel
-def log_gamma_survival(k: float, z: float) -> float:
-    """Log of the regularised upper incomplete gamma function, k > 0, z >= 0: series below, fraction above."""
-    if z <= 0.0:
-        return 0.0
-    front = k * math.log(z) - z - math.lgamma(k)
-    if z < k + 1.0:
-        term = 1.0 / k
-        total = term
-        for j in range(1, 100_000):
-            term *= z / (k + j)
-            total += term
-            if term < 1e-16 * total:
-                break
-        return math.log1p(-min(math.exp(front) * total, 1.0 - 1e-16))
-    b = z + 1.0 - k
-    c = 1e300
-    d = 1.0 / b
-    h = d
-    for j in range(1, 100_000):
-        a = -j * (j - k)
-        b += 2.0
-        d = 1.0 / (a * d + b)
-        c = b + a / c
-        h *= c * d
-        if abs(c * d - 1.0) < 1e-15:
-            break
-    return front + math.log(h)
-
-
-@kernel
 def _value(
     n: int, mean: float, s: float, waits: NDArray[np.float64], offset: float, k: float, scale: float
 ) -> float:
-    """Log-likelihood from the sufficient statistics of x - offset, plus the waits' log survival."""
+    """Log-likelihood from the sufficient statistics of x - offset, plus log survival: waits[j] is (length, how many)."""
     total = n * ((k - 1.0) * (math.log(mean) - s) - mean / scale - k * math.log(scale) - math.lgamma(k))
-    for wait in waits:
-        total += log_gamma_survival(k, (wait - offset) / scale)
+    for j in range(waits.shape[0]):
+        total += waits[j, 1] * log_gamma_survival(k, (waits[j, 0] - offset) / scale)
     return total
 
 
@@ -110,6 +81,35 @@ def _along(
 
 
 @kernel
+def _golden_between(
+    a: float,
+    b: float,
+    which: int,
+    value: float,
+    n: int,
+    mean: float,
+    s: float,
+    waits: NDArray[np.float64],
+    offset: float,
+    table: NDArray[np.float64],
+) -> tuple[float, float]:
+    """Return (t, log-likelihood) at the top of `_along` between a and b, where there is one top only."""
+    c, d = b - GOLDEN * (b - a), a + GOLDEN * (b - a)
+    at_c = _along(c, which, value, n, mean, s, waits, offset, table)
+    at_d = _along(d, which, value, n, mean, s, waits, offset, table)
+    while b - a > 1e-5:
+        if at_c > at_d:
+            b, d, at_d = d, c, at_c
+            c = b - GOLDEN * (b - a)
+            at_c = _along(c, which, value, n, mean, s, waits, offset, table)
+        else:
+            a, c, at_c = c, d, at_d
+            d = a + GOLDEN * (b - a)
+            at_d = _along(d, which, value, n, mean, s, waits, offset, table)
+    return (c, at_c) if at_c > at_d else (d, at_d)
+
+
+@kernel
 def _golden_along(
     low: float,
     high: float,
@@ -124,32 +124,24 @@ def _golden_along(
 ) -> tuple[float, float]:
     """Return (t, log-likelihood) at the top of `_along` between low and high, ends included.
 
-    Along a constant sd there may be more tops than one, and plateaus of -inf: a coarse grid finds the right one.
+    Along a constant sd there may be more tops than one, and plateaus of -inf; a narrow top may look low on a coarse
+    grid (times that differ little). So every grid point that no neighbour exceeds is looked around.
     """
     step = (high - low) / GRID_STEPS
-    highest, at_highest = 0, -math.inf
+    before, here = -math.inf, _along(low, which, value, n, mean, s, waits, offset, table)
+    best_t, best = low, here
     for place in range(GRID_STEPS + 1):
-        at_place = _along(low + place * step, which, value, n, mean, s, waits, offset, table)
-        if at_place > at_highest:
-            highest, at_highest = place, at_place
-    a, b = low + max(highest - 1, 0) * step, low + min(highest + 1, GRID_STEPS) * step
-    c, d = b - GOLDEN * (b - a), a + GOLDEN * (b - a)
-    at_c = _along(c, which, value, n, mean, s, waits, offset, table)
-    at_d = _along(d, which, value, n, mean, s, waits, offset, table)
-    while b - a > 1e-5:
-        if at_c > at_d:
-            b, d, at_d = d, c, at_c
-            c = b - GOLDEN * (b - a)
-            at_c = _along(c, which, value, n, mean, s, waits, offset, table)
-        else:
-            a, c, at_c = c, d, at_d
-            d = a + GOLDEN * (b - a)
-            at_d = _along(d, which, value, n, mean, s, waits, offset, table)
-    best_t, best = (c, at_c) if at_c > at_d else (d, at_d)
-    for edge in (low, high):
-        at_edge = _along(edge, which, value, n, mean, s, waits, offset, table)
-        if at_edge > best:
-            best_t, best = edge, at_edge
+        after = -math.inf
+        if place < GRID_STEPS:
+            after = _along(low + (place + 1) * step, which, value, n, mean, s, waits, offset, table)
+        elif here > best:
+            best_t, best = high, here
+        if here > -math.inf and here >= before and here >= after:
+            a, b = low + max(place - 1, 0) * step, low + min(place + 1, GRID_STEPS) * step
+            t, top = _golden_between(a, b, which, value, n, mean, s, waits, offset, table)
+            if top > best:
+                best_t, best = t, top
+        before, here = here, after
     return best_t, best
 
 
@@ -268,7 +260,7 @@ def profile(
 ) -> float:
     """Highest log-likelihood with the quantity `which` equal to `value`; fill out = (shape, scale, offset).
 
-    Waits shorter than an offset tell nothing and must be left out by the caller only where shorter than min(x).
+    `waits`, shape (m, 2): length and number of equal waits. Waits shorter than an offset tell nothing and must be left out by the caller only where shorter than min(x).
     """
     low = x.min()
     if which == OFFSET:

@@ -16,7 +16,7 @@ from scipy import optimize, special, stats
 from studies.reaction_time import gamma_profile, kernels
 from studies.reaction_time.families import FAMILIES, Family, FamilyFit
 from studies.reaction_time.quantities import QUANTILES, quantities_of, require_gamma
-from studies.reaction_time.sample import Sample
+from studies.reaction_time.sample import FitError, Sample
 
 Array = NDArray[np.float64]
 _WHICH = {
@@ -69,7 +69,7 @@ def profile_log_likelihood(sample: Sample, family: Family, quantity: str, value:
     return float(
         gamma_profile.profile(
             sample.observed_s,
-            sample.censored_s,
+            sample.waits,
             family.shifted,
             _WHICH[quantity],
             float(value),
@@ -91,6 +91,9 @@ def profile_interval(
         quantity: one of `QUANTITIES` except the mode (which has no smooth profile where the shape is 1).
         level: nominal coverage, in (0, 1).
         cut: critical value of the likelihood ratio; chi2(level, 1) unless given (see `bootstrap.critical_values`).
+
+    Raises:
+        FitError: where the likelihood at the fit itself is not found again.
     """
     if cut is None:
         cut = float(stats.chi2.ppf(level, 1))
@@ -101,6 +104,10 @@ def profile_interval(
     def excess(value: float) -> float:
         return profile_log_likelihood(sample, family, quantity, value) - threshold
 
+    if not excess(centre) >= 0.0:
+        raise FitError(
+            f"the likelihood of these {sample.n} trials has no interval of {quantity} around {centre:.4g}: numerical trouble"
+        )
     if quantity == "offset_s":
         return _offset_interval(sample, family, centre, excess, level)
     floor = family.bound if quantity == "shape" else 0.0
@@ -121,6 +128,8 @@ def profile_intervals(
 def _fall(excess: Callable[[float], float], centre: float, factor: float, limit: float) -> tuple[float, bool]:
     """Return where `excess` crosses zero going from `centre` towards `limit`; the limit itself if it does not."""
     inside = centre
+    if (centre >= limit) if factor > 1.0 else (centre <= limit):
+        return centre, True
     while True:
         outside = inside * factor
         beyond = outside >= limit if factor > 1.0 else outside <= limit

@@ -9,6 +9,10 @@ MIN_RESPONSES = 5
 """Fewer responses than this are not fitted: three parameters need at least that many."""
 
 
+LEAST_SPREAD = 2e-3
+"""Least sd of the responses as a share of their mean. People have 0.1 to 0.5; shapes above its square cannot be told."""
+
+
 class FitError(ValueError):
     """These reaction times cannot be fitted; the message says why and what to do."""
 
@@ -22,9 +26,12 @@ class Sample:
     """Reaction times of one participant in one condition."""
 
     observed_s: NDArray[np.float64]
-    """Times of the responses, seconds, shape (n,), n >= 5, > 0, not all equal; kept sorted."""
+    """Times of the responses, seconds, shape (n,), n >= 5, > 0, sd at least 0.2 % of the mean; kept sorted."""
     censored_s: NDArray[np.float64] = field(default_factory=_empty)
     """For each trial without a response, how long it waited: the time lies above. Seconds, shape (m,), > 0."""
+
+    waits: NDArray[np.float64] = field(init=False)
+    """Different values of `censored_s` and how many trials have each: shape (n_different, 2)."""
 
     def __post_init__(self) -> None:
         for name in ("observed_s", "censored_s"):
@@ -36,14 +43,20 @@ class Sample:
                     f"{name} must be finite and > 0 s: exclude missing, zero and negative times first"
                 )
             object.__setattr__(self, name, values)
+        object.__setattr__(
+            self, "waits", np.column_stack(np.unique(self.censored_s, return_counts=True)).astype(float)
+        )
         if self.observed_s.size < MIN_RESPONSES:
             raise FitError(
                 f"{self.observed_s.size} usable responses, need at least {MIN_RESPONSES}: "
                 "run more trials or look at what the exclusion policy took out"
             )
-        low, high = self.observed_s[0], self.observed_s[-1]
-        if high - low <= 1e-9 * high:
-            raise FitError(f"all {self.observed_s.size} times equal {low:g} s: a density needs some spread")
+        mean, sd = float(self.observed_s.mean()), float(self.observed_s.std())
+        if sd < LEAST_SPREAD * mean:
+            raise FitError(
+                f"all {self.observed_s.size} times are {mean:.6g} s, sd {sd:.2g} s: nobody reacts so evenly, and a density "
+                "needs some spread; is this the column of reaction times?"
+            )
 
     @property
     def n(self) -> int:

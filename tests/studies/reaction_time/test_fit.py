@@ -1,10 +1,15 @@
+import math
+
 import msgspec
 import numpy as np
 import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
 from scipy import stats
 
 from core.feedback.credit import GammaDelay
 from core.streams import stream
+from studies.reaction_time import fit
 from studies.reaction_time.families import FAMILIES, GAMMA, SHIFTED_GAMMA, fit_family
 from studies.reaction_time.fit import (
     FitSettings,
@@ -15,10 +20,11 @@ from studies.reaction_time.fit import (
 )
 from studies.reaction_time.goodness import goodness_of_fit, q_q
 from studies.reaction_time.intervals import Interval
-from studies.reaction_time.sample import FitError, sample
+from studies.reaction_time.sample import LEAST_SPREAD, FitError, sample
 
 pytestmark = pytest.mark.jit  # bootstraps: minutes in plain Python
 QUICK = FitSettings(families=("gamma", "ex-Gaussian"), n_resamples=10)
+FAST = FitSettings(n_resamples=0)
 
 
 def draw(n, *seed, shape=4.8, scale=0.065, offset=0.2):
@@ -67,10 +73,65 @@ def test_another_seed_gives_other_bootstrap_intervals_and_the_same_fits():
 
 
 def test_one_participant_who_cannot_be_fitted_does_not_stop_the_group():
-    hopeless = sample([0.1, 0.11, 0.12, 0.13, 0.14], np.full(100, 0.15))
-    group = fit_group({"slow": hopeless, "b": draw(40, "b")}, msgspec.structs.replace(QUICK, n_resamples=200))
+    # Slower than the time-out they are said to have had: no simulated trial has a response.
+    hopeless = sample([2.0, 2.1, 2.2, 2.3, 2.4], np.full(40, 0.5))
+    group = fit_group({"slow": hopeless, "b": draw(40, "b")}, QUICK)
     assert list(group.participants) == ["b"]
-    assert "timed out" in group.failures["slow"]
+    assert "cannot be simulated" in group.failures["slow"]
+
+
+def test_numerical_trouble_with_one_participant_does_not_stop_the_group(monkeypatch):
+    bad = draw(30, "bad")
+    honest = fit.fit_participant
+
+    def troubled(participant, data, settings):
+        return 1 / 0 if data is bad else honest(participant, data, settings)
+
+    monkeypatch.setattr(fit, "fit_participant", troubled)
+    people = {name: draw(30, name) for name in "abcde"}
+    group = fit_group({"bad": bad, **people}, FAST)
+    assert list(group.participants) == list("abcde")
+    assert "ZeroDivisionError" in group.failures["bad"]
+    assert set(group.pooled) == set("abcde")
+    monkeypatch.setattr(fit, "pool", lambda samples: np.linalg.inv(np.zeros((2, 2))))
+    alone = fit_group(people, FAST)
+    assert list(alone.participants) == list("abcde")
+    assert "Singular" in alone.failures["(pooled)"]
+    assert (alone.spread, alone.pooled) == (None, {})
+
+
+SEVEN_FAST = [0.12243097, 0.12259747, 0.12686252, 0.12704244, 0.12849888, 0.14990335, 0.15919143]
+
+
+@pytest.mark.jit
+@pytest.mark.parametrize("root_seed", range(5))
+def test_seven_fast_responses_are_fitted_with_all_intervals(root_seed):
+    found = fit_participant("P", sample(SEVEN_FAST), FitSettings(pooled=False, root_seed=root_seed))
+    for delay in (found.gamma, found.shifted_gamma):
+        assert not delay.shape_identified
+        for name, interval in delay.profile.items():
+            assert interval.low <= delay.estimates[name] * (1 + 1e-9) <= interval.high * (1 + 1e-6)
+
+
+_rounded = st.sampled_from([1e-6, 1e-3, 1 / 60, 0.1])
+_small = st.tuples(st.lists(st.floats(0.1, 3.0), min_size=5, max_size=12), _rounded)
+
+
+@pytest.mark.jit
+@settings(max_examples=12, deadline=None)
+@given(_small, st.integers(0, 6), st.sampled_from([0, 10]))
+def test_any_small_sample_with_some_spread_is_fitted(times, n_late, n_resamples):
+    values = np.maximum(np.round(np.array(times[0]) / times[1]) * times[1], times[1])
+    assume(values.std() >= LEAST_SPREAD * values.mean())
+    data = sample(values, np.full(n_late, values.max() + 0.1))
+    found = fit_participant("P", data, msgspec.structs.replace(FAST, n_resamples=n_resamples))
+    assert all(math.isfinite(one.aic) for one in found.fits)
+    for delay in (found.gamma, found.shifted_gamma):
+        assert delay.gamma_delay().shape == delay.shape
+        for name, interval in delay.profile.items():
+            estimate = delay.estimates[name]
+            assert interval.low <= estimate + 1e-6 * abs(estimate), name
+            assert interval.high >= estimate - 1e-6 * abs(estimate), name
 
 
 def test_an_unknown_family_is_named():

@@ -141,10 +141,20 @@ def test_a_resample_has_the_trials_and_the_time_outs_of_the_data():
 
 @pytest.mark.jit
 def test_a_resample_without_responses_is_refused():
-    data = sample([0.1, 0.11, 0.12, 0.13, 0.14], np.full(100, 0.15))
+    data = sample([2.0, 2.1, 2.2, 2.3, 2.4], np.full(40, 0.5))
     fit = fit_family(GAMMA, data)
     with pytest.raises(FitError, match="lengthen the time-out"):
         resample(fit, data, 200, rng=stream(1, "r"))
+
+
+@pytest.mark.jit
+def test_simulated_samples_that_nobody_would_fit_are_drawn_again():
+    # Five of ten trials had a response: every second simulated sample has fewer.
+    data = sample([0.4, 0.5, 0.6, 0.7, 0.8], np.full(5, 0.9))
+    drawn = resample(fit_family(GAMMA, data), data, 50, rng=stream(1, "r"))
+    assert len(drawn.samples) == len(drawn.log_likelihoods) == 50
+    assert min(one.observed_s.size for one in drawn.samples) == 5
+    assert all(one.n == 10 for one in drawn.samples)
 
 
 @pytest.mark.jit
@@ -237,3 +247,13 @@ def test_an_evenly_spaced_dozen_has_intervals_too() -> None:
     sd = participant.gamma.estimates["sd_s"]
     interval = participant.gamma.profile["sd_s"]
     assert interval.low < sd < interval.high
+
+
+def test_times_that_differ_by_a_hundredth_have_an_interval_of_their_sd() -> None:
+    # The top along a constant sd is far narrower than the grid, and lower on it than a second top at tiny shapes.
+    times = sample(2.95 + 0.05 * stream(3, "narrow").beta(2.0, 1.0, 13))
+    fit = fit_family(GAMMA, times)
+    sd = quantities_of(fit)["sd_s"]
+    assert profile_log_likelihood(times, GAMMA, "sd_s", sd) == pytest.approx(fit.log_likelihood, abs=1e-4)
+    interval = profile_interval(times, fit, "sd_s")
+    assert 0.5 * sd < interval.low < sd < interval.high < 2.0 * sd
