@@ -7,6 +7,8 @@ import click
 from arl_tui.commands.experiment import experiment
 from arl_tui.commands.fit import fit
 from arl_tui.commands.timing import timing
+from arl_tui.commands.train import train
+from arl_tui.commands.watch import watch
 from arl_tui.recordings import DEFAULT_FOLDER
 
 FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
@@ -266,6 +268,8 @@ def list_recordings(recordings: Path) -> None:
 main.add_command(experiment)
 main.add_command(fit)
 main.add_command(timing)
+main.add_command(train)
+main.add_command(watch)
 
 
 if __name__ == "__main__":

@@ -5,6 +5,8 @@ two, braille eight. Players are their names (K1, T2) on two characters, which ar
 aside for each other, and the ball for names. A character is taken to be twice as high as wide.
 """
 
+import math
+
 from arl_tui.widgets.pitch_ink import ASPECT, LEAST_LINES, MARKS, Detail, Row, Shape
 from arl_tui.widgets.pitch_sheet import Sheet
 from core.keepaway.picture import PitchFrame
@@ -22,6 +24,12 @@ def fit(length_m: float, width_m: float, columns: int, lines: int) -> Shape | No
     scale = min((lines - 2) / width_m, (columns - 2) / (ASPECT * length_m))
     shape = Shape(int(ASPECT * length_m * scale + 1e-9) + 2, int(width_m * scale + 1e-9) + 2)
     return shape if min(shape.lines - 2, (shape.columns - 2) / ASPECT) >= LEAST_LINES else None
+
+
+def smallest(length_m: float, width_m: float) -> Shape:
+    """Return the smallest drawing of a region that can be read."""
+    scale = LEAST_LINES / min(length_m, width_m)
+    return Shape(math.ceil(ASPECT * length_m * scale - 1e-9) + 2, math.ceil(width_m * scale - 1e-9) + 2)
 
 
 def draw(frame: PitchFrame, shape: Shape, detail: Detail, note: str = "") -> tuple[Row, ...]:

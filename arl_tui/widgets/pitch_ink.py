@@ -54,6 +54,8 @@ LEAST_LINES: Final = 10
 """Lines inside the boundary below which names would hide each other."""
 TICK_FROM, TICK_TO = 0.55, 1.2
 """Where the mark of a player's direction starts and ends, in lines from its centre."""
+DISC_FROM: Final = 0.9
+"""Radius of a player's body, in lines, from which it is drawn: smaller ones hide behind the name."""
 PATH_GAP: Final = 1.0
 """Between two dots of a pass, in lines."""
 

@@ -10,6 +10,7 @@ from arl_tui.widgets.pitch_ink import (
     ASPECT,
     BALL,
     BRAILLE_BITS,
+    DISC_FROM,
     FAINT,
     GRASS,
     HOLDER_NAME,
@@ -34,7 +35,7 @@ from arl_tui.widgets.pitch_ink import (
     Shape,
 )
 from core.keepaway.picture import PitchFrame, Place
-from core.keepaway.pitch import PLAYER_RADIUS
+from core.keepaway.pitch import ONGOING, PLAYER_RADIUS
 
 _NAMES = (KEEPER_NAME, TAKER_NAME, HOLDER_NAME)
 Cell = tuple[str, int, int]
@@ -155,7 +156,7 @@ class Sheet:
                     self._write_if_free(start + length, row, "]", WORDS)
                 continue
             column, line = start + length / 2, row + 0.5
-            if radius > TICK_FROM:
+            if radius > DISC_FROM:
                 self._disc(column, line, radius, ink)
             steps = 2 * self.down
             for k in range(steps + 1):
@@ -227,7 +228,10 @@ class Sheet:
             cells = [(" ", paper, paper)] * self.shape.columns
             cells[0] = cells[-1] = (boundary[5], LINE, paper)
         else:
-            cells = [(letter, LINE if letter in boundary else WORDS, paper) for letter in edge]
+            # How an episode ended is news, and lights up.
+            ended = line > 0 and self.frame.ended != ONGOING
+            words = (HOLDER_NAME, WORDS) if ended else (WORDS, paper)
+            cells = [(letter, LINE, paper) if letter in boundary else (letter, *words) for letter in edge]
         for column, cell in self._characters(dots, paper):
             cells[column] = cell
         for column, cell in texts.items():

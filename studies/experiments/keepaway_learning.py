@@ -1,5 +1,6 @@
 """Learning curves of keepers that learn by Sarsa over simulated hours, from several seeds."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -7,7 +8,7 @@ from numpy.typing import NDArray
 
 from core.keepaway.autoplay import Autoplay, keepaway_tiles
 from core.keepaway.pitch import KeepawayConfig
-from core.learners.sarsa import SarsaConfig, new_sarsa
+from core.learners.sarsa import Sarsa, SarsaConfig, new_sarsa
 
 Floats = NDArray[np.float64]
 SECONDS_PER_HOUR = 3600.0
@@ -50,19 +51,34 @@ class LearningCurve:
         return np.asarray(blocks.mean(axis=1), np.float64)
 
 
-def learn(run: LearningRun) -> LearningCurve:
-    """Train keepers from nothing for the run's simulated hours. The result depends on the run alone."""
+def train(run: LearningRun, on_block: Callable[[LearningCurve], None] = lambda _: None) -> Sarsa:
+    """Train keepers from nothing for the run's simulated hours; the result depends on the run alone.
+
+    Args:
+        run: what is learned, and for how long.
+        on_block: told of the episodes of each block as soon as they have been played.
+
+    Returns:
+        The learners, with all that they have learned.
+    """
     game = Autoplay(run.config, run.root_seed, "keepaway learning")
     sarsa = new_sarsa(run.learner, keepaway_tiles(run.config), run.config.n_keepers, run.config.n_actions)
-    durations: list[Floats] = []
-    ends: list[NDArray[np.bool_]] = []
     played_s = 0.0
     while played_s < run.hours * SECONDS_PER_HOUR:
         episodes = game.learn(sarsa, run.block)
-        durations.append(episodes.duration_s)
-        ends.append(episodes.out)
+        on_block(LearningCurve(episodes.duration_s, episodes.out))
         played_s += float(episodes.duration_s.sum())
-    return LearningCurve(np.concatenate(durations), np.concatenate(ends))
+    return sarsa
+
+
+def learn(run: LearningRun) -> LearningCurve:
+    """Return the learning curve of `train`."""
+    blocks: list[LearningCurve] = []
+    train(run, blocks.append)
+    return LearningCurve(
+        np.concatenate([block.duration_s for block in blocks]),
+        np.concatenate([block.out for block in blocks]),
+    )
 
 
 def band(curves: list[LearningCurve], size: int) -> tuple[Floats, Floats, Floats]:

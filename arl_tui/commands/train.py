@@ -1,0 +1,120 @@
+"""`arl train`: let keepers learn out of sight, and keep what they have learned."""
+
+import secrets
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from arl_tui.commands.watch import keepers_option, region_option, takers_option, task, vision_option
+
+if TYPE_CHECKING:
+    from core.learners.sarsa import Sarsa
+    from studies.experiments.keepaway_learning import LearningCurve, LearningRun
+
+LAST = 500
+"""Episodes that the mean at the end is taken over."""
+
+
+@click.command()
+@click.argument("game", type=click.Choice(["keepaway"]), default="keepaway")
+@click.option(
+    "--save",
+    type=click.Path(dir_okay=False, path_type=Path),
+    required=True,
+    help="Where the policy is kept, such as keepers.npz.",
+)
+@click.option(
+    "--hours", type=click.FloatRange(0.01, 1000.0), default=2.0, show_default=True, help="Simulated hours."
+)
+@click.option("--seed", type=click.IntRange(0, 2**63 - 1), help="Root seed; a new one by default.")
+@keepers_option
+@takers_option
+@region_option
+@vision_option
+@click.option(
+    "--shared/--independent", default=False, show_default=True, help="All keepers learn one policy."
+)
+@click.option(
+    "--trace-decay", type=click.FloatRange(0.0, 1.0), default=0.0, show_default=True, help="lambda of Sarsa."
+)
+def train(
+    game: str,
+    save: Path,
+    hours: float,
+    seed: int | None,
+    keepers: int | None,
+    takers: int | None,
+    size: tuple[float, float] | None,
+    vision: str | None,
+    shared: bool,
+    trace_decay: float,
+) -> None:
+    """Let keepers learn by Sarsa, out of sight, and keep what they have learned.
+
+    The same seed gives the same policy. An hour of play takes a second or so.
+    """
+    from core.learners.sarsa import SarsaConfig
+
+    if not save.parent.is_dir():
+        raise click.BadParameter(f"there is no folder {str(save.parent)!r}", param_hint="--save")
+    config = task(None, keepers=keepers, takers=takers, size=size, vision=vision)
+    learner = SarsaConfig(shared_weights=shared, trace_decay=trace_decay)
+    click.echo("Getting ready; the first time this takes a minute or two ...", err=True)
+    from studies.experiments.keepaway_learning import LearningRun
+
+    run = LearningRun(config, learner, secrets.randbits(63) if seed is None else seed, hours)
+    sarsa, blocks = with_progress(run)
+    durations = [float(duration) for block in blocks for duration in block.duration_s]
+    first, last = durations[:LAST], durations[-LAST:]
+    write(save, run, sarsa, durations)
+    click.echo(
+        f"{len(durations):,} episodes in {hours:g} simulated hours; mean duration {mean(first):.1f} s over the first "
+        f"{len(first)}, {mean(last):.1f} s over the last {len(last)}"
+    )
+    click.echo(f"Policy: {save}")
+    click.echo(f"Look at it: arl watch keepaway --policy {save}")
+
+
+def with_progress(run: "LearningRun") -> "tuple[Sarsa, list[LearningCurve]]":
+    """Train, with a bar that shows how far it is."""
+    from studies.experiments.keepaway_learning import SECONDS_PER_HOUR, train
+
+    blocks: list[LearningCurve] = []
+    total = round(run.hours * SECONDS_PER_HOUR)
+    with click.progressbar(length=total, label="Learning", file=sys.stderr) as bar:
+
+        def note(block: "LearningCurve") -> None:
+            blocks.append(block)
+            bar.update(round(float(block.duration_s.sum())))
+
+        return train(run, note), blocks
+
+
+def write(save: Path, run: "LearningRun", sarsa: "Sarsa", durations: list[float]) -> None:
+    """Write the policy file; stop with a message where that fails."""
+    from arl_tui import facts
+    from core.clock import wall_time_utc
+    from core.keepaway.policy_file import PolicyHeader, SavedPolicy, save_policy
+
+    header = PolicyHeader(
+        task=run.config,
+        learner=run.learner,
+        n_tilings=sarsa.coder.n_tilings,
+        root_seed=run.root_seed,
+        hours=run.hours,
+        episodes=len(durations),
+        duration_s=mean(durations[-LAST:]),
+        created_utc=wall_time_utc(),
+        software=facts.software(),
+    )
+    try:
+        save_policy(save, SavedPolicy(header, sarsa.weights))
+    except OSError as error:
+        raise click.ClickException(f"the policy cannot be written: {error}") from error
+
+
+def mean(values: list[float]) -> float:
+    """Return the mean of at least one value."""
+    return sum(values) / len(values)

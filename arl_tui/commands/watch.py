@@ -1,0 +1,207 @@
+"""`arl watch`: look at any policy of Keepaway."""
+
+import os
+import re
+import secrets
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from arl_tui.screens.watch import WatchApp
+    from core.keepaway.exhibition import Exhibition
+    from core.keepaway.pitch import KeepawayConfig
+    from core.keepaway.policy_file import SavedPolicy
+
+BENCHMARKS = {"hand": "hand-coded", "random": "random", "hold": "always hold"}
+VISIONS = ("exact", "360", "90")
+DETAIL_NAMES = ("ascii", "half", "braille")
+"""Written out here so that `--help` need not load them; a test compares."""
+
+
+def parse_region(
+    _context: click.Context, _parameter: click.Parameter, text: str | None
+) -> tuple[float, float] | None:
+    """Return both numbers of a region such as 20x20 or 30x20: metres from left to right and down."""
+    if text is None:
+        return None
+    found = re.fullmatch(r"(\d+(?:\.\d+)?)x(\d+(?:\.\d+)?)", text.lower().replace(" ", ""))
+    if found is None:
+        raise click.BadParameter(f"{text!r}: two numbers of metres such as 20x20 or 30x20")
+    return float(found[1]), float(found[2])
+
+
+region_option = click.option(
+    "--size",
+    metavar="LxW",
+    callback=parse_region,
+    help="Region in metres, from left to right and down; 20x20 by default.",
+)
+keepers_option = click.option("--keepers", type=click.IntRange(2, 9), help="3 by default.")
+takers_option = click.option("--takers", type=click.IntRange(1, 9), help="2 by default.")
+vision_option = click.option(
+    "--vision",
+    type=click.Choice(VISIONS),
+    help="What players see: everything exactly, all round as the server tells it (default), or 90 degrees.",
+)
+
+
+@click.command()
+@click.argument("game", type=click.Choice(["keepaway"]), default="keepaway")
+@click.option(
+    "--policy",
+    default="hand",
+    show_default=True,
+    metavar="hand|random|hold|FILE",
+    help="Who plays: a benchmark policy, or what `arl train keepaway` has saved.",
+)
+@click.option("--seed", type=click.IntRange(0, 2**63 - 1), help="Root seed; a new one by default.")
+@click.option("--episodes", type=click.IntRange(1), help="Leave after so many.")
+@click.option(
+    "--speed",
+    type=click.FloatRange(0.02, 20.0),
+    default=1.0,
+    show_default=True,
+    help="Simulated seconds per second; 0.25 is slow motion.",
+)
+@keepers_option
+@takers_option
+@region_option
+@vision_option
+@click.option("--detail", type=click.Choice(DETAIL_NAMES), help="Rendering; the finest this terminal shows.")
+def watch(
+    game: str,
+    policy: str,
+    seed: int | None,
+    episodes: int | None,
+    speed: float,
+    keepers: int | None,
+    takers: int | None,
+    size: tuple[float, float] | None,
+    vision: str | None,
+    detail: str | None,
+) -> None:
+    """Look at a policy playing Keepaway, as fast or slowly as you like. Nothing is recorded."""
+    from arl_tui.commands.play import FRAMES_PER_S, need_terminal
+
+    need_terminal("arl watch", instead="arl train keepaway --help")
+    os.environ.setdefault("TEXTUAL_FPS", FRAMES_PER_S)
+    saved = None if policy in BENCHMARKS else read_policy(Path(policy))
+    config = task(saved, keepers=keepers, takers=takers, size=size, vision=vision)
+    root_seed = secrets.randbits(63) if seed is None else seed
+    from arl_tui.screens.watch import WatchApp, WatchScreen
+    from arl_tui.widgets.pitch_ink import DETAILS
+
+    def prepare() -> "Exhibition":
+        from core.keepaway.exhibition import Exhibition
+
+        match = Exhibition(config, policy if saved is None else saved.sarsa(), root_seed, "watch")
+        rehearse(match)
+        return Exhibition(config, policy if saved is None else saved.sarsa(), root_seed, "watch")
+
+    screen = WatchScreen(
+        heading(policy, saved, config, root_seed),
+        length_m=config.length_m,
+        width_m=config.width_m,
+        speed=speed,
+        episodes=episodes,
+        detail=next((known for known in DETAILS if known == detail), None),
+    )
+    run(WatchApp(screen, prepare))
+
+
+def run(app: "WatchApp") -> None:
+    """Run the app to its end and print what was seen."""
+    told = app.run()
+    if app.trouble is not None:
+        raise click.ClickException(str(app.trouble))
+    if told is not None:
+        click.echo(told)
+    if app.thread.is_alive():
+        # Somebody left before everything was compiled: nothing is lost by not waiting for that.
+        sys.stdout.flush()
+        os._exit(0)
+
+
+def rehearse(match: "Exhibition") -> None:
+    """Play until somebody has decided: what is compiled by then is all there is."""
+    for _ in range(100):
+        if match.step().decider >= 0:
+            return
+
+
+def read_policy(path: Path) -> "SavedPolicy":
+    """Read a policy; stop with a message where the file cannot be used."""
+    if not path.exists():
+        raise click.BadParameter(
+            f"{str(path)!r} is neither one of {', '.join(BENCHMARKS)} nor a file; "
+            "`arl train keepaway --save FILE` makes one",
+            param_hint="--policy",
+        )
+    from core.keepaway.policy_file import PolicyFileError, load_policy
+
+    try:
+        return load_policy(path)
+    except (PolicyFileError, OSError) as error:
+        raise click.ClickException(str(error)) from error
+
+
+def task(
+    saved: "SavedPolicy | None",
+    *,
+    keepers: int | None,
+    takers: int | None,
+    size: tuple[float, float] | None,
+    vision: str | None,
+) -> "KeepawayConfig":
+    """Return the task that is asked for: the file's, or the paper's, but for what is given."""
+    from dataclasses import replace
+
+    from core.keepaway.pitch import KeepawayConfig
+
+    config = KeepawayConfig() if saved is None else saved.header.task
+    wanted = (keepers or config.n_keepers, takers or config.n_takers)
+    if saved is not None and wanted != (config.n_keepers, config.n_takers):
+        raise click.ClickException(
+            f"this policy was learned by {config.n_keepers} keepers against {config.n_takers} takers and knows "
+            f"nothing else; got --keepers {wanted[0]} --takers {wanted[1]}"
+        )
+    try:
+        config = replace(config, n_keepers=wanted[0], n_takers=wanted[1])
+        if size is not None:
+            config = replace(config, length_m=size[0], width_m=size[1])
+        if vision is not None:
+            exact = vision == "exact"
+            config = replace(config, exact_state=exact, view_angle_deg=360.0 if exact else float(vision))
+    except ValueError as error:
+        raise click.ClickException(str(error)) from error
+    return config
+
+
+def heading(policy: str, saved: "SavedPolicy | None", config: "KeepawayConfig", seed: int) -> str:
+    """Return what is watched, in lines of at most 34 characters, in markup."""
+    from rich.markup import escape
+
+    lines = [
+        f"[b]Keepaway {config.n_keepers} against {config.n_takers}[/], {config.length_m:g} m x {config.width_m:g} m"
+    ]
+    if saved is None:
+        lines.append(f"Policy   {BENCHMARKS[policy]}")
+    else:
+        header = saved.header
+        lines += [
+            f"Policy   {escape(Path(policy).name[:25])}",
+            f"         {header.hours:g} h Sarsa, {header.episodes:,} episodes"[:34],
+        ]
+    lines.append(f"Players  see {sight(config)}")
+    lines.append(f"Seed     {seed}")
+    return "\n".join(lines)
+
+
+def sight(config: "KeepawayConfig") -> str:
+    """Say what players see."""
+    if config.exact_state:
+        return "everything exactly"
+    return "all round" if config.view_angle_deg >= 360 else f"{config.view_angle_deg:g} degrees"

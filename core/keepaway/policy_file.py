@@ -1,0 +1,109 @@
+"""Learned policies on disk: an npz archive with the weights and a header in JSON that says where they come from."""
+
+import io
+import zipfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from core.keepaway.autoplay import keepaway_tiles
+from core.keepaway.pitch import KeepawayConfig
+from core.learners.sarsa import Sarsa, SarsaConfig, new_sarsa
+
+FORMAT: Final = "arl keepaway policy"
+VERSION: Final = 1
+
+
+class PolicyFileError(ValueError):
+    """A file holds no policy that can be used; the message says why."""
+
+
+class PolicyHeader(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Where a policy comes from: enough to learn it again."""
+
+    format: str = FORMAT
+    version: int = VERSION
+    task: KeepawayConfig
+    learner: SarsaConfig
+    n_tilings: int
+    root_seed: int
+    hours: float
+    """Simulated time it has learned for."""
+    episodes: int
+    """Episodes it has learned from."""
+    duration_s: float
+    """Mean duration of the last of these (at most 500), while learning."""
+    created_utc: str
+    software: dict[str, str]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SavedPolicy:
+    """The weights of keepers that have learned, and where they come from."""
+
+    header: PolicyHeader
+    weights: NDArray[np.float64]
+    """Shape (n, a, t): learners (1 where they share), options, tiles."""
+
+    def __post_init__(self) -> None:
+        header = self.header
+        expected = _empty(header).weights.shape
+        if self.weights.shape != expected:
+            raise PolicyFileError(
+                f"the weights of {header.task.n_keepers} keepers against {header.task.n_takers} takers have shape "
+                f"{expected}, got {self.weights.shape}"
+            )
+        if not np.isfinite(self.weights).all():
+            raise PolicyFileError("some weights are not finite numbers")
+
+    def sarsa(self) -> Sarsa:
+        """Return learners with these weights; they would go on learning (see `core.learners.sarsa.frozen`)."""
+        return _empty(self.header)._replace(weights=self.weights.copy())
+
+
+def _empty(header: PolicyHeader) -> Sarsa:
+    task = header.task
+    return new_sarsa(header.learner, keepaway_tiles(task, header.n_tilings), task.n_keepers, task.n_actions)
+
+
+def save_policy(path: Path, policy: SavedPolicy) -> None:
+    """Write a policy; an existing file is replaced only by a complete one.
+
+    Raises:
+        OSError: the file cannot be written.
+    """
+    data = io.BytesIO()
+    header = np.frombuffer(msgspec.json.encode(policy.header), np.uint8)
+    np.savez_compressed(data, header=header, weights=policy.weights)
+    partial = path.with_name(path.name + ".partial")
+    partial.write_bytes(data.getvalue())
+    partial.replace(path)
+
+
+def load_policy(path: Path) -> SavedPolicy:
+    """Read a policy.
+
+    Raises:
+        PolicyFileError: the file is not a policy, or of a version that is not known here.
+        OSError: the file cannot be read.
+    """
+    try:
+        with np.load(io.BytesIO(path.read_bytes()), allow_pickle=False) as archive:
+            raw, weights = archive["header"].tobytes(), np.asarray(archive["weights"], np.float64)
+    except (ValueError, KeyError, zipfile.BadZipFile, EOFError) as error:
+        raise PolicyFileError(
+            f"{path}: not a policy of Keepaway ({error}); `arl train keepaway --save FILE` makes one"
+        ) from error
+    try:
+        named = msgspec.json.decode(raw, type=dict)
+        if (named.get("format"), named.get("version")) != (FORMAT, VERSION):
+            raise PolicyFileError(
+                f"need {FORMAT!r} of version {VERSION}, got {named.get('format')!r} of version {named.get('version')!r}"
+            )
+        return SavedPolicy(msgspec.json.decode(raw, type=PolicyHeader), weights)
+    except (msgspec.DecodeError, ValueError) as error:
+        raise PolicyFileError(f"{path}: {error}") from error
