@@ -157,7 +157,7 @@ def task(
     vision: str | None,
 ) -> "KeepawayConfig":
     """Return the task that is asked for: the file's, or the paper's, but for what is given."""
-    from dataclasses import replace
+    from msgspec.structs import replace
 
     from core.keepaway.pitch import KeepawayConfig
 

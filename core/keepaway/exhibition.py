@@ -12,7 +12,8 @@ from core.keepaway.match import n_variables, new_match, open_streams
 from core.keepaway.picture import NOBODY, PitchFrame
 from core.keepaway.pitch import ONGOING, KeepawayConfig
 from core.keepaway.policies import POLICIES, choose
-from core.learners.sarsa import Sarsa, SarsaConfig, end_episode, frozen, new_sarsa
+from core.learners.sarsa import Sarsa, end_episode, frozen, new_sarsa
+from core.learners.sarsa_config import SarsaConfig
 
 Policy = str | Sarsa
 """Name of a benchmark policy ("random", "hold", "hand"), or learners that act and no longer learn."""
