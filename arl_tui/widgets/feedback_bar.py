@@ -1,6 +1,7 @@
 """Confirms each key press at once, and says how many are left."""
 
 from collections.abc import Iterable
+from textwrap import wrap
 from typing import ClassVar
 
 from rich.segment import Segment
@@ -17,6 +18,14 @@ from core.keys import KeyConfig
 HOLD_S = 1.5
 """How long a word stays, seconds."""
 
+WATCH = ("watch, and say what you think", "watch")
+"""What stands where the word will be, as long as there is room for."""
+WATCH_ONLY = ("watch: no presses left in this game", "watch: no presses left")
+WRONG_ASKED = (
+    "Just once, on purpose: press the WRONG key",
+    "On purpose: press the WRONG key",
+    "press the WRONG key",
+)
 _REFUSALS = {
     "no-presses-left": "No presses left in this game: not counted",
     "covered": "The game is covered: not counted",
@@ -142,12 +151,14 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
         if y < LINES:
             return self._word_line(y)
         line = y - LINES
-        if line == 0:
-            return self._line([("note", self.note)])
+        if line in (0, 1):
+            # Where there is little room a note takes the empty line below it as well.
+            parts = wrap(self.note, max(1, self.size.width))
+            return self._line([("note", parts[line] if line < len(parts) else "")])
         if line == 2:
             return self._line(self._budget())
         if line == 4 and self.wrong_asked:
-            return self._filled("cue", "Just once, on purpose: press the WRONG key")
+            return self._filled("cue", self._longest(WRONG_ASKED))
         if line == 6:
             return self._line(self._key_names())
         return self._line([])
@@ -155,12 +166,8 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
     def _word_line(self, y: int) -> Strip:
         width = self.size.width
         if not self.word:
-            waiting = (
-                "watch, and say what you think"
-                if self.presses_left
-                else "watch: no presses left in this game"
-            )
-            return self._filled("idle", waiting if y == 1 else "")
+            waiting = WATCH if self.presses_left else WATCH_ONLY
+            return self._filled("idle", self._longest(waiting) if y == 1 else "")
         lines = big(self.word)
         if len(lines[0]) > width:
             return self._filled(self._kind, self.word if y == 1 else "")
@@ -179,10 +186,16 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
 
     def _key_names(self) -> list[tuple[str, str]]:
         names = ((self.keys.good, "good"), (self.keys.bad, "bad"), (self.keys.retract, "take back"))
+        room = self.size.width - sum(len(f" {key} {name}") for key, name in names)
+        gap = " " * min(4, max(1, room // len(names)))
         parts: list[tuple[str, str]] = []
         for key, name in names:
-            parts += [("key", f" {key} "), ("label", f"{name}    ")]
+            parts += [("key", f" {key} "), ("label", f"{name}{gap}")]
         return parts
+
+    def _longest(self, texts: tuple[str, ...]) -> str:
+        """Return the first of several texts that fits, the last one where none does."""
+        return next((text for text in texts if len(text) <= self.size.width), texts[-1])
 
     def _line(self, parts: Iterable[tuple[str, str]]) -> Strip:
         """Return a line of styled parts, centred."""

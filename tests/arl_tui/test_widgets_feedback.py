@@ -191,6 +191,22 @@ async def test_where_there_is_little_room_words_are_small_and_presses_are_counte
         assert texts(bar)[5].strip() == "20 of 20 presses left"
 
 
+@pytest.mark.parametrize("width", [36, 30])
+async def test_beside_a_pitch_nothing_that_is_said_is_cut_off(width: int):
+    bar = FeedbackBar(KeyConfig(max_presses_per_episode=1), hold_s=0)
+    app = OneWidget(bar, width=width)
+    async with app.run_test():
+        participant = Participant(bar)
+        assert texts(bar)[-1].split() == ["j", "good", "f", "bad", "u", "take", "back"]
+        bar.ask_wrong(True)
+        assert "press the WRONG key" in texts(bar)[7]
+        participant.press("j")
+        participant.press("j")
+        assert texts(bar)[1].strip().startswith("watch: no presses left")
+        assert " ".join(" ".join(texts(bar)[3:5]).split()) == "No presses left in this game: not counted"
+        assert {len(line) for line in texts(bar)} == {width - 2}
+
+
 async def test_a_simulated_press_is_called_one():
     bar = FeedbackBar(KeyConfig(), hold_s=0)
     app = OneWidget(bar)
