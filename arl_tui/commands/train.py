@@ -13,9 +13,6 @@ if TYPE_CHECKING:
     from core.learners.sarsa import Sarsa
     from studies.experiments.keepaway_learning import LearningCurve, LearningRun
 
-LAST = 500
-"""Episodes that the mean at the end is taken over."""
-
 
 @click.command()
 @click.argument("game", type=click.Choice(["keepaway"]), default="keepaway")
@@ -66,8 +63,10 @@ def train(
 
     run = LearningRun(config, learner, secrets.randbits(63) if seed is None else seed, hours)
     sarsa, blocks = with_progress(run)
+    from core.keepaway.policy_file import N_LAST
+
     durations = [float(duration) for block in blocks for duration in block.duration_s]
-    first, last = durations[:LAST], durations[-LAST:]
+    first, last = durations[:N_LAST], durations[-N_LAST:]
     write(save, run, sarsa, durations)
     click.echo(
         f"{len(durations):,} episodes in {hours:g} simulated hours; mean duration {mean(first):.1f} s over the first "
@@ -96,7 +95,7 @@ def write(save: Path, run: "LearningRun", sarsa: "Sarsa", durations: list[float]
     """Write the policy file; stop with a message where that fails."""
     from arl_tui import facts
     from core.clock import wall_time_utc
-    from core.keepaway.policy_file import PolicyHeader, SavedPolicy, save_policy
+    from core.keepaway.policy_file import N_LAST, PolicyHeader, SavedPolicy, save_policy
 
     header = PolicyHeader(
         task=run.config,
@@ -105,7 +104,7 @@ def write(save: Path, run: "LearningRun", sarsa: "Sarsa", durations: list[float]
         root_seed=run.root_seed,
         hours=run.hours,
         episodes=len(durations),
-        duration_s=mean(durations[-LAST:]),
+        duration_s=mean(durations[-N_LAST:]),
         created_utc=wall_time_utc(),
         software=facts.software(),
     )

@@ -55,7 +55,8 @@ vision_option = click.option(
     default="hand",
     show_default=True,
     metavar="hand|random|hold|FILE",
-    help="Who plays: a benchmark policy, or what `arl train keepaway` has saved.",
+    help="Who plays: a benchmark policy, what `arl train keepaway` has saved (.npz), or what the keepers had learned "
+    "by the end of a recorded session (.jsonl).",
 )
 @click.option("--seed", type=click.IntRange(0, 2**63 - 1), help="Root seed; a new one by default.")
 @click.option("--episodes", type=click.IntRange(1), help="Leave after so many.")
@@ -143,6 +144,10 @@ def read_policy(path: Path) -> "SavedPolicy":
     from core.keepaway.policy_file import PolicyFileError, load_policy
 
     try:
+        if path.suffix == ".jsonl":
+            from core.keepaway.recorded_policy import recorded_policy
+
+            return recorded_policy(path)
         return load_policy(path)
     except (PolicyFileError, OSError) as error:
         raise click.ClickException(str(error)) from error
@@ -193,7 +198,7 @@ def heading(policy: str, saved: "SavedPolicy | None", config: "KeepawayConfig", 
         header = saved.header
         lines += [
             f"Policy   {escape(Path(policy).name[:25])}",
-            f"         {header.hours:g} h Sarsa, {header.episodes:,} episodes"[:34],
+            f"         {header.hours:.3g} h Sarsa, {header.episodes:,} episodes"[:34],
         ]
     lines.append(f"Players  see {sight(config)}")
     lines.append(f"Seed     {seed}")

@@ -12,10 +12,13 @@ from numpy.typing import NDArray
 
 from core.keepaway.autoplay import keepaway_tiles
 from core.keepaway.pitch import KeepawayConfig
-from core.learners.sarsa import Sarsa, SarsaConfig, new_sarsa
+from core.learners.sarsa import Sarsa, new_sarsa
+from core.learners.sarsa_config import SarsaConfig
 
 FORMAT: Final = "arl keepaway policy"
 VERSION: Final = 1
+N_LAST: Final = 500
+"""Episodes that the mean duration in a header is taken over."""
 
 
 class PolicyFileError(ValueError):
@@ -36,7 +39,7 @@ class PolicyHeader(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     episodes: int
     """Episodes it has learned from."""
     duration_s: float
-    """Mean duration of the last of these (at most 500), while learning."""
+    """Mean duration of the last of these (at most `N_LAST`), while learning."""
     created_utc: str
     software: dict[str, str]
 
