@@ -72,3 +72,17 @@ def kernel(function: Function) -> Function:
 
 JIT_DISABLED: bool = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
 """True under NUMBA_DISABLE_JIT=1, where kernels run as plain Python."""
+
+
+def specialised(function: Function, *arguments: Any) -> Function:
+    """Return a kernel compiled for arguments of these types, without the look-up of types at every call.
+
+    The look-up takes half a millisecond for tuples of many arrays. Nobody checks any more that arguments
+    are of these types: pass what you passed here, with other contents.
+    """
+    if JIT_DISABLED:
+        return function
+    types = tuple(numba.typeof(argument) for argument in arguments)
+    compiled = cast(Any, function)
+    compiled.compile(types)
+    return cast(Function, compiled.get_overload(types))
