@@ -131,6 +131,13 @@ class SimulatedTrainer:
         """How many more judgements there can be in this episode."""
         return self._budget - self._given
 
+    def draws(self, step: int) -> NDArray[np.float64]:
+        """Return the draws about `step` and some steps after it, shape (n, 6), n >= 1, for compiled play.
+
+        They are, in order: speaks, mistakes, deliberates, anticipates, bursts, moment (see `watch`).
+        """
+        return self._drawn(step)
+
     def next_inclined(self, step: int, end: int) -> int:
         """Return the first of the steps from `step` to before `end` at which they feel like speaking; else `end`.
 

@@ -1,16 +1,17 @@
 """Whole episodes of keepers that learn from their environment and from a simulated person, for experiments.
 
-Cycles and decisions are compiled; what happens once per press or once per episode is done by the same classes and
-functions as in a session: the gate of key presses, the credit of a press, bootstrap learning, the schemes.
+An episode is one call of compiled code, presses included; what happens once per episode is done by the classes of a
+session: bootstrap learning, the weights of the scheme, the participant's budget and fatigue.
 """
 
 import hashlib
-import heapq
 import math
 from dataclasses import dataclass
 from typing import Any
 
+import msgspec
 import numpy as np
+from numpy.typing import NDArray
 
 from core.clock import NS_PER_S
 from core.combination.bootstrap_learning import BootstrapLearning, EpisodeReport
@@ -24,31 +25,33 @@ from core.combination.config import (
 from core.combination.trust import Comparison
 from core.combination.window import DecisionWindow
 from core.compiled import specialised
-from core.episode import KeyPressed
-from core.feedback.config import CreditConfig
-from core.feedback.credit import STILL_SHOWN_NS, credit
-from core.feedback.delays import CurrentStep, Delay, GammaDelay, PreviousStep
-from core.feedback.samples import MassAccount, PressCredit
+from core.feedback.compiled_credit import credit_rule
+from core.feedback.config import CreditConfig, TrainerConfig
+from core.feedback.delays import GammaDelay
+from core.feedback.samples import MassAccount
 from core.feedback.trainers import SimulatedTrainer
 from core.keepaway.arl_cycles import (
     AGREED,
     AGREED_WORST,
+    BEFORE_FIRST,
     COMPARED,
+    CREDITED,
     EPISODE_STEPS,
-    PRESS_DUE,
-    STEPS,
+    IN_GAPS,
+    NEEDS_DRAWS,
+    PRESSES,
     STOPPED,
     Mix,
-    learn_from_press,
     new_timeline,
-    play_until_press,
+    play,
 )
 from core.keepaway.autoplay import CYCLE_LIMIT, keepaway_tiles
 from core.keepaway.match import CYCLE, END, new_match, open_streams
-from core.keepaway.person import PLANNED, Watcher, new_watcher, watch_episode
+from core.keepaway.person import Watcher, new_watcher, watch_episode, with_more_draws
 from core.keepaway.person_config import KeepawayPersonConfig
 from core.keepaway.pitch import CYCLE_NS, CYCLE_S, OUT, KeepawayConfig
-from core.keys import KeyConfig, PressGate
+from core.keepaway.presses import LOST, MADE, begin_episode, new_presses
+from core.keys import KeyConfig
 from core.learners.human_config import TileModel
 from core.learners.sarsa import SarsaConfig, new_sarsa
 from core.learners.tiled_human import new_tiled_human
@@ -57,9 +60,13 @@ from core.streams import stream_seed
 KEEPAWAY_AGENT = AgentConfig(credit=CreditConfig(delay=GammaDelay()), human_model=TileModel())
 """Eq. 3, Eq. 4, credit by the paper's density, and a human model over tiles."""
 
+NOBODY = KeepawayPersonConfig(trainer=TrainerConfig(press_probability=0.0, max_presses=0))
+"""A participant who never presses a key."""
+SHORTEST_EPISODE_S = 0.5
+"""Takers need longer than this to reach the ball."""
 
-@dataclass(frozen=True, slots=True)
-class ArlKeepawayConfig:
+
+class ArlKeepawayConfig(msgspec.Struct, frozen=True, kw_only=True):
     """Keepers that learn from environment and person, and who the person is."""
 
     task: KeepawayConfig = KeepawayConfig()
@@ -77,7 +84,7 @@ class ArlKeepawayConfig:
 
     def __post_init__(self) -> None:
         if not isinstance(self.agent.human_model, TileModel):
-            raise ValueError(f"compiled play needs human_model=TileModel(...), got {self.agent.human_model}")
+            raise TypeError(f"compiled play needs human_model=TileModel(...), got {self.agent.human_model}")
         if self.agent.credit.scheme != "individual" or self.agent.credit.merge_within_s:
             raise ValueError(
                 "compiled play credits each press by itself: scheme='individual' and merge_within_s=0, got "
@@ -104,6 +111,21 @@ class ArlKeepawayConfig:
             )
 
 
+@dataclass(frozen=True, slots=True)
+class MadePress:
+    """A press of the simulated participant."""
+
+    time_ns: int
+    value: float
+    """1.0 good, -1.0 bad."""
+    step: int
+    """The step it was meant for."""
+    deliberate: bool
+    """Wrong on purpose."""
+    accepted: bool
+    """Whether it counted."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class ArlEpisode:
     """What became of an episode."""
@@ -117,7 +139,7 @@ class ArlEpisode:
     start_ns: int
     """When it started, in the session's time (pauses included)."""
     w_h: float
-    """Weight of the human with which it was played; the trust before it."""
+    """Trust in the human before the episode, by bootstrap learning: what the scheme was given."""
     steps: int
     """Decisions of all keepers."""
     compared: int
@@ -126,7 +148,7 @@ class ArlEpisode:
     """Of these, those at which the environment's best option was the human model's best."""
     agreed_worst: int
     """Of these, those at which it was the human model's worst."""
-    presses: tuple[KeyPressed, ...]
+    presses: tuple[MadePress, ...]
     """Presses made until the next kick-off, the refused ones too."""
 
     @property
@@ -137,15 +159,15 @@ class ArlEpisode:
     @property
     def accepted(self) -> int:
         """Presses that counted."""
-        return sum(press.verdict == "accepted" for press in self.presses)
+        return sum(press.accepted for press in self.presses)
 
 
 class ArlAutoplay:
-    """A session of Keepaway without a screen, played in whole episodes. Time stands still but for the match."""
+    """A session of Keepaway without a screen, played in whole episodes. Its clock is that of the match."""
 
     def __init__(self, config: ArlKeepawayConfig, root_seed: int, *path: str | int) -> None:
-        """Set up the match whose streams are named by `path`; the person's streams follow from it, too."""
-        task = config.task
+        """Set up the match whose streams are named by `path`; the participant's streams follow from it, too."""
+        task, delay = config.task, config.agent.credit.delay
         self.config = config
         self.streams = open_streams(root_seed, *path)
         self.match = new_match(task, self.streams)
@@ -154,73 +176,76 @@ class ArlAutoplay:
         model = config.agent.human_model
         assert isinstance(model, TileModel), "checked by the configuration"
         self.human = new_tiled_human(model, coder, task.n_keepers, task.n_actions)
-        self.account = MassAccount()
         self._seed = stream_seed(root_seed, *path, "session")
         self.bootstrap = _bootstrap(config.agent.bootstrap, self._seed)
         self._rules = task.rules()
-        delay = config.agent.credit.delay
-        self._reach_ns = _reach_ns(delay)
-        places = (self._reach_ns // CYCLE_NS + 3) * task.n_keepers
+        self._rule = credit_rule(delay)
+        places = (math.ceil(self._rule.horizon_s / CYCLE_S) + 3) * task.n_keepers
         self._timeline = new_timeline(places, len(coder.low), task.n_actions)
-        person = config.person or KeepawayPersonConfig()
+        person = config.person or NOBODY
         self._trainer = SimulatedTrainer(person.trainer, root_seed=self._seed)
         self._watcher = new_watcher(person, self.match)
-        self._gate = PressGate(config.keys)
-        self._due: list[tuple[int, int, float, bool]] = []
-        self._planned = 0
-        self._presses: list[KeyPressed] = []
+        self._presses = new_presses(config.keys, _room(config))
         self._episode = 0
         self._start_ns = 0
-        self._play = specialised(play_until_press, *self._cycle_arguments(self._mix(), self._watcher, False))
-        self._teach = specialised(learn_from_press, self.human, self._timeline, 0, np.zeros(1), 1.0)
+        self._play = specialised(play, *self._arguments(self._mix(), self._watcher, False))
 
     @property
     def w_h(self) -> float:
         """Weight of the human by bootstrap learning; 0 while the human model knows nothing."""
         return self.bootstrap.w_h if self.human.samples[0] else 0.0
 
+    @property
+    def account(self) -> MassAccount:
+        """Where the mass of all presses went."""
+        masses = self._timeline.masses
+        return MassAccount(
+            presses=int(masses[PRESSES]),
+            credited=float(masses[CREDITED]),
+            before_first=float(masses[BEFORE_FIRST]),
+            in_gaps=float(masses[IN_GAPS]),
+        )
+
     def play_episode(self) -> ArlEpisode:
         """Play the next episode and the pause after it."""
-        self._gate.episode_started()
-        self._presses = []
+        mix, w_h, watcher, start_ns = self._mix(), self.w_h, self._watch(), self._start_ns
         counts, status = self._timeline.counts, self.match.status
         counts[EPISODE_STEPS:] = 0
-        mix, watcher = self._mix(), self._watch()
-        start_ns, w_h, anew = self._start_ns, self.w_h, bool(status[CYCLE] > 0)
-        while True:
-            reason = self._play(*self._cycle_arguments(mix, watcher, anew))
-            anew = False
-            self._take_plans(watcher)
-            now_ns = start_ns + int(status[CYCLE]) * CYCLE_NS
-            if reason != PRESS_DUE:
-                break
-            self._press_until(now_ns)
-        compared, agreed, agreed_worst = (int(counts[k]) for k in (COMPARED, AGREED, AGREED_WORST))
-        comparison = Comparison(compared, agreed, agreed_worst) if compared else None
-        self._revise(int(status[CYCLE]), reason == STOPPED, comparison)
-        self._start_ns = now_ns + round(self.config.pause_s * NS_PER_S)
-        self._press_until(self._start_ns)
-        self._episode += 1
-        return ArlEpisode(
+        anew = bool(status[CYCLE] > 0)
+        reason = self._play(*self._arguments(mix, watcher, anew))
+        while reason == NEEDS_DRAWS:
+            watcher = with_more_draws(watcher, self._trainer)
+            reason = self._play(*self._arguments(mix, watcher, False))
+        if self._presses.counts[LOST]:
+            raise ValueError(f"too many presses wait at once: shorten the delay of {self.config.person}")
+        episode = ArlEpisode(
             cycles=int(status[CYCLE]),
             out=bool(status[END] == OUT),
             truncated=reason == STOPPED,
             start_ns=start_ns,
             w_h=w_h,
             steps=int(counts[EPISODE_STEPS]),
-            compared=compared,
-            agreed=agreed,
-            agreed_worst=agreed_worst,
-            presses=tuple(self._presses),
+            compared=int(counts[COMPARED]),
+            agreed=int(counts[AGREED]),
+            agreed_worst=int(counts[AGREED_WORST]),
+            presses=self._made(),
         )
+        self._revise(episode)
+        self._start_ns = start_ns + episode.cycles * CYCLE_NS + self._pause_ns
+        self._episode += 1
+        return episode
 
     def digest(self) -> str:
         """Return SHA-256 over everything learned, hex."""
         parts = (self.sarsa.weights.tobytes(), self.human.weights.tobytes(), self.bootstrap.state_bytes())
         return hashlib.sha256(b"".join(parts)).hexdigest()
 
-    def _cycle_arguments(self, mix: Mix, watcher: Watcher, anew: bool) -> tuple[Any, ...]:
-        """Return the arguments of `play_until_press`."""
+    @property
+    def _pause_ns(self) -> int:
+        return round(self.config.pause_s * NS_PER_S)
+
+    def _arguments(self, mix: Mix, watcher: Watcher, anew: bool) -> tuple[Any, ...]:
+        """Return the arguments of `play`."""
         return (
             self.match,
             self._rules,
@@ -228,11 +253,13 @@ class ArlAutoplay:
             self.human,
             mix,
             watcher,
+            self._presses,
+            self._rule,
             self._timeline,
             self.streams,
             anew,
             self._start_ns,
-            self._due[0][0] if self._due else STILL_SHOWN_NS,
+            self._pause_ns,
             CYCLE_LIMIT,
         )
 
@@ -246,94 +273,56 @@ class ArlAutoplay:
         return Mix(int(weights.form), float(weights.w_r), float(weights.w_h), float(weights.share), seed)
 
     def _watch(self) -> Watcher:
+        """Let the participant begin an episode."""
+        begin_episode(self._presses)
         if self.config.person is None:
             return self._watcher
         self._trainer.begin_episode(self._episode)
         return watch_episode(
-            self._watcher,
-            self.config.person,
-            self._trainer.press_probability,
-            root_seed=self._seed,
-            episode=self._episode,
+            self._watcher, self.config.person, self._trainer, root_seed=self._seed, episode=self._episode
         )
 
-    def _take_plans(self, watcher: Watcher) -> None:
-        """Note the presses that were planned since the last call."""
-        for k in range(watcher.tally[PLANNED]):
-            plan = (float(watcher.planned_values[k]), bool(watcher.planned_deliberate[k]))
-            # The counter keeps presses of equal times in order.
-            heapq.heappush(self._due, (int(watcher.planned_ns[k]), self._planned, *plan))
-            self._planned += 1
-        watcher.tally[PLANNED] = 0
-
-    def _press_until(self, now_ns: int) -> None:
-        """Make the presses that are due, and learn from those that count."""
-        keys = self.config.keys
-        while self._due and self._due[0][0] <= now_ns:
-            time_ns, _, value, deliberate = heapq.heappop(self._due)
-            self._gate.wrong_asked = deliberate
-            records = self._gate.press(keys.good if value > 0 else keys.bad, time_ns, source="simulated")
-            for record in records:
-                assert isinstance(record, KeyPressed), "no run of presses is a held key"
-                self._presses.append(record)
-                if record.verdict == "accepted":
-                    self._learn(record, value)
-            self._gate.wrong_asked = False
-
-    def _learn(self, record: KeyPressed, value: float) -> None:
-        """Share a press out among the steps it may be about, and let the keepers that made them learn."""
-        timeline, n_steps = self._timeline, int(self._timeline.counts[STEPS])
-        steps = np.arange(max(0, n_steps - len(timeline.option)), n_steps)
-        places = steps % len(timeline.option)
-        shown_ns = timeline.shown_ns[places]
-        first = int(np.searchsorted(shown_ns, record.time_ns - self._reach_ns, side="right")) - 1
-        if isinstance(self.config.agent.credit.delay, PreviousStep | CurrentStep):
-            first -= 1
-        first = max(first, 0)
-        given = credit(
-            record.time_ns,
-            shown_ns[first:],
-            timeline.hidden_ns[places[first:]],
-            self.config.agent.credit.delay,
-        )
-        if len(steps):
-            self._teach(self.human, timeline, int(steps[first]), given.shares, value)
-        shared = given.shares > 0
-        self.account = self.account.plus(
-            PressCredit(
-                record.press,
-                tuple(steps[first:][shared].tolist()),
-                tuple(given.shares[shared].tolist()),
-                given.before_first,
-                given.in_gaps,
+    def _made(self) -> tuple[MadePress, ...]:
+        presses = self._presses
+        return tuple(
+            MadePress(
+                int(presses.made_ns[k]),
+                float(presses.made_value[k]),
+                int(presses.made_step[k]),
+                bool(presses.made_deliberate[k]),
+                bool(presses.made_accepted[k]),
             )
+            for k in range(presses.counts[MADE])
         )
 
-    def _revise(self, cycles: int, truncated: bool, comparison: Comparison | None) -> None:
+    def _revise(self, episode: ArlEpisode) -> None:
         """Let bootstrap learning hear of the episode: every episode is a policy of its own."""
+        counts = (episode.compared, episode.agreed, episode.agreed_worst)
         self.bootstrap.record(
             EpisodeReport(
                 policy_id=self._episode,
                 theta=np.empty(0),
-                performance=cycles * CYCLE_S,
-                truncated=truncated,
-                comparison=comparison,
+                performance=episode.duration_s,
+                truncated=episode.truncated,
+                comparison=Comparison(*counts) if episode.compared else None,
             ),
             self.human.weights[0, 0] if self.human.samples[0] else None,
         )
 
 
+def _room(config: ArlKeepawayConfig) -> int:
+    """Return how many presses can wait, or be made in one episode: those of all episodes within a delay's reach."""
+    person = config.person or NOBODY
+    trainer = person.trainer
+    most = trainer.max_presses * trainer.burst_presses
+    reach_s = trainer.delay.horizon_s + trainer.burst_presses * trainer.burst_interval_s
+    return most * (2 + math.ceil(reach_s / (config.pause_s + SHORTEST_EPISODE_S)))
+
+
 def _bootstrap(config: BootstrapConfig, seed: int) -> BootstrapLearning:
     """Return bootstrap learning that needs no window: matches are measured as played."""
 
-    def nothing(rows: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    def nothing(rows: NDArray[np.float64], weights: NDArray[np.float64]) -> NDArray[np.float64]:
         raise AssertionError("matches are measured as played")
 
     return BootstrapLearning(config, DecisionWindow(1, nothing, nothing), root_seed=seed)
-
-
-def _reach_ns(delay: Delay) -> int:
-    """Return how far back a press reaches; 0 for the rules, which need the last two steps."""
-    if isinstance(delay, PreviousStep | CurrentStep):
-        return 0
-    return math.ceil(delay.horizon_s * NS_PER_S) + 1

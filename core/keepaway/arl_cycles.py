@@ -1,7 +1,7 @@
-"""Compiled play of keepers that learn from their environment and from a person: cycles up to the next key press.
+"""Compiled play of keepers that learn from their environment and from a person: whole episodes, presses included.
 
-Steps, intervals and the decision are those of sessions (`docs/decisions/keepaway-steps-in-compiled-play.md`); what
-a press teaches is worked out by the caller between two calls (`core.keepaway.arl_autoplay`).
+Steps, intervals and decisions are those of a session: a step is the decision of a keeper, on screen until the next
+one by any keeper or the end of the episode; presses reach back over all of them, whoever decided.
 """
 
 from typing import Final, NamedTuple
@@ -11,10 +11,12 @@ from numpy.typing import NDArray
 
 from core.combination.schemes import best_action, choose, takes_control, worst_action
 from core.compiled import kernel
+from core.feedback.compiled_credit import CreditRule, share_out
 from core.keepaway.game import begin_cycle, finish_cycle
 from core.keepaway.match import CYCLE, Match, Streams, start_episode
-from core.keepaway.person import NEVER_NS, Watcher, watch_step, would_choose
+from core.keepaway.person import Watcher, watch_step, would_choose
 from core.keepaway.pitch import CYCLE_NS, Rules
+from core.keepaway.presses import MADE, NEVER_NS, Presses, is_due, make
 from core.learners.sarsa import (
     NOT_YET,
     Sarsa,
@@ -31,11 +33,12 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
-# What `play_until_press` returns.
-PRESS_DUE: Final = 0
-ENDED: Final = 1
-STOPPED: Final = 2
+# What `play` returns.
+ENDED: Final = 0
+STOPPED: Final = 1
 """The episode reached the limit of cycles."""
+NEEDS_DRAWS: Final = 2
+"""The participant has no draws for the next cycle's steps: give more, and call again."""
 
 # Entries of `Timeline.counts`.
 STEPS: Final = 0
@@ -49,6 +52,14 @@ AGREED: Final = 3
 AGREED_WORST: Final = 4
 """Of these, how often it was the human model's worst."""
 _COUNTS: Final = 5
+
+# Entries of `Timeline.masses`: where the mass of the session's presses went.
+PRESSES: Final = 0
+"""Presses that counted."""
+CREDITED: Final = 1
+BEFORE_FIRST: Final = 2
+IN_GAPS: Final = 3
+_MASSES: Final = 4
 
 
 class Timeline(NamedTuple):
@@ -66,6 +77,10 @@ class Timeline(NamedTuple):
     """In which state: first active tile per variable, shape (n, v)."""
     counts: Ints
     """STEPS, EPISODE_STEPS, COMPARED, AGREED, AGREED_WORST, shape (5,)."""
+    masses: Floats
+    """PRESSES, CREDITED, BEFORE_FIRST, IN_GAPS, shape (4,)."""
+    shares: Floats
+    """Scratch: share of each step of a press, by place, shape (n,)."""
     heard: Floats
     """Scratch: H of each option, shape (a,)."""
     available: Bools
@@ -91,66 +106,86 @@ def new_timeline(places: int, n_variables: int, n_options: int) -> Timeline:
         option=np.zeros(places, np.int64),
         windows=np.zeros((places, n_variables), np.int64),
         counts=np.zeros(_COUNTS, np.int64),
+        masses=np.zeros(_MASSES),
+        shares=np.zeros(places),
         heard=np.zeros(n_options),
         available=np.zeros(n_options, np.bool_),
     )
 
 
 @kernel
-def play_until_press(
+def play(
     match: Match,
     rules: Rules,
     sarsa: Sarsa,
     human: TiledHuman,
     mix: Mix,
     watcher: Watcher,
+    presses: Presses,
+    rule: CreditRule,
     timeline: Timeline,
     streams: Streams,
     anew: bool,
     start_ns: int,
-    due_ns: int,
+    pause_ns: int,
     limit: int,
 ) -> int:
-    """Play until a press falls due or the episode ends.
+    """Play to the end of the episode and of the pause after it.
 
     Args:
         match: the match, in place.
         rules: size of the game.
         sarsa: the keepers' learners, in place.
-        human: the keepers' human models.
+        human: the keepers' human models, in place.
         mix: how the two are combined.
-        watcher: who watches, in place.
+        watcher: who watches.
+        presses: of the person, in place.
+        rule: how presses are credited.
         timeline: the steps, in place.
         streams: of the match.
         anew: set up the next episode first.
         start_ns: time at which the episode started.
-        due_ns: when the next press falls due; NEVER_NS for none.
+        pause_ns: how long its last picture is shown.
         limit: cycles after which the episode is stopped.
 
     Returns:
-        PRESS_DUE: a press falls due before the cycle that comes next. ENDED, STOPPED: the episode is over.
+        ENDED or STOPPED: the episode is over. NEEDS_DRAWS: it is not.
     """
     if anew:
         start_episode(match, rules, streams.placement)
+    counts = timeline.counts
     while True:
+        if counts[EPISODE_STEPS] + rules.n_keepers > len(watcher.draws) and len(watcher.delays_ns) > 0:
+            return NEEDS_DRAWS
         now_ns = start_ns + match.status[CYCLE] * CYCLE_NS
-        if due_ns <= now_ns:
-            return PRESS_DUE
+        while is_due(presses, now_ns):
+            _press(human, presses, rule, timeline)
         if begin_cycle(match, rules, streams):
             for i in range(rules.n_keepers):
                 if match.deciding[i]:
                     _decide(match, sarsa, human, mix, timeline, i, streams.policy)
+                    _show(match, timeline, i, now_ns)
                     wanted = would_choose(watcher, match, rules, i)
-                    step = _show(match, sarsa, timeline, i, now_ns)
-                    planned_ns = watch_step(
-                        watcher, wanted, match.actions[i], rules.n_keepers, step, now_ns
+                    watch_step(
+                        watcher,
+                        presses,
+                        wanted,
+                        match.actions[i],
+                        rules.n_keepers,
+                        counts[EPISODE_STEPS] - 1,
+                        counts[STEPS] - 1,
+                        now_ns,
                     )
-                    due_ns = min(due_ns, planned_ns)
         ended = finish_cycle(match, rules, streams)
         if ended or match.status[CYCLE] >= limit:
-            end_episode(sarsa, match.status[CYCLE])
-            _hide(timeline, start_ns + match.status[CYCLE] * CYCLE_NS)
-            return ENDED if ended else STOPPED
+            break
+    end_episode(sarsa, match.status[CYCLE])
+    end_ns = start_ns + match.status[CYCLE] * CYCLE_NS
+    if counts[EPISODE_STEPS] > 0:
+        timeline.hidden_ns[(counts[STEPS] - 1) % len(timeline.option)] = end_ns
+    while is_due(presses, end_ns + pause_ns):
+        _press(human, presses, rule, timeline)
+    return ENDED if ended else STOPPED
 
 
 @kernel
@@ -208,8 +243,8 @@ def _compare(values: Floats, timeline: Timeline) -> int:
 
 
 @kernel
-def _show(match: Match, sarsa: Sarsa, timeline: Timeline, i: int, now_ns: int) -> int:
-    """Bring keeper i's decision on screen in place of the step before; return its number."""
+def _show(match: Match, timeline: Timeline, i: int, now_ns: int) -> None:
+    """Bring keeper i's decision on screen in place of the step before."""
     step = timeline.counts[STEPS]
     if timeline.counts[EPISODE_STEPS] > 0:
         timeline.hidden_ns[(step - 1) % len(timeline.option)] = now_ns
@@ -218,36 +253,30 @@ def _show(match: Match, sarsa: Sarsa, timeline: Timeline, i: int, now_ns: int) -
     timeline.keeper[place], timeline.option[place] = i, match.actions[i]
     timeline.counts[STEPS] += 1
     timeline.counts[EPISODE_STEPS] += 1
-    return int(step)
 
 
 @kernel
-def _hide(timeline: Timeline, now_ns: int) -> None:
-    if timeline.counts[EPISODE_STEPS] > 0:
-        timeline.hidden_ns[(timeline.counts[STEPS] - 1) % len(timeline.option)] = now_ns
-
-
-@kernel
-def learn_from_press(
-    human: TiledHuman, timeline: Timeline, first: int, shares: Floats, value: float
-) -> None:
-    """Let every keeper learn from its steps' shares of a press.
-
-    Args:
-        human: the models, in place.
-        timeline: the steps.
-        first: number of the first step that may have a share.
-        shares: share of that step and of those after it, shape (m,).
-        value: what the press says.
-    """
-    for k in range(len(shares)):
-        if shares[k] > 0.0:
-            place = (first + k) % len(timeline.option)
+def _press(human: TiledHuman, presses: Presses, rule: CreditRule, timeline: Timeline) -> None:
+    """Make the press that is due; if it counts, every keeper learns from its steps' shares of it."""
+    if not make(presses):
+        return
+    made = presses.counts[MADE] - 1
+    n_steps, shares, masses = timeline.counts[STEPS], timeline.shares, timeline.masses
+    first, before_first, in_gaps = share_out(
+        rule, presses.made_ns[made], timeline.shown_ns, timeline.hidden_ns, n_steps, shares
+    )
+    masses[PRESSES] += 1.0
+    masses[BEFORE_FIRST] += before_first
+    masses[IN_GAPS] += in_gaps
+    for step in range(first, n_steps):
+        place = step % len(timeline.option)
+        if shares[place] > 0.0:
+            masses[CREDITED] += shares[place]
             learn_sample(
                 human,
                 timeline.keeper[place],
                 timeline.windows[place],
                 timeline.option[place],
-                value,
-                min(shares[k], 1.0),
+                presses.made_value[made],
+                min(shares[place], 1.0),
             )

@@ -1,9 +1,8 @@
-"""A simulated participant of Keepaway in compiled code: `core.feedback.trainers` for steps of a match.
+"""A simulated participant of Keepaway in compiled code: `core.feedback.trainers` for the steps of a match.
 
-The arithmetic is that of `SimulatedTrainer.watch`. Only the streams differ: there every step has a Generator of
-its own, which costs more than the step; here the draws of an episode come from one, six for each step whether
-they are needed or not, and its delays from another. So what is drawn for the n-th step of an episode does not depend on
-the play.
+The arithmetic and the draws of a step are those of `SimulatedTrainer.watch`, the number of a step being that in
+its episode. Only delays come from another stream: one per episode, for its judgements in turn, since setting up a
+Generator for each judgement would take longer than the step.
 """
 
 from typing import Final, NamedTuple
@@ -13,18 +12,17 @@ from numpy.typing import NDArray
 
 from core.clock import NS_PER_S
 from core.compiled import kernel
-from core.feedback.config import TrainerConfig
-from core.feedback.trainers import draw_delay_s
+from core.feedback.trainers import SimulatedTrainer, draw_delay_s
 from core.keepaway.match import Match
 from core.keepaway.person_config import KeepawayPersonConfig, Knowledge
 from core.keepaway.pitch import CYCLE_NS, CYCLE_S, Rules
 from core.keepaway.policies import hand_coded
+from core.keepaway.presses import JUDGED, Presses, plan
 from core.keepaway.variables import observe
 from core.streams import stream
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 AS_SEEN: Final = 0
 EXACT: Final = 1
@@ -32,20 +30,13 @@ LAY: Final = 2
 _KNOWLEDGE: Final[dict[Knowledge, int]] = {"as-seen": AS_SEEN, "exact": EXACT, "lay": LAY}
 LAY_DANGER_M: Final = 4.0
 """A lay person passes when a taker is nearer than this."""
-NEVER_NS: Final = (1 << 63) - 1
-"""Time of a press that nobody plans."""
-
-# Entries of `Watcher.tally`.
-JUDGED: Final = 0
-"""Judgements in this episode."""
-PLANNED: Final = 1
-"""Presses in the `planned_` arrays."""
+N_DRAWS: Final = 6
+"""Draws about a step."""
 
 
 class Watcher(NamedTuple):
-    """A participant during one episode, as kernels see it; p presses at most can be planned in an episode."""
+    """A participant during one episode, as kernels see it."""
 
-    rng: np.random.Generator
     knowledge: int
     """AS_SEEN, EXACT or LAY."""
     pass_chance: float
@@ -61,17 +52,9 @@ class Watcher(NamedTuple):
     burst_presses: int
     burst_interval_ns: int
     delays_ns: Ints
-    """Delay of each judgement of the episode: its length is the episode's budget of judgements."""
-    tally: Ints
-    """JUDGED, PLANNED, shape (2,)."""
-    planned_ns: Ints
-    """When presses will be made, in the order of planning, shape (p,)."""
-    planned_values: Floats
-    """1.0 good, -1.0 bad, shape (p,)."""
-    planned_steps: Ints
-    """Which step each is about, shape (p,)."""
-    planned_deliberate: Bools
-    """Whether it is wrong on purpose, shape (p,)."""
+    """Delay of each judgement of the episode: as many as there can be."""
+    draws: Floats
+    """Draws about the first m steps of the episode (`SimulatedTrainer.draws`), shape (m, 6)."""
     variables: Floats
     """Scratch, shape (v,)."""
     order: Ints
@@ -79,11 +62,9 @@ class Watcher(NamedTuple):
 
 
 def new_watcher(config: KeepawayPersonConfig, match: Match) -> Watcher:
-    """Return a participant who has not seen an episode yet; `watch_episode` lets one begin."""
+    """Return a participant who sees nothing yet; `watch_episode` lets an episode begin."""
     trainer = config.trainer
-    most = trainer.max_presses * trainer.burst_presses
     return Watcher(
-        rng=stream(0, "nobody watches"),
         knowledge=_KNOWLEDGE[config.knowledge],
         pass_chance=0.0,
         hold_chance=0.0,
@@ -95,43 +76,39 @@ def new_watcher(config: KeepawayPersonConfig, match: Match) -> Watcher:
         burst_rate=float(trainer.burst_rate),
         burst_presses=int(trainer.burst_presses),
         burst_interval_ns=round(trainer.burst_interval_s * NS_PER_S),
-        delays_ns=np.zeros(trainer.max_presses, np.int64),
-        tally=np.zeros(2, np.int64),
-        planned_ns=np.zeros(most, np.int64),
-        planned_values=np.zeros(most),
-        planned_steps=np.zeros(most, np.int64),
-        planned_deliberate=np.zeros(most, np.bool_),
+        delays_ns=np.zeros(0, np.int64),
+        draws=np.zeros((0, N_DRAWS)),
         variables=np.zeros(match.variables.shape[1]),
         order=np.zeros(len(match.players), np.int64),
     )
 
 
 def watch_episode(
-    watcher: Watcher, config: KeepawayPersonConfig, press_probability: float, *, root_seed: int, episode: int
+    watcher: Watcher, config: KeepawayPersonConfig, trainer: SimulatedTrainer, *, root_seed: int, episode: int
 ) -> Watcher:
-    """Return the participant at the beginning of an episode, with its budget and its draws.
+    """Return the participant at the beginning of an episode, which `trainer` has begun, too.
 
     Args:
-        watcher: before; its arrays are used on.
+        watcher: before.
         config: what kind of participant.
-        press_probability: chance to judge a pass in this episode, after fatigue
-            (`SimulatedTrainer.press_probability`).
-        root_seed: of the session; streams "trainer" and "trainer delays".
+        trainer: gives chances, budget and the draws about steps.
+        root_seed: of the session; stream "trainer delays".
         episode: its number, >= 0.
     """
-    watcher.tally[:] = 0
-    watcher.delays_ns[:] = delays_of_episode(config.trainer, root_seed=root_seed, episode=episode)
+    rng = stream(root_seed, "trainer delays", episode)
+    delays_s = [draw_delay_s(config.trainer.delay, rng=rng) for _ in range(trainer.judgements_left)]
+    probability = trainer.press_probability
     return watcher._replace(
-        rng=stream(root_seed, "trainer", episode),
-        pass_chance=float(press_probability),
-        hold_chance=float(press_probability * noticed_per_cycle(config.holds_noticed_per_s)),
+        pass_chance=float(probability),
+        hold_chance=float(probability * noticed_per_cycle(config.holds_noticed_per_s)),
+        delays_ns=np.array([round(delay_s * NS_PER_S) for delay_s in delays_s], np.int64),
+        draws=np.ascontiguousarray(trainer.draws(0)),
     )
 
 
-def delays_of_episode(config: TrainerConfig, *, root_seed: int, episode: int) -> list[int]:
-    """Return the delays of an episode's judgements in nanoseconds, shape (max_presses,)."""
-    rng = stream(root_seed, "trainer delays", episode)
-    return [round(draw_delay_s(config.delay, rng=rng) * NS_PER_S) for _ in range(config.max_presses)]
+def with_more_draws(watcher: Watcher, trainer: SimulatedTrainer) -> Watcher:
+    """Return the participant with the draws about some more steps."""
+    return watcher._replace(draws=np.concatenate([watcher.draws, trainer.draws(len(watcher.draws))]))
 
 
 def noticed_per_cycle(per_s: float) -> float:
@@ -170,45 +147,45 @@ def _lay_choice(variables: Floats, n_keepers: int, n_takers: int) -> int:
 
 
 @kernel
-def watch_step(watcher: Watcher, wanted: int, option: int, n_options: int, step: int, shown_ns: int) -> int:
-    """Let the participant see a step; presses it plans are appended to the `planned_` arrays.
+def watch_step(
+    watcher: Watcher,
+    presses: Presses,
+    wanted: int,
+    option: int,
+    n_options: int,
+    episode_step: int,
+    step: int,
+    shown_ns: int,
+) -> None:
+    """Let the participant see a step, and plan to press keys if it has something to say.
 
     Args:
-        watcher: the participant, in place; six draws.
+        watcher: the participant.
+        presses: where plans are put.
         wanted: the option it would have chosen.
         option: the one chosen.
         n_options: how many there are.
-        step: number of the step.
-        shown_ns: when it came on screen.
-
-    Returns:
-        Time of the first press planned; NEVER_NS for none.
+        episode_step: number of the step in its episode; there must be draws for it.
+        step: number of the step in the session.
+        shown_ns: when it came on screen. What was chosen is seen one cycle later.
     """
-    rng = watcher.rng
-    speaks, mistakes, deliberates = rng.random(), rng.random(), rng.random()
-    anticipates, bursts, moment = rng.random(), rng.random(), rng.random()
-    judged = watcher.tally[JUDGED]
+    judged = presses.counts[JUDGED]
     if judged >= len(watcher.delays_ns):
-        return NEVER_NS
-    if speaks >= (watcher.pass_chance if option > 0 else watcher.hold_chance):
-        return NEVER_NS
+        return
+    draws = watcher.draws[episode_step]
+    if draws[0] >= (watcher.pass_chance if option > 0 else watcher.hold_chance):
+        return
     better = 0.0 if option == wanted else 1.0 / n_options
     if abs(better - watcher.good_share) < watcher.skip_margin:
-        return NEVER_NS
+        return
     value = 1.0 if better < watcher.good_share else -1.0
-    deliberate = deliberates < watcher.deliberate_rate
-    if deliberate or mistakes < watcher.mistake_rate:
+    deliberate = draws[2] < watcher.deliberate_rate
+    if deliberate or draws[1] < watcher.mistake_rate:
         value = -value
-    if anticipates < watcher.anticipation_rate:
-        first_ns = shown_ns + int(np.rint(moment * CYCLE_NS))
+    if draws[3] < watcher.anticipation_rate:
+        first_ns = shown_ns + int(np.rint(draws[5] * CYCLE_NS))
     else:
         first_ns = shown_ns + CYCLE_NS + watcher.delays_ns[judged]
-    watcher.tally[JUDGED] += 1
-    for k in range(watcher.burst_presses if bursts < watcher.burst_rate else 1):
-        place = watcher.tally[PLANNED]
-        watcher.planned_ns[place] = first_ns + k * watcher.burst_interval_ns
-        watcher.planned_values[place] = value
-        watcher.planned_steps[place] = step
-        watcher.planned_deliberate[place] = deliberate
-        watcher.tally[PLANNED] += 1
-    return int(first_ns)
+    presses.counts[JUDGED] += 1
+    for k in range(watcher.burst_presses if draws[4] < watcher.burst_rate else 1):
+        plan(presses, first_ns + k * watcher.burst_interval_ns, value, step, deliberate)

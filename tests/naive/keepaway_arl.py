@@ -1,0 +1,225 @@
+"""Keepers that hear a person, written for reading: every cycle in Python, every part that of a session.
+
+Presses go through `PressGate`, credit through `CreditAssigner`, the human model is the dense `HumanRewardModel`, the
+participant a `SimulatedTrainer` of which only the stream of delays and the chances per step are replaced.
+"""
+
+from __future__ import annotations
+
+import heapq
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from core.combination.bootstrap_learning import BootstrapLearning, EpisodeReport
+from core.combination.config import ENVIRONMENT_WEIGHTS, HumanOnly
+from core.combination.schemes import best_action, choose, takes_control, worst_action
+from core.combination.trust import Comparison
+from core.combination.window import DecisionWindow
+from core.feedback import trainers
+from core.feedback.assigner import CreditAssigner
+from core.keepaway.arl_autoplay import ArlKeepawayConfig
+from core.keepaway.autoplay import keepaway_tiles
+from core.keepaway.game import begin_cycle, finish_cycle
+from core.keepaway.match import CYCLE, new_match, open_streams, start_episode
+from core.keepaway.policies import hand_coded
+from core.keepaway.variables import observe
+from core.keys import PressGate
+from core.learners.human_config import SgdModel
+from core.learners.human_reward import HumanRewardModel
+from core.learners.sarsa import (
+    NOT_YET,
+    action_values,
+    end_episode,
+    greedy_or_random,
+    last_value,
+    new_sarsa,
+    take_action,
+)
+from core.streams import stream, stream_seed
+from core.tile_coding import find_windows
+
+CYCLE_NS = 100_000_000
+
+
+class Participant(trainers.SimulatedTrainer):
+    """A trainer with a chance of its own for each step, and the delays of compiled play."""
+
+    chance: float | None = None
+
+    @property
+    def press_probability(self):
+        return super().press_probability if self.chance is None else self.chance
+
+    def begin_episode(self, episode):
+        super().begin_episode(episode)
+        rng = stream(self._root_seed, "trainer delays", episode)
+        self._delays_s = [
+            trainers.draw_delay_s(self.config.delay, rng=rng) for _ in range(self.judgements_left)
+        ]
+
+    def see(self, n_in_episode, step, values, option, shown_ns, chance):
+        """Return what `watch` would with this chance, and the n-th delay of the episode for the n-th judgement."""
+        delays_s, judged, drawn_delay_s = self._delays_s, self._given, trainers.draw_delay_s
+        trainers.draw_delay_s = lambda delay, rng: delays_s[judged]
+        self.chance = chance
+        try:
+            return self.watch(n_in_episode, values, option, shown_ns=shown_ns, hidden_ns=shown_ns + CYCLE_NS)
+        finally:
+            trainers.draw_delay_s, self.chance = drawn_delay_s, None
+
+
+@dataclass
+class Episode:
+    cycles: int
+    w_h: float
+    comparison: tuple[int, int, int]
+    presses: list[tuple[int, float, bool, bool]] = field(default_factory=list)
+
+
+class ArlKeepaway:
+    def __init__(self, config: ArlKeepawayConfig, root_seed: int, *path):
+        self.config, task = config, config.task
+        self.streams = open_streams(root_seed, *path)
+        self.match, self.rules = new_match(task, self.streams), task.rules()
+        self.coder = keepaway_tiles(task, config.n_tilings)
+        self.sarsa = new_sarsa(config.sarsa, self.coder, task.n_keepers, task.n_actions)
+        self.active = len(self.coder.low) * self.coder.n_tilings
+        model = config.agent.human_model
+        self.sets = 1 if model.shared else task.n_keepers
+        self.n = task.n_actions
+        self.human = HumanRewardModel(
+            SgdModel(step_size=model.step_size / self.active, intercept=False),
+            self.sets * self.n * self.coder.n_tiles,
+        )
+        self.assigner = CreditAssigner(config.agent.credit)
+        self.seed = stream_seed(root_seed, *path, "session")
+        self.bootstrap = BootstrapLearning(
+            config.agent.bootstrap, DecisionWindow(1, None, None), root_seed=self.seed
+        )
+        self.person = Participant(config.person.trainer, root_seed=self.seed) if config.person else None
+        self.gate = PressGate(config.keys)
+        self.due: list = []
+        self.now_ns = self.steps = self.planned = self.episode = 0
+
+    @property
+    def w_h(self):
+        return self.bootstrap.w_h if self.human.knows_something else 0.0
+
+    def features(self, keeper, option, windows):
+        psi = np.zeros((self.sets, self.n, self.coder.n_tiles))
+        for first in windows:
+            psi[min(keeper, self.sets - 1), option, first : first + self.coder.n_tilings] = 1.0
+        return psi.ravel()
+
+    def play_episode(self) -> Episode:
+        scheme, heard = self.config.agent.scheme, self.human.knows_something
+        waits = not heard and not isinstance(scheme, HumanOnly)
+        self.weights = ENVIRONMENT_WEIGHTS if waits else scheme.weights(self.w_h, self.episode)
+        self.share_seed = stream_seed(self.seed, "share", self.episode) >> 1
+        self.record = Episode(0, self.w_h, (0, 0, 0))
+        self.in_episode = 0
+        self.gate.episode_started()
+        if self.person:
+            self.person.begin_episode(self.episode)
+        if self.match.status[CYCLE]:
+            start_episode(self.match, self.rules, self.streams.placement)
+        ended = False
+        while not ended:
+            self.press_until(self.now_ns)
+            if begin_cycle(self.match, self.rules, self.streams):
+                for keeper in np.flatnonzero(self.match.deciding):
+                    self.decide(int(keeper))
+            ended = finish_cycle(self.match, self.rules, self.streams)
+            self.now_ns += CYCLE_NS
+        self.record.cycles = int(self.match.status[CYCLE])
+        end_episode(self.sarsa, self.record.cycles)
+        if self.in_episode:
+            self.assigner.step_hidden(self.steps - 1, self.now_ns)
+        self.now_ns += round(self.config.pause_s * 1e9)
+        self.press_until(self.now_ns)
+        counts = self.record.comparison
+        self.bootstrap.record(
+            EpisodeReport(
+                policy_id=self.episode,
+                theta=np.empty(0),
+                performance=self.record.cycles * 0.1,
+                truncated=False,
+                comparison=Comparison(*counts) if counts[0] else None,
+            ),
+            self.human.weights if self.human.knows_something else None,
+        )
+        self.episode += 1
+        return self.record
+
+    def decide(self, keeper):
+        windows = np.zeros(len(self.coder.low), np.int64)
+        find_windows(self.coder, self.match.variables[keeper], windows)
+        before = last_value(self.sarsa, keeper) if self.sarsa.last_time[keeper] != NOT_YET else 0.0
+        action_values(self.sarsa, keeper, windows, self.sarsa.values[keeper])
+        option = self.choose(self.sarsa.values[keeper], keeper, windows)
+        take_action(self.sarsa, keeper, windows, option, self.match.status[CYCLE], before)
+        self.match.actions[keeper] = option
+        self.assigner.step_shown(self.steps, self.now_ns, self.features(keeper, option, windows))
+        self.watch(keeper, option)
+        self.steps += 1
+        self.in_episode += 1
+
+    def choose(self, values, keeper, windows):
+        none, weights, rng = np.zeros(self.n, np.bool_), self.weights, self.streams.policy
+        preferred = -1
+        heard = np.zeros(self.n)
+        if self.human.knows_something:
+            heard = self.human.predict(np.stack([self.features(keeper, o, windows) for o in range(self.n)]))
+            own, liked = best_action(values, none, self.n), best_action(heard, none, self.n)
+            n, agreed, worst = self.record.comparison
+            disliked = worst_action(heard, none, self.n)
+            self.record.comparison = (n + 1, agreed + (own == liked), worst + (own == disliked))
+            if takes_control(self.share_seed, self.in_episode, weights.share):
+                preferred = liked
+        if preferred < 0 and weights.w_h:
+            preferred = choose(values, heard, none, self.n, weights.form, weights.w_r, weights.w_h)
+        if preferred < 0:
+            return greedy_or_random(values, self.sarsa.exploration, rng)
+        explore, pick = rng.random() < self.sarsa.exploration, rng.random()
+        return int(pick * self.n) if explore else preferred
+
+    def wanted(self, keeper):
+        variables, order = self.match.variables[keeper], self.match.order[keeper]
+        k, t = self.rules.n_keepers, self.rules.n_takers
+        knowledge = self.config.person.knowledge
+        if knowledge == "lay":
+            if variables[k] > 4.0:
+                return 0
+            distances = variables[1 + 2 * (k - 1 + t) :][: k - 1]
+            return 1 + int(np.argmax(distances))
+        if knowledge == "as-seen":
+            return hand_coded(variables, k, t)
+        true, true_order = np.zeros_like(variables), np.zeros_like(order)
+        observe(keeper, self.match.players, k, true_order, true)
+        mate = true_order[hand_coded(true, k, t)]
+        return order[:k].tolist().index(mate)
+
+    def watch(self, keeper, option):
+        if not self.person:
+            return
+        chance = self.person.press_probability
+        if option == 0:
+            chance *= 1 - (1 - self.config.person.holds_noticed_per_s) ** 0.1
+        values = np.zeros(self.n)
+        values[self.wanted(keeper)] = 1.0
+        for press in self.person.see(self.in_episode, self.steps, values, option, self.now_ns, chance):
+            heapq.heappush(self.due, (press.time_ns, self.planned, press))
+            self.planned += 1
+
+    def press_until(self, now_ns):
+        while self.due and self.due[0][0] <= now_ns:
+            time_ns, number, press = heapq.heappop(self.due)
+            key = self.config.keys.good if press.value > 0 else self.config.keys.bad
+            (made,) = self.gate.press(key, time_ns, source="simulated")
+            accepted = made.verdict == "accepted"
+            self.record.presses.append((time_ns, press.value, press.deliberate, accepted))
+            if accepted:
+                self.assigner.press(number, time_ns, press.value)
+                for sample in self.assigner.take():
+                    self.human.add(sample)
