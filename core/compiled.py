@@ -82,7 +82,7 @@ def specialised(function: Function, *arguments: Any) -> Function:
     """
     if JIT_DISABLED:
         return function
-    types = tuple(numba.typeof(argument) for argument in arguments)
-    compiled = cast(Any, function)
+    compiled, typeof = cast(Any, function), cast(Any, numba.typeof)
+    types = tuple(typeof(argument) for argument in arguments)
     compiled.compile(types)
     return cast(Function, compiled.get_overload(types))

@@ -17,6 +17,7 @@ from core.clock import NS_PER_S
 from core.combination.bootstrap_learning import BootstrapLearning, EpisodeReport
 from core.combination.config import (
     ENVIRONMENT_WEIGHTS,
+    TEACHING_SCHEMES,
     AgentConfig,
     BootstrapConfig,
     Equation4,
@@ -45,7 +46,8 @@ from core.keepaway.arl_cycles import (
     new_timeline,
     play,
 )
-from core.keepaway.autoplay import CYCLE_LIMIT, keepaway_tiles
+from core.keepaway.autoplay import keepaway_tiles
+from core.keepaway.decisions import CYCLE_LIMIT
 from core.keepaway.match import CYCLE, END, new_match, open_streams
 from core.keepaway.person import Watcher, new_watcher, watch_episode, with_more_draws
 from core.keepaway.person_config import KeepawayPersonConfig
@@ -53,8 +55,8 @@ from core.keepaway.pitch import CYCLE_NS, CYCLE_S, OUT, KeepawayConfig
 from core.keepaway.presses import LOST, MADE, begin_episode, new_presses
 from core.keys import KeyConfig
 from core.learners.human_config import TileModel
+from core.learners.human_sets import new_human_set
 from core.learners.sarsa import SarsaConfig, new_sarsa
-from core.learners.tiled_human import new_tiled_human
 from core.streams import stream_seed
 
 KEEPAWAY_AGENT = AgentConfig(credit=CreditConfig(delay=GammaDelay()), human_model=TileModel())
@@ -89,6 +91,10 @@ class ArlKeepawayConfig(msgspec.Struct, frozen=True, kw_only=True):
             raise ValueError(
                 "compiled play credits each press by itself: scheme='individual' and merge_within_s=0, got "
                 f"{self.agent.credit}; play a session for others"
+            )
+        if isinstance(self.agent.scheme, TEACHING_SCHEMES):
+            raise TypeError(
+                f"compiled play lets the human act on choices, not on Sarsa's learning: got {self.agent.scheme}"
             )
         trust = self.agent.bootstrap.trust
         if isinstance(trust, Equation4) and (
@@ -175,7 +181,7 @@ class ArlAutoplay:
         self.sarsa = new_sarsa(config.sarsa, coder, task.n_keepers, task.n_actions)
         model = config.agent.human_model
         assert isinstance(model, TileModel), "checked by the configuration"
-        self.human = new_tiled_human(model, coder, task.n_keepers, task.n_actions)
+        self.human = new_human_set(model, coder, task.n_keepers, task.n_actions)
         self._seed = stream_seed(root_seed, *path, "session")
         self.bootstrap = _bootstrap(config.agent.bootstrap, self._seed)
         self._rules = task.rules()

@@ -17,16 +17,17 @@ from core.keepaway.match import CYCLE, Match, Streams, start_episode
 from core.keepaway.person import Watcher, watch_step, would_choose
 from core.keepaway.pitch import CYCLE_NS, Rules
 from core.keepaway.presses import MADE, NEVER_NS, Presses, is_due, make
+from core.learners.human_sets import HumanSet, human_values, learn_sample
 from core.learners.sarsa import (
     NOT_YET,
     Sarsa,
     action_values,
     end_episode,
+    forget_episode,
     greedy_or_random,
     last_value,
     take_action,
 )
-from core.learners.tiled_human import TiledHuman, human_values, learn_sample
 from core.tile_coding import find_windows
 
 Floats = NDArray[np.float64]
@@ -118,7 +119,7 @@ def play(
     match: Match,
     rules: Rules,
     sarsa: Sarsa,
-    human: TiledHuman,
+    human: HumanSet,
     mix: Mix,
     watcher: Watcher,
     presses: Presses,
@@ -171,7 +172,6 @@ def play(
                         presses,
                         wanted,
                         match.actions[i],
-                        rules.n_keepers,
                         counts[EPISODE_STEPS] - 1,
                         counts[STEPS] - 1,
                         now_ns,
@@ -179,7 +179,10 @@ def play(
         ended = finish_cycle(match, rules, streams)
         if ended or match.status[CYCLE] >= limit:
             break
-    end_episode(sarsa, match.status[CYCLE])
+    if ended:
+        end_episode(sarsa, match.status[CYCLE])
+    else:
+        forget_episode(sarsa)
     end_ns = start_ns + match.status[CYCLE] * CYCLE_NS
     if counts[EPISODE_STEPS] > 0:
         timeline.hidden_ns[(counts[STEPS] - 1) % len(timeline.option)] = end_ns
@@ -192,7 +195,7 @@ def play(
 def _decide(
     match: Match,
     sarsa: Sarsa,
-    human: TiledHuman,
+    human: HumanSet,
     mix: Mix,
     timeline: Timeline,
     i: int,
@@ -216,7 +219,7 @@ def _decide(
 
 
 @kernel
-def _prefer(sarsa: Sarsa, human: TiledHuman, mix: Mix, timeline: Timeline, i: int, windows: Ints) -> int:
+def _prefer(sarsa: Sarsa, human: HumanSet, mix: Mix, timeline: Timeline, i: int, windows: Ints) -> int:
     """Return the option that environment and human together prefer; -1 where the human has no say."""
     heard, n = timeline.heard, len(timeline.heard)
     heard[:] = 0.0
@@ -256,7 +259,7 @@ def _show(match: Match, timeline: Timeline, i: int, now_ns: int) -> None:
 
 
 @kernel
-def _press(human: TiledHuman, presses: Presses, rule: CreditRule, timeline: Timeline) -> None:
+def _press(human: HumanSet, presses: Presses, rule: CreditRule, timeline: Timeline) -> None:
     """Make the press that is due; if it counts, every keeper learns from its steps' shares of it."""
     if not make(presses):
         return

@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 
 from core.clock import NS_PER_S
 from core.compiled import kernel
-from core.feedback.trainers import SimulatedTrainer, draw_delay_s
+from core.feedback.config import TrainerConfig
+from core.feedback.trainers import SimulatedTrainer, draw_delay_s, judgement
 from core.keepaway.match import Match
-from core.keepaway.person_config import KeepawayPersonConfig, Knowledge
+from core.keepaway.person_config import KeepawayPersonConfig
 from core.keepaway.pitch import CYCLE_NS, CYCLE_S, Rules
 from core.keepaway.policies import hand_coded
 from core.keepaway.presses import JUDGED, Presses, plan
@@ -24,10 +25,6 @@ from core.streams import stream
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-AS_SEEN: Final = 0
-EXACT: Final = 1
-LAY: Final = 2
-_KNOWLEDGE: Final[dict[Knowledge, int]] = {"as-seen": AS_SEEN, "exact": EXACT, "lay": LAY}
 LAY_DANGER_M: Final = 4.0
 """A lay person passes when a taker is nearer than this."""
 N_DRAWS: Final = 6
@@ -37,14 +34,18 @@ N_DRAWS: Final = 6
 class Watcher(NamedTuple):
     """A participant during one episode, as kernels see it."""
 
-    knowledge: int
-    """AS_SEEN, EXACT or LAY."""
+    lay: bool
+    """Whether the lay choice is what they would choose, not the hand-coded policy's."""
+    exact: bool
+    """Whether they go by the exact state, not by what the keeper sees."""
     pass_chance: float
     """Chance to judge a pass."""
     hold_chance: float
     """Chance to judge one cycle of holding."""
-    good_share: float
-    skip_margin: float
+    if_wanted: float
+    """What they think of the option they would have chosen: 1.0 good, -1.0 bad, 0.0 nothing to say."""
+    if_not: float
+    """What they think of any other."""
     mistake_rate: float
     deliberate_rate: float
     anticipation_rate: float
@@ -63,13 +64,14 @@ class Watcher(NamedTuple):
 
 def new_watcher(config: KeepawayPersonConfig, match: Match) -> Watcher:
     """Return a participant who sees nothing yet; `watch_episode` lets an episode begin."""
-    trainer = config.trainer
+    trainer, n_options = config.trainer, len(match.deciding)
     return Watcher(
-        knowledge=_KNOWLEDGE[config.knowledge],
+        lay=trainer.knowledge == "lay",
+        exact=config.sees == "everything",
         pass_chance=0.0,
         hold_chance=0.0,
-        good_share=float(trainer.good_share),
-        skip_margin=float(trainer.skip_margin),
+        if_wanted=_opinion(trainer, n_options, 0),
+        if_not=_opinion(trainer, n_options, 1),
         mistake_rate=float(trainer.mistake_rate),
         deliberate_rate=float(trainer.deliberate_rate),
         anticipation_rate=float(trainer.anticipation_rate),
@@ -111,6 +113,20 @@ def with_more_draws(watcher: Watcher, trainer: SimulatedTrainer) -> Watcher:
     return watcher._replace(draws=np.concatenate([watcher.draws, trainer.draws(len(watcher.draws))]))
 
 
+def _opinion(trainer: TrainerConfig, n_options: int, option: int) -> float:
+    """Return what they think of an option where option 0 is the one they would have chosen; 0.0 for nothing."""
+    values = np.zeros(n_options)
+    values[0] = 1.0
+    believed = judgement(
+        values,
+        option,
+        good_share=trainer.good_share,
+        skip_margin=trainer.skip_margin,
+        equal_margin=trainer.equal_margin,
+    )
+    return 0.0 if believed is None else believed
+
+
 def noticed_per_cycle(per_s: float) -> float:
     """Return the chance per cycle that makes up a chance per second."""
     return float(1.0 - (1.0 - per_s) ** CYCLE_S)
@@ -120,13 +136,14 @@ def noticed_per_cycle(per_s: float) -> float:
 def would_choose(watcher: Watcher, match: Match, rules: Rules, i: int) -> int:
     """Return the option the participant would have chosen in place of keeper i, which decides."""
     variables = match.variables[i]
-    if watcher.knowledge == EXACT:
+    if watcher.exact:
         observe(i, match.players, rules.n_keepers, watcher.order, watcher.variables)
         variables = watcher.variables
-    if watcher.knowledge == LAY:
-        return _lay_choice(variables, rules.n_keepers, rules.n_takers)
-    wanted = hand_coded(variables, rules.n_keepers, rules.n_takers)
-    if watcher.knowledge == EXACT and wanted > 0:
+    if watcher.lay:
+        wanted = _lay_choice(variables, rules.n_keepers, rules.n_takers)
+    else:
+        wanted = hand_coded(variables, rules.n_keepers, rules.n_takers)
+    if watcher.exact and wanted > 0:
         # Options count mates by the keeper's own order, which may differ from the true one.
         for option in range(1, rules.n_keepers):
             if match.order[i, option] == watcher.order[wanted]:
@@ -152,7 +169,6 @@ def watch_step(
     presses: Presses,
     wanted: int,
     option: int,
-    n_options: int,
     episode_step: int,
     step: int,
     shown_ns: int,
@@ -164,7 +180,6 @@ def watch_step(
         presses: where plans are put.
         wanted: the option it would have chosen.
         option: the one chosen.
-        n_options: how many there are.
         episode_step: number of the step in its episode; there must be draws for it.
         step: number of the step in the session.
         shown_ns: when it came on screen. What was chosen is seen one cycle later.
@@ -175,10 +190,9 @@ def watch_step(
     draws = watcher.draws[episode_step]
     if draws[0] >= (watcher.pass_chance if option > 0 else watcher.hold_chance):
         return
-    better = 0.0 if option == wanted else 1.0 / n_options
-    if abs(better - watcher.good_share) < watcher.skip_margin:
+    value = watcher.if_wanted if option == wanted else watcher.if_not
+    if value == 0.0:
         return
-    value = 1.0 if better < watcher.good_share else -1.0
     deliberate = draws[2] < watcher.deliberate_rate
     if deliberate or draws[1] < watcher.mistake_rate:
         value = -value

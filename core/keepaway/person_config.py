@@ -6,8 +6,6 @@ import msgspec
 
 from core.feedback.config import TrainerConfig
 
-Knowledge = Literal["as-seen", "exact", "lay"]
-
 
 class KeepawayPersonConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """What kind of participant watches Keepaway.
@@ -24,10 +22,13 @@ class KeepawayPersonConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
     holds_noticed_per_s: float = 0.3
     """Chance, per second of holding, to look at the hold as one looks at a pass; it is then judged with
     `trainer.press_probability`. (Our choice: about as many judgements of holds as a third of all.)"""
-    knowledge: Knowledge = "as-seen"
-    """What the participant would have chosen: the hand-coded policy's option, given what the keeper sees or given
-    the exact state; `lay`: pass to the mate farthest from all takers when a taker is within 4 m, else hold."""
+    sees: Literal["keeper", "everything"] = "keeper"
+    """What the participant goes by: what the keeper sees, or the exact state. With that, `trainer.knowledge` says what
+    they would have chosen. Expert: the hand-coded policy's option; lay: the mate farthest from all takers when a taker
+    is within 4 m, else hold."""
 
     def __post_init__(self) -> None:
         if not 0 <= self.holds_noticed_per_s <= 1:
             raise ValueError(f"holds_noticed_per_s is a chance in [0, 1], got {self.holds_noticed_per_s}")
+        if self.trainer.knowledge == "myopic":
+            raise ValueError("knowledge='myopic' is not known in Keepaway: an option has no immediate effect")

@@ -114,7 +114,7 @@ def plan(presses: Presses, time_ns: int, value: float, step: int, deliberate: bo
 @kernel
 def is_due(presses: Presses, now_ns: int) -> bool:
     """Return whether a press is to be made now."""
-    return presses.counts[WAITING] > 0 and presses.due_ns[0] <= now_ns
+    return bool(presses.counts[WAITING] > 0 and presses.due_ns[0] <= now_ns)
 
 
 @kernel

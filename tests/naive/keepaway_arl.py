@@ -1,7 +1,7 @@
 """Keepers that hear a person, written for reading: every cycle in Python, every part that of a session.
 
 Presses go through `PressGate`, credit through `CreditAssigner`, the human model is the dense `HumanRewardModel`, the
-participant a `SimulatedTrainer` of which only the stream of delays and the chances per step are replaced.
+participant a `SimulatedTrainer` of which only the stream of delays is replaced.
 """
 
 from __future__ import annotations
@@ -43,13 +43,7 @@ CYCLE_NS = 100_000_000
 
 
 class Participant(trainers.SimulatedTrainer):
-    """A trainer with a chance of its own for each step, and the delays of compiled play."""
-
-    chance: float | None = None
-
-    @property
-    def press_probability(self):
-        return super().press_probability if self.chance is None else self.chance
+    """A trainer with the delays of compiled play."""
 
     def begin_episode(self, episode):
         super().begin_episode(episode)
@@ -58,15 +52,21 @@ class Participant(trainers.SimulatedTrainer):
             trainers.draw_delay_s(self.config.delay, rng=rng) for _ in range(self.judgements_left)
         ]
 
-    def see(self, n_in_episode, step, values, option, shown_ns, chance):
-        """Return what `watch` would with this chance, and the n-th delay of the episode for the n-th judgement."""
+    def see(self, n_in_episode, values, option, shown_ns, attention):
+        """Return what `watch` would, with the n-th delay of the episode for the n-th judgement."""
         delays_s, judged, drawn_delay_s = self._delays_s, self._given, trainers.draw_delay_s
         trainers.draw_delay_s = lambda delay, rng: delays_s[judged]
-        self.chance = chance
         try:
-            return self.watch(n_in_episode, values, option, shown_ns=shown_ns, hidden_ns=shown_ns + CYCLE_NS)
+            return self.watch(
+                n_in_episode,
+                values,
+                option,
+                shown_ns=shown_ns,
+                hidden_ns=shown_ns + CYCLE_NS,
+                attention=attention,
+            )
         finally:
-            trainers.draw_delay_s, self.chance = drawn_delay_s, None
+            trainers.draw_delay_s = drawn_delay_s
 
 
 @dataclass
@@ -187,28 +187,27 @@ class ArlKeepaway:
     def wanted(self, keeper):
         variables, order = self.match.variables[keeper], self.match.order[keeper]
         k, t = self.rules.n_keepers, self.rules.n_takers
-        knowledge = self.config.person.knowledge
-        if knowledge == "lay":
-            if variables[k] > 4.0:
-                return 0
-            distances = variables[1 + 2 * (k - 1 + t) :][: k - 1]
-            return 1 + int(np.argmax(distances))
-        if knowledge == "as-seen":
-            return hand_coded(variables, k, t)
-        true, true_order = np.zeros_like(variables), np.zeros_like(order)
-        observe(keeper, self.match.players, k, true_order, true)
-        mate = true_order[hand_coded(true, k, t)]
-        return order[:k].tolist().index(mate)
+        person = self.config.person
+        true_order = order
+        if person.sees == "everything":
+            variables, true_order = np.zeros_like(variables), np.zeros_like(order)
+            observe(keeper, self.match.players, k, true_order, variables)
+        if person.trainer.knowledge == "expert":
+            wanted = hand_coded(variables, k, t)
+        elif variables[k] > 4.0:
+            wanted = 0
+        else:
+            wanted = 1 + int(np.argmax(variables[1 + 2 * (k - 1 + t) :][: k - 1]))
+        return order[:k].tolist().index(true_order[wanted])
 
     def watch(self, keeper, option):
         if not self.person:
             return
-        chance = self.person.press_probability
-        if option == 0:
-            chance *= 1 - (1 - self.config.person.holds_noticed_per_s) ** 0.1
+        noticed = 1 - (1 - self.config.person.holds_noticed_per_s) ** 0.1
+        attention = noticed if option == 0 else 1.0
         values = np.zeros(self.n)
         values[self.wanted(keeper)] = 1.0
-        for press in self.person.see(self.in_episode, self.steps, values, option, self.now_ns, chance):
+        for press in self.person.see(self.in_episode, values, option, self.now_ns, attention):
             heapq.heappush(self.due, (press.time_ns, self.planned, press))
             self.planned += 1
 

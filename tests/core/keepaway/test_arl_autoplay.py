@@ -17,6 +17,7 @@ from core.combination.config import (
     FixedWeight,
     HumanOnly,
     Linear,
+    RewardShaping,
     Signed,
 )
 from core.feedback.config import CreditConfig, TrainerConfig
@@ -42,8 +43,8 @@ def agent(scheme=None, trust=None, delay=None, shared=False):
     )
 
 
-def setting(agent_config=None, trainer=TALKER, knowledge="as-seen", **changes):
-    person = KeepawayPersonConfig(trainer=trainer, holds_noticed_per_s=0.5, knowledge=knowledge)
+def setting(agent_config=None, trainer=TALKER, sees="keeper", **changes):
+    person = KeepawayPersonConfig(trainer=trainer, holds_noticed_per_s=0.5, sees=sees)
     settings = {"task": KeepawayConfig(exact_state=True), "n_tilings": 4} | changes
     return ArlKeepawayConfig(agent=agent_config or agent(), person=person, **settings)
 
@@ -59,6 +60,7 @@ ODD_PERSON = TrainerConfig(
     delay=UniformDelay(0.1, 4.0),
     fatigue_half_life_episodes=30.0,
 )
+LAY = msgspec.structs.replace(TALKER, knowledge="lay", equal_margin=0.2)
 SETTINGS = {
     "linear, Eq. 4, gamma": setting(),
     "exponential, Eq. 5, on screen": setting(agent(Exponential(), Equation5(), CurrentStep())),
@@ -66,9 +68,9 @@ SETTINGS = {
         agent(Linear(), Signed(minimum_episodes=3), PreviousStep(), shared=True)
     ),
     "annealed, uniform, exact knowledge, beliefs": setting(
-        agent(Annealed(), Equation4("signed"), UniformDelay()), knowledge="exact", task=KeepawayConfig()
+        agent(Annealed(), Equation4("signed"), UniformDelay()), sees="everything", task=KeepawayConfig()
     ),
-    "control sharing, lay": setting(agent(ControlSharing(0.5)), knowledge="lay"),
+    "control sharing, lay": setting(agent(ControlSharing(0.5)), LAY),
     "bursts, fatigue, anticipation, no pause": setting(
         # Not 1: where R knows one option and H speaks against it, w_h = 1 makes a tie that rounding decides, and the
         # shares of a press are the same only to rounding.
@@ -206,5 +208,9 @@ def test_settings_that_compiled_play_cannot_follow_are_refused():
             ArlKeepawayConfig(agent=agent(trust=rule))
     with pytest.raises(ValueError, match="burst"):
         setting(trainer=TrainerConfig(burst_rate=0.1, burst_interval_s=0.05))
+    with pytest.raises(TypeError, match="learning"):
+        ArlKeepawayConfig(agent=agent(RewardShaping()))
+    with pytest.raises(ValueError, match="myopic"):
+        setting(trainer=TrainerConfig(knowledge="myopic"))
     with pytest.raises(ValueError, match="pause_s"):
         setting(pause_s=-1.0)

@@ -1,7 +1,6 @@
-"""The human reward model over tile-coded states: H(s, o) of each option o, one model per learner or one for all.
+"""Human models over tiles of several learners, for compiled play: `core.learners.human_tiles` without its classes.
 
-It is gradient descent as of `core.learners.human_reward` (`SgdModel` without intercept) on the binary features of a
-tile coding, of which only the active ones are touched: the same samples in the same order give the same bits.
+The same samples in the same order give the same bits as there.
 """
 
 from typing import NamedTuple
@@ -11,13 +10,14 @@ from numpy.typing import NDArray
 
 from core.compiled import kernel
 from core.learners.human_config import TileModel
-from core.tile_coding import TileCoder, add_to_windows, window_sum
+from core.learners.human_tiles import move_tiles
+from core.tile_coding import TileCoder, window_sum
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
-class TiledHuman(NamedTuple):
+class HumanSet(NamedTuple):
     """Human models of n learners with a options over t tiles; kernels change the arrays in place."""
 
     weights: Floats
@@ -26,10 +26,10 @@ class TiledHuman(NamedTuple):
     """[samples learned from], shape (1,): while it is 0 nothing is known."""
     n_tilings: int
     step_size: float
-    """Per active tile: a sample of weight 1 moves H by step_size * active tiles * error."""
+    """Share of its error that a sample of weight 1 takes out."""
 
 
-def new_tiled_human(config: TileModel, coder: TileCoder, n_learners: int, n_options: int) -> TiledHuman:
+def new_human_set(config: TileModel, coder: TileCoder, n_learners: int, n_options: int) -> HumanSet:
     """Return models that have heard nothing.
 
     Args:
@@ -38,16 +38,16 @@ def new_tiled_human(config: TileModel, coder: TileCoder, n_learners: int, n_opti
         n_learners: how many decide.
         n_options: options of each.
     """
-    return TiledHuman(
+    return HumanSet(
         weights=np.zeros((1 if config.shared else n_learners, n_options, coder.n_tiles)),
         samples=np.zeros(1, np.int64),
         n_tilings=coder.n_tilings,
-        step_size=float(config.step_size) / (len(coder.low) * coder.n_tilings),
+        step_size=float(config.step_size),
     )
 
 
 @kernel
-def human_values(human: TiledHuman, k: int, windows: Ints, out: Floats) -> None:
+def human_values(human: HumanSet, k: int, windows: Ints, out: Floats) -> None:
     """Write H(s, o) of learner k for every option, in units of a press.
 
     Args:
@@ -63,9 +63,9 @@ def human_values(human: TiledHuman, k: int, windows: Ints, out: Floats) -> None:
 
 @kernel
 def learn_sample(
-    human: TiledHuman, k: int, windows: Ints, option: int, label: float, sample_weight: float
+    human: HumanSet, k: int, windows: Ints, option: int, label: float, sample_weight: float
 ) -> None:
-    """Move H(s, option) of learner k towards a label: one step of the weighted squared error's gradient.
+    """Let learner k learn that a step of its own got a share of a press.
 
     Args:
         human: the models, in place.
@@ -76,11 +76,5 @@ def learn_sample(
         sample_weight: the step's share of the credit, in (0, 1].
     """
     weights = human.weights[min(k, human.weights.shape[0] - 1), option]
-    # In index order and one by one, as a dense model sums: the same bits.
-    prediction = 0.0
-    for v in range(len(windows)):
-        for tile in range(windows[v], windows[v] + human.n_tilings):
-            prediction += weights[tile]
-    move = human.step_size * sample_weight * (label - prediction)
-    add_to_windows(weights, windows, human.n_tilings, move)
+    move_tiles(windows, label, sample_weight, human.step_size, weights, human.n_tilings)
     human.samples[0] += 1
