@@ -28,6 +28,8 @@ class Request:
     column: tuple[str, ...]
     unit: "Unit | None"
     keep: tuple[str, ...]
+    by: tuple[str, ...]
+    decimal: Literal[".", ","]
     waited: float | None
     trust_magnitudes: bool
     allow_faults: bool
@@ -75,6 +77,16 @@ _PATH = click.Path(dir_okay=False, path_type=Path)
     multiple=True,
     metavar="COLUMN=VALUE",
     help="Read only rows with this value; several values of one column: any of them.",
+)
+@click.option(
+    "--by", multiple=True, metavar="COLUMN", help="Fit each value of this column (a condition) apart."
+)
+@click.option(
+    "--decimal",
+    type=click.Choice([".", ","]),
+    default=".",
+    show_default=True,
+    help="What separates decimals in tables.",
 )
 @click.option(
     "--waited",
@@ -173,8 +185,8 @@ def fit(files: tuple[Path, ...], **options: object) -> None:
 
 def fit_files(files: Sequence[Path], request: Request) -> None:
     """Read, select, fit, print and write."""
-    from arl_tui.commands.fit_input import InputError, read_and_select, task_of
-    from arl_tui.commands.fit_tables import fault_lines, reading_lines
+    from arl_tui.commands.fit_input import InputError, oddity_lines, read_and_select, task_of
+    from arl_tui.commands.fit_tables import fault_lines, not_fitted_lines, reading_lines
     from core.clock import wall_time_utc
     from studies.reaction_time.report import Result, write_report
 
@@ -182,7 +194,7 @@ def fit_files(files: Sequence[Path], request: Request) -> None:
         raise InputError(f"{request.out} exists: reports are never overwritten; name a new folder")
     task = request.task or task_of(files)
     rows, samples, selection = read_and_select(files, request)
-    for line in fault_lines(rows, selection):
+    for line in (*fault_lines(rows, selection), *oddity_lines(files, request, rows, samples)):
         click.echo(line, err=True)
     group = fit_with_bar(samples, request)
     names = tuple(path.name for path in files)
@@ -191,6 +203,8 @@ def fit_files(files: Sequence[Path], request: Request) -> None:
         for line in reading_lines(rows, selection):
             click.echo(line)
         show(group, samples, request)
+        for line in not_fitted_lines(selection, group, request.only):
+            click.echo(line)
     write(result, samples, request)
     if request.out is not None:
         write_report(

@@ -1,7 +1,7 @@
 """The input of `arl fit`: columns, units, policy; and clear messages where a file cannot be used."""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -86,9 +86,28 @@ def columns_of(request: "Request") -> "Columns":
         unit=request.unit,
         participant=named.get("participant", BIDS.participant),
         keep=keep,
+        by=request.by,
+        decimal=request.decimal,
         waited_s=request.waited,
         trust_magnitudes=request.trust_magnitudes,
     )
+
+
+def oddity_lines(
+    files: Sequence[Path], request: "Request", rows: "Sequence[Row]", samples: "Mapping[str, Sample]"
+) -> Iterator[str]:
+    """Yield what looks wrong, as warnings."""
+    from studies.reaction_time.oddities import alike_names, copied_times, unused_conditions
+
+    if not request.as_one:
+        names = list(dict.fromkeys(row.participant for row in rows))
+        yield from (f"Warning: {words}." for words in alike_names(names))
+    yield from (f"Warning: {words}" for words in copied_times(samples))
+    for path in files:
+        if not path.name.endswith(".jsonl"):
+            words = unused_conditions(path, columns_of(request))
+            if words is not None:
+                yield f"Note: {words}. --keep COLUMN=VALUE takes some of them, --by COLUMN each apart."
 
 
 def _pair(text: str, option: str) -> tuple[str, str]:

@@ -55,6 +55,14 @@ def fault_lines(rows: "Sequence[Row]", selection: "Selection") -> Iterator[str]:
             )
 
 
+def not_fitted_lines(selection: "Selection", group: "GroupFit", only: Sequence[str]) -> Iterator[str]:
+    """Yield who was not fitted, and why; with names in `only`, nobody else."""
+    reasons = {**selection.unusable, **group.failures}
+    for name, reason in reasons.items():
+        if not only or name in only:
+            yield f"Not fitted: {name}: {reason}"
+
+
 def participant_lines(one: "ParticipantFit", sample: "Sample") -> Iterator[str]:
     """Yield everything about one participant."""
     late = f", {sample.censored_s.size} timed out" if sample.censored_s.size else ""

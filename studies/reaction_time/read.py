@@ -35,7 +35,9 @@ _UNIT_WORDS: dict[str, Unit] = {
     "ns": "ns",
     "nanoseconds": "ns",
 }
-MISSING = frozenset({"", "n/a", "na", "nan", "null", "none", ".", "-", "missing"})
+MISSING = frozenset(
+    {"", "n/a", "na", "nan", "null", "none", ".", "-", "--", "?", "missing", "#n/a", "<na>", "#num!"}
+)
 """Texts that mean: no value (compared in lower case)."""
 PLAUSIBLE_MEDIAN_S = (0.03, 20.0)
 """A median of recorded times outside this is a wrong unit, not a person."""
@@ -58,6 +60,10 @@ class Columns(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     """Column of the participant; where the table lacks it (or None), the file name tells."""
     keep: dict[str, tuple[str, ...]] = {}
     """Rows to read: column to allowed values, e.g. {"TrialOutcome": ("SuccessfulGo",)}."""
+    by: tuple[str, ...] = ()
+    """Columns of conditions: each participant's rows are taken apart by their values."""
+    decimal: Literal[".", ","] = "."
+    """What separates decimals; never guessed, because 1,023 may be a thousand."""
     waited_s: float | None = None
     """The task's time-out in seconds, for rows without a response; None where not known."""
     trust_magnitudes: bool = False
@@ -89,8 +95,8 @@ def read_rows(paths: Iterable[Path], columns: Columns | None = None) -> list[Row
 
 def read_table(path: Path, columns: Columns) -> list[Row]:
     """Read a CSV or TSV file (also gzipped); every row that `columns.keep` lets through, good or bad."""
-    header, lines = _cells(path)
-    wanted = [columns.rt, *columns.keep]
+    header, lines = cells_of(path)
+    wanted = [columns.rt, *columns.keep, *columns.by]
     absent = [name for name in wanted if name not in header]
     if absent:
         raise ReadError(
@@ -100,6 +106,7 @@ def read_table(path: Path, columns: Columns) -> list[Row]:
     rt_at = header.index(columns.rt)
     person_at = header.index(columns.participant) if columns.participant in header else None
     default = _participant_of(path)
+    by_at = [header.index(name) for name in columns.by]
     tests = [(header.index(name), frozenset(values)) for name, values in columns.keep.items()]
     rows = []
     for number, cells in lines:
@@ -109,10 +116,14 @@ def read_table(path: Path, columns: Columns) -> list[Row]:
             )
         if any(cells[at] not in allowed for at, allowed in tests):
             continue
-        rt = _number(cells[rt_at], path, number, columns.rt)
+        rt = _number(cells[rt_at], path, number, columns)
         participant = cells[person_at].strip() if person_at is not None else default
-        if not participant:
-            raise ReadError(f"{path}:{number}: no participant in column {columns.participant!r}")
+        if participant.lower() in MISSING:
+            raise ReadError(
+                f"{path}:{number}: no participant in column {columns.participant!r}, but {participant!r}; leave such rows "
+                "out by the values of another column, or complete them"
+            )
+        participant = " ".join([participant, *(cells[at].strip() or "(none)" for at in by_at)])
         rows.append(
             Row(
                 participant=participant,
@@ -183,49 +194,53 @@ def _read_recording(path: Path) -> list[Row]:
     ]
 
 
-def _cells(path: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
-    """Return the header and (line number, cells) of a table."""
+def cells_of(path: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
+    """Return the header and (line number, cells) of a table; cells of a row that stand empty beyond the header go.
+
+    Raises:
+        ReadError: no text, no header, or two columns of one name.
+    """
     try:
         raw = gzip.decompress(path.read_bytes()) if path.suffix == ".gz" else path.read_bytes()
-        text = raw.decode("utf-8-sig")
+        text = raw.decode("utf-16" if raw[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig")
     except (OSError, EOFError, UnicodeDecodeError) as error:
-        raise ReadError(f"{path}: cannot be read as text in UTF-8: {error}") from error
+        raise ReadError(f"{path}: cannot be read as text in UTF-8 ({error}); save it as UTF-8") from error
     first = text.split("\n", 1)[0]
     delimiter = max("\t;,", key=first.count)  # ties go to the tab, then the semicolon
-    reader = csv.reader(text.splitlines(), delimiter=delimiter)
+    reader = csv.reader(text.splitlines(), delimiter=delimiter, skipinitialspace=delimiter != "\t")
     table = [(reader.line_num, cells) for cells in reader if any(cell.strip() for cell in cells)]
     if not table:
         raise ReadError(f"{path}: empty; expected a header line with column names")
     header = [name.strip() for name in table[0][1]]
     if len(set(header)) != len(header):
         raise ReadError(f"{path}: two columns have the same name in {header}; rename one")
-    return header, table[1:]
+    n = len(header)
+    return header, [(line, cells[:n] if not any(cells[n:]) else cells) for line, cells in table[1:]]
 
 
-def _number(text: str, path: Path, number: int, column: str) -> float | None:
+def _number(text: str, path: Path, number: int, columns: Columns) -> float | None:
     """Return the number in a cell, None where the cell says that there is none."""
     text = text.strip()
     if text.lower() in MISSING:
         return None
     try:
-        value = float(text)
+        # With a decimal comma a point can only separate thousands, which we do not take.
+        value = float(text if columns.decimal == "." else text.replace(".", "?").replace(",", "."))
     except ValueError:
-        advice = (
-            "write decimals with a point"
-            if re.fullmatch(r"-?\d+,\d+", text)
-            else "leave missing values empty or n/a"
-        )
+        advice = "leave missing values empty or n/a"
+        if columns.decimal == "." and re.fullmatch(r"-?\d*,\d+", text):
+            advice = "if that is a decimal comma, say decimal=',' (`arl fit --decimal ,`)"
         raise ReadError(
-            f"{path}:{number}: column {column!r} holds {text!r}, not a number; {advice}"
+            f"{path}:{number}: column {columns.rt!r} holds {text!r}, not a number; {advice}"
         ) from None
     return value if math.isfinite(value) else None
 
 
 def _unit_of(path: Path, column: str) -> Unit:
     """Return the unit from the column's name, the BIDS sidecar, or BIDS itself; raise ReadError without one."""
-    ending = re.split(r"[_\s(\[]+", column.strip(" )]").lower())
-    if len(ending) > 1 and ending[-1] in _UNIT_WORDS:
-        return _UNIT_WORDS[ending[-1]]
+    ending = re.split(r"[_.\s(\[-]+|(?<=[a-z])(?=[A-Z])", column.strip(" )]"))
+    if len(ending) > 1 and ending[-1].lower() in _UNIT_WORDS:
+        return _UNIT_WORDS[ending[-1].lower()]
     stated = _sidecar_unit(path, column)
     if stated is not None:
         if stated.lower() not in _UNIT_WORDS:

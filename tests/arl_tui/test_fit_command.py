@@ -192,6 +192,38 @@ def test_bids_events_of_real_people_are_read(tmp_path: Path) -> None:
     assert "sub-02: " in result.stdout
 
 
+AIC_OF_257 = {"ex-Gaussian": -28_915, "shifted gamma": -28_707, "gamma": -27_365}
+"""Published for the pooled go reactions of OpenNeuro ds000030, best first."""
+AIC_OF_26 = {"shifted gamma": -655, "gamma": -536}
+"""The same for the flanker of ds000102."""
+
+
+@pytest.mark.jit
+@pytest.mark.parametrize(
+    ("name", "options", "n", "published"),
+    [
+        pytest.param(
+            "stop_signal_ds000030_events.tsv.gz",
+            ["--column", "rt=ReactionTime", "--unit", "s", "--keep", "TrialOutcome=SuccessfulGo"],
+            24_111,
+            AIC_OF_257,
+            marks=pytest.mark.slow,
+        ),
+        ("flanker_ds000102_events.tsv.gz", ["--keep", "correctness=correct"], 1_230, AIC_OF_26),
+    ],
+)
+def test_the_published_ranking_of_families_on_pooled_real_times_is_reproduced(
+    name: str, options: list[str], n: int, published: dict[str, int]
+) -> None:
+    result = run(data_folder("reaction_time") / name, *options, "--as-one", *QUICK, "--json", "-")
+    assert result.exit_code == 0, result.output
+    (everybody,) = json.loads(result.stdout)["group"]["participants"].values()
+    assert everybody["gamma"]["n_observed"] == n
+    found = {fit["family"]: fit["aic"] for fit in everybody["fits"] if fit["family"] in published}
+    assert list(found) == list(published)
+    assert found == pytest.approx(published, abs=0.6)
+
+
 # --- dirty input ----------------------------------------------------------------------------------------------------
 
 
@@ -231,6 +263,67 @@ def test_many_impossible_times_are_refused_unless_they_are_to_be_left_out(
     assert "6 of 66 times" in result.stderr
     assert "a.csv:62" in result.stderr
     assert run(path, *QUICK, "--allow-faults").exit_code == 0
+
+
+def test_whoever_cannot_be_fitted_is_named_and_the_others_are_fitted(tmp_path: Path) -> None:
+    path = table(
+        tmp_path / "a.csv", {"P": times(), "few": [0.3, 0.4], "even": [0.4] * 20, "absent": ["n/a"] * 9}
+    )
+    result = run(path, *QUICK)
+    assert result.exit_code == 0, result.output
+    assert "P: 60 responses" in result.stdout
+    assert "Not fitted: few: 2 usable responses" in result.stdout
+    assert "Not fitted: even: all 20 times are 0.4 s" in result.stdout
+    assert "Not fitted: absent: 0 usable responses" in result.stdout
+
+
+def test_a_decimal_comma_is_taken_only_where_it_is_said(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text("rt_s;b\n" + "\n".join(f"{t};1".replace(".", ",") for t in times()) + "\n")
+    refused = run(path, *QUICK)
+    assert refused.exit_code == 2
+    assert "`arl fit --decimal ,`" in refused.output
+    plain = table(tmp_path / "b.csv", {"a": times()})
+    commas = run(path, *QUICK, "--decimal", ",")
+    assert commas.exit_code == 0, commas.output
+    assert commas.stdout == run(plain, *QUICK).stdout
+    path.write_text("rt_ms;b\n1.023;1\n")  # A point beside decimal commas: a thousand and something?
+    thousands = run(path, "--column", "rt=rt_ms", *QUICK, "--decimal", ",")
+    assert thousands.exit_code == 2
+    assert "'1.023', not a number" in thousands.output
+
+
+def test_conditions_that_are_not_looked_at_are_named_and_can_be_taken_apart(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    rows = [
+        f"{p},{c},{o},{t * (1.5 if c == 'hard' else 1.0):.4f}"
+        for p, o in (("P1", "old"), ("P2", "young"))
+        for c in ("easy", "hard")
+        for t in times(20)
+    ]
+    path.write_text("participant_id,load,age,rt_s\n" + "\n".join(rows) + "\n")
+    together = run(path, *QUICK)
+    assert "taken together whatever stands in the columns load (easy, hard)" in together.stderr
+    assert "age" not in together.stderr  # One age per participant: no condition.
+    assert "P1: 40 responses" in together.stdout
+    apart = run(path, *QUICK, "--by", "load", "--json", "-")
+    assert "taken together" not in apart.stderr
+    people = json.loads(apart.stdout)["group"]["participants"]
+    assert list(people) == ["P1 easy", "P1 hard", "P2 easy", "P2 hard"]
+    easy, hard = (people[f"P1 {c}"]["gamma"]["estimates"]["mean_s"] for c in ("easy", "hard"))
+    assert hard == pytest.approx(1.5 * easy, rel=1e-3)
+
+
+def test_participants_that_may_be_one_are_warned_of(tmp_path: Path) -> None:
+    path = table(tmp_path / "a.csv", {"P1": times(), "p01": times(), "Q": times(20, 1) * 2})
+    result = run(path, *QUICK)
+    assert result.exit_code == 0, result.output
+    assert "'P1' and 'p01' may be one" in result.stderr
+    assert "'P1' and 'p01' have the same 60 times" in result.stderr
+    assert "each of the times of 'Q' is there twice" in result.stderr
+    clean = run(table(tmp_path / "b.csv", {f"P{i}": times(20, i) for i in (1, 10, 11)}), *QUICK)
+    assert "Warning: the" not in clean.stderr
+    assert "twice" not in clean.stderr
 
 
 def test_words_among_numbers_are_refused_with_file_and_line(tmp_path: Path) -> None:

@@ -197,7 +197,7 @@ def test_a_policy_whose_limits_cross_is_refused():
     ("lines", "message"),
     [
         (["participant_id,rt_s", "p,0,4"], r":2: 3 cells"),
-        (["participant_id;rt_s", "p;0,4"], r"'0,4', not a number; write decimals with a point"),
+        (["participant_id;rt_s", "p;0,4"], r"'0,4', not a number; if that is a decimal comma"),
         (["participant_id,rt_s", "p,fast"], r":2: column 'rt_s' holds 'fast'"),
         (["participant_id,time", "p,0.4"], r"no column 'rt_s'; the columns are 'participant_id', 'time'"),
         (["participant_id,rt_s,rt_s", "p,1,1"], "same name"),
@@ -235,3 +235,27 @@ def test_a_byte_order_mark_quotes_and_windows_line_ends_do_no_harm(tmp_path):
 def test_something_that_is_no_recording_of_ours_is_an_error(tmp_path):
     with pytest.raises(ReadError, match="not a header"):
         read_rows([write(tmp_path, "a.jsonl", "{}")])
+
+
+@pytest.mark.parametrize("name", ["rtMs", "RT.ms", "rt-ms", "RT (ms)", "RT [msec]"])
+def test_a_unit_is_found_however_it_is_joined_to_the_columns_name(tmp_path, name):
+    path = tmp_path / "a.csv"
+    path.write_text(f"{name}\n" + "".join(f"{v}\n" for v in range(300, 340)))
+    assert read_rows([path], Columns(rt=name))[0].rt_s == pytest.approx(0.3)
+
+
+def test_utf_16_spaces_before_quotes_and_cells_left_empty_at_the_end_do_no_harm(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text('"who" , "rt_s"\n "P1" , 0.30 ,\n "P1" ,0.40,,\n', encoding="utf-16")
+    rows = read_rows([path], Columns(rt="rt_s", participant="who"))
+    assert [(row.participant, row.rt_s) for row in rows] == [("P1", 0.3), ("P1", 0.4)]
+    path.write_text("who,rt_s\nP1,0.30,7\n")
+    with pytest.raises(ReadError, match="3 cells in a row, 2 columns"):
+        read_rows([path], Columns(rt="rt_s", participant="who"))
+
+
+def test_a_row_of_nobody_is_refused(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text("who,rt_s\nP1,0.30\nn/a,0.4\n")
+    with pytest.raises(ReadError, match=r"a\.csv:3: no participant in column 'who', but 'n/a'"):
+        read_rows([path], Columns(rt="rt_s", participant="who"))
