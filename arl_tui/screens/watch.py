@@ -19,6 +19,7 @@ from arl_tui.playback import Playback, Source
 from arl_tui.screens.covers import SmallWindowScreen, fits_into
 from arl_tui.screens.page import Page, key_cap
 from arl_tui.widgets.pitch import PitchWidget
+from arl_tui.widgets.pitch_colours import legend
 from arl_tui.widgets.pitch_drawing import smallest
 from arl_tui.widgets.pitch_ink import DETAILS, Detail
 from core.clock import NS_PER_S, Clock, MonotonicClock
@@ -138,6 +139,7 @@ class WatchScreen(Screen[None], inherit_bindings=False):
     def compose(self) -> ComposeResult:
         """Lay out the pitch on the left, everything else on the right, keys below."""
         palette = palette_for(self._palette, self.app.console.color_system, no_color=self.app.no_color)
+        self._palette = palette.name
         self.pitch = PitchWidget(
             self._length_m, self._width_m, detail=self._detail, beside=PANEL_WIDTH, palette=palette
         )
@@ -175,7 +177,9 @@ class WatchScreen(Screen[None], inherit_bindings=False):
         if self.playback is None:
             return
         self._written_ns = self._clock.now_ns()
-        self.query_one("#panel", Static).update("\n".join([self._heading, *panel_lines(self.playback)]))
+        self.query_one("#panel", Static).update(
+            "\n".join([self._heading, *panel_lines(self.playback, self._palette)])
+        )
 
     # --- keys -----------------------------------------------------------------------------------------------------
 
@@ -241,7 +245,7 @@ class WatchScreen(Screen[None], inherit_bindings=False):
         self.app.push_screen(page, go_on)
 
 
-def panel_lines(playback: Playback) -> Iterable[str]:
+def panel_lines(playback: Playback, palette: str) -> Iterable[str]:
     """Yield what stands below the heading, in markup."""
     yield f"Speed    x{playback.speed:g}{'   [reverse] PAUSED [/]' if playback.paused else ''}"
     yield ""
@@ -252,8 +256,7 @@ def panel_lines(playback: Playback) -> Iterable[str]:
             yield f"  {duration:6.1f} s {END_REASONS[end]}"
         yield ""
     yield from _value_lines(playback)
-    yield "[b #000000 on #56b4e9]K1[/] keeper   [b #000000 on #e5702a]T1[/] taker"
-    yield "[b #000000 on #e4ece7]K1[/] has the ball"
+    yield from legend(palette)
 
 
 def _value_lines(playback: Playback) -> Iterable[str]:

@@ -30,6 +30,7 @@ _BLACK_AND_WHITE: Final = {
     **dict.fromkeys(INKS, "#ffffff"),
     "grass": "#000000",
     "stripe": "#000000",
+    "spot": "#606060",
     "faint": "#a0a0a0",
     "path": "#a0a0a0",
     "keeper": "#c0c0c0",
@@ -42,6 +43,7 @@ _SIXTEEN: Final = {
     "grass": "#000000",
     "stripe": "#000000",
     "line": "#808080",
+    "spot": "#808080",
     "faint": "#808080",
     "path": "#00ff00",
     "keeper": "#00ffff",
@@ -67,6 +69,19 @@ def component_classes() -> set[str]:
 def style_sheet(widget: str) -> str:
     """Return the style rules of every palette for widgets of this type; the widget's class `-NAME` chooses."""
     return "\n".join(rule for name in COLOURS for rule in _rules(widget, name))
+
+
+def legend(palette: str) -> tuple[str, str]:
+    """Return two lines, in markup, that say what the badges of a palette mean."""
+    colours = COLOURS[palette]
+
+    def badge(name: str, ink: str, paper: str) -> str:
+        return f"[b {colours[ink]} on {colours[paper]}]{name}[/]"
+
+    return (
+        f"{badge('K1', 'keeper-name', 'keeper')} keeper   {badge('T1', 'taker-name', 'taker')} taker",
+        f"{badge('K1', 'holder-name', 'words')} has the ball",
+    )
 
 
 def _rules(widget: str, palette: str) -> Iterator[str]:
