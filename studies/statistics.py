@@ -1,5 +1,6 @@
 """Statistics of results: arrays in, numbers out. Every resampling takes a named stream."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -33,10 +34,82 @@ def mean_interval(
     Returns:
         The interval is the point itself where n = 1 or all values are equal.
     """
-    sample = _sample(values)
-    means = _resampled_means(sample, resamples, rng)
-    low, high = np.quantile(means, [(1 - level) / 2, (1 + level) / 2])
-    return Interval(float(sample.mean()), float(low), float(high), level)
+    return _percentile_interval(_sample(values), _means, level, resamples, rng)
+
+
+def median_interval(
+    values: ArrayLike, *, rng: np.random.Generator, level: float = 0.95, resamples: int = 2000
+) -> Interval:
+    """Return the median with a bootstrap percentile interval; arguments as in `mean_interval`."""
+    return _percentile_interval(_sample(values), _medians, level, resamples, rng)
+
+
+def interquartile_mean(values: ArrayLike) -> float:
+    """Return the mean without the lowest and the highest quarter (floor(n / 4) values on each side)."""
+    return float(_interquartile_means(_sample(values)[None, :])[0])
+
+
+def interquartile_mean_interval(
+    values: ArrayLike, *, rng: np.random.Generator, level: float = 0.95, resamples: int = 2000
+) -> Interval:
+    """Return `interquartile_mean` with a bootstrap percentile interval; arguments as in `mean_interval`."""
+    return _percentile_interval(_sample(values), _interquartile_means, level, resamples, rng)
+
+
+def area_under_curve(x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
+    """Return the mean height of curves over their common x: trapezia, divided by the range of x.
+
+    Args:
+        x: where the curves are known, strictly ascending, shape (n,), n >= 2.
+        y: heights, shape (..., n).
+
+    Returns:
+        One number per curve, in the unit of y, shape (...).
+    """
+    at, heights = _sample(x), np.asarray(y, dtype=np.float64)
+    if len(at) < 2 or (np.diff(at) <= 0).any() or heights.shape[-1:] != at.shape:
+        raise ValueError(f"need ascending x of shape (n,), n >= 2, and y of shape (..., n): {heights.shape}")
+    widths = np.diff(at)
+    area = ((heights[..., 1:] + heights[..., :-1]) / 2 * widths).sum(axis=-1)
+    return np.asarray(area / (at[-1] - at[0]))
+
+
+def stratified_mean_interval(
+    strata: Sequence[ArrayLike], *, rng: np.random.Generator, level: float = 0.95, resamples: int = 2000
+) -> Interval:
+    """Return the mean over strata (tasks, persons) of their means, resampled within each stratum.
+
+    Args:
+        strata: results of each stratum, shape (n_k,), n_k >= 1; at least one stratum.
+        rng: named stream.
+        level: coverage, in (0, 1).
+        resamples: number of bootstrap samples.
+    """
+    if not strata:
+        raise ValueError("need at least one stratum")
+    samples = [_sample(values) for values in strata]
+    means = np.mean([_resampled(sample, resamples, rng).mean(axis=1) for sample in samples], axis=0)
+    estimate = float(np.mean([sample.mean() for sample in samples]))
+    return _interval(estimate, means, level)
+
+
+def paired_ratio(
+    treated: ArrayLike,
+    control: ArrayLike,
+    *,
+    rng: np.random.Generator,
+    level: float = 0.95,
+    resamples: int = 2000,
+) -> Interval:
+    """Return the geometric mean of treated / control with a bootstrap interval; both > 0, paired by entry.
+
+    For results whose spread grows with their size, as scores of games that end by chance.
+    """
+    first, second = _pair(treated, control)
+    if min(first.min(), second.min()) <= 0:
+        raise ValueError("a ratio of geometric means needs results > 0")
+    found = mean_interval(np.log(first / second), rng=rng, level=level, resamples=resamples)
+    return Interval(float(np.exp(found.estimate)), float(np.exp(found.low)), float(np.exp(found.high)), level)
 
 
 def paired_difference(
@@ -48,9 +121,7 @@ def paired_difference(
     resamples: int = 2000,
 ) -> Interval:
     """Return the mean of treated - control with a bootstrap interval; entry i of both has the same seed."""
-    first, second = _sample(treated), _sample(control)
-    if first.shape != second.shape:
-        raise ValueError(f"pairs need equal numbers of results, got {len(first)} and {len(second)}")
+    first, second = _pair(treated, control)
     return mean_interval(first - second, rng=rng, level=level, resamples=resamples)
 
 
@@ -63,9 +134,43 @@ def _sample(values: ArrayLike) -> NDArray[np.float64]:
     return sample
 
 
-def _resampled_means(
-    sample: NDArray[np.float64], resamples: int, rng: np.random.Generator
-) -> NDArray[np.float64]:
-    picks = rng.integers(0, len(sample), size=(resamples, len(sample)))
-    means: NDArray[np.float64] = sample[picks].mean(axis=1)
-    return means
+def _pair(treated: ArrayLike, control: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    first, second = _sample(treated), _sample(control)
+    if first.shape != second.shape:
+        raise ValueError(f"pairs need equal numbers of results, got {len(first)} and {len(second)}")
+    return first, second
+
+
+def _resampled(sample: NDArray[np.float64], resamples: int, rng: np.random.Generator) -> NDArray[np.float64]:
+    """Return bootstrap samples, shape (resamples, n)."""
+    picked: NDArray[np.float64] = sample[rng.integers(0, len(sample), size=(resamples, len(sample)))]
+    return picked
+
+
+def _percentile_interval(
+    sample: NDArray[np.float64],
+    statistic: Callable[[NDArray[np.float64]], NDArray[np.float64]],
+    level: float,
+    resamples: int,
+    rng: np.random.Generator,
+) -> Interval:
+    estimate = float(statistic(sample[None, :])[0])
+    return _interval(estimate, statistic(_resampled(sample, resamples, rng)), level)
+
+
+def _interval(estimate: float, resampled: NDArray[np.float64], level: float) -> Interval:
+    low, high = np.quantile(resampled, [(1 - level) / 2, (1 + level) / 2])
+    return Interval(estimate, float(low), float(high), level)
+
+
+def _means(samples: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray(samples.mean(axis=1))
+
+
+def _medians(samples: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray(np.median(samples, axis=1))
+
+
+def _interquartile_means(samples: NDArray[np.float64]) -> NDArray[np.float64]:
+    cut = samples.shape[1] // 4
+    return np.asarray(np.sort(samples, axis=1)[:, cut : samples.shape[1] - cut].mean(axis=1))
