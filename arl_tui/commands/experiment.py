@@ -9,11 +9,13 @@ import click
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
+    from studies.experiments.sweep import Experiment
+
 NAMES = ("fig5",)
 """Written out here so that `--help` need not load them; a test compares."""
 DEFAULT_RESULTS = Path("results")
 
-name_argument = click.argument("name", type=click.Choice(NAMES))
+name_argument = click.argument("name", metavar="NAME")
 out_option = click.option(
     "--out",
     type=click.Path(file_okay=False, path_type=Path),
@@ -25,7 +27,10 @@ out_option = click.option(
 
 @click.group()
 def experiment() -> None:
-    """Run the experiments behind the figures, and report them."""
+    """Run the experiments behind the figures, and report them.
+
+    NAME is one of fig4 fig5 fig6 fig7 features robustness credit, or a Python module with an EXPERIMENT of your own.
+    """
 
 
 @experiment.command()
@@ -54,9 +59,9 @@ def run(
     """Play experiment NAME: every trial that has no file yet. May be stopped at any time and goes on from there."""
     from arl_tui import facts
     from studies.experiments.run import SweepError, run_sweep
-    from studies.experiments.sweep import load_experiment, root_seeds
+    from studies.experiments.sweep import root_seeds
 
-    sweep = load_experiment(name)
+    sweep = _loaded(name)
     folder = out / (f"{name}-quick" if quick else name)
     try:
         with _executor(workers, cluster) as executor, _Progress(name) as progress:
@@ -73,6 +78,44 @@ def run(
     except (SweepError, ValueError) as error:
         raise click.ClickException(str(error)) from error
     click.echo(f"{len(files)} trials in {folder}. Next: arl experiment report {name} --out {out}")
+
+
+@experiment.command()
+@name_argument
+@out_option
+@click.option("--quick", is_flag=True, help="Of the short trials.")
+@click.option(
+    "--into",
+    type=click.Path(file_okay=False, path_type=Path),
+    help="The page goes into results/ below this folder, its figures into figures/; by default below the results.",
+)
+def report(name: str, out: Path, quick: bool, into: Path | None) -> None:
+    """Write the page of experiment NAME with its figures, from the files of its trials. Plays nothing."""
+    from studies.experiments.page import write_page
+    from studies.experiments.results import read_results
+    from studies.experiments.run import SweepError
+    from studies.experiments.sweep import experiment_module
+
+    sweep = _loaded(name)
+    module = experiment_module(name)
+    if not hasattr(module, "report"):
+        raise click.ClickException(f"{module.__name__} has no report(results)")
+    folder = out / (f"{name}-quick" if quick else name)
+    try:
+        written = write_page(module.report(read_results(sweep, folder)), into or folder / "report")
+    except SweepError as error:
+        raise click.ClickException(str(error)) from error
+    for path in written:
+        click.echo(str(path))
+
+
+def _loaded(name: str) -> "Experiment":
+    from studies.experiments.sweep import load_experiment
+
+    try:
+        return load_experiment(name)
+    except (ValueError, ModuleNotFoundError) as error:
+        raise click.BadParameter(str(error), param_hint="NAME") from error
 
 
 def _executor(workers: int | None, cluster: str | None) -> "AbstractContextManager[Executor]":

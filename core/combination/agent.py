@@ -227,6 +227,7 @@ class ArlAgent:
                 performance=played.performance,
                 truncated=played.ended == "truncation",
                 comparison=Comparison(decisions, agreed, agreed_worst) if decisions else None,
+                consistency=self.human.consistency,
             ),
             self._known_weights(),
         )

@@ -11,12 +11,22 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from core.combination.config import BootstrapConfig, Equation4, Equation5, FixedWeight, Signed
+from core.combination.config import (
+    BootstrapConfig,
+    Equation4,
+    Equation5,
+    FixedWeight,
+    RankCorrelation,
+    Signed,
+    Tried,
+)
 from core.combination.trust import (
     Comparison,
     degree_of_match,
     human_weight,
     next_human_weight,
+    rank_human_weight,
+    rank_test,
     selection_probabilities,
     signed_human_weight,
 )
@@ -37,6 +47,8 @@ class EpisodeReport:
     """The episode was stopped, so its performance is a lower bound."""
     comparison: Comparison | None
     """Choices of this policy held against the human policy; None where there was no human policy."""
+    consistency: float = 0.0
+    """How many standard errors better than chance the human model foresees its presses."""
 
 
 @dataclass(slots=True, eq=False)
@@ -77,11 +89,14 @@ class BootstrapLearning:
         self._ranked: list[RankedPolicy] = []
         self._w_h = config.trust.w_h if isinstance(config.trust, FixedWeight) else 0.0
         self._compared_anything = False
-        # Eq. 5: performance behind w_h so far. Signed: (pm_i, a_i) of recent episodes.
+        # Eq. 5: performance behind w_h so far. Others: (pm_i, a_i), or (pm_i, w_h), of recent episodes.
         self._performance_before = 0.0
+        # Tried: the w_h that is believed in, beside the one that is being tried.
+        self._believed = 0.0
+        self._n_compared = 0
         trust = config.trust
         self._recent: deque[tuple[float, float]] = deque(
-            maxlen=trust.episodes if isinstance(trust, Signed) else 1
+            maxlen=trust.episodes if isinstance(trust, Signed | RankCorrelation | Tried) else 1
         )
 
     @property
@@ -141,7 +156,16 @@ class BootstrapLearning:
 
     def state_bytes(self) -> bytes:
         """Return all that decides about later choices, for fingerprints."""
-        parts = [struct.pack("<dd?", self._w_h, self._performance_before, self._compared_anything)]
+        parts = [
+            struct.pack(
+                "<ddd?q",
+                self._w_h,
+                self._believed,
+                self._performance_before,
+                self._compared_anything,
+                self._n_compared,
+            )
+        ]
         parts += [struct.pack("<dd", *pair) for pair in self._recent]
         for policy in self._ranked:
             counts = policy.comparison or Comparison(1, 0, 0)
@@ -189,6 +213,10 @@ class BootstrapLearning:
                 self._revise_by_equation_5(rule, report)
             case Signed() as rule:
                 self._revise_by_signed_match(rule, report)
+            case RankCorrelation() as rule:
+                self._revise_by_rank_correlation(rule, report)
+            case Tried() as rule:
+                self._revise_by_trial(rule, report)
 
     def _matches_of_equation_4(
         self, rule: Equation4, human_weights: NDArray[np.float64] | None
@@ -223,10 +251,55 @@ class BootstrapLearning:
         if report.comparison is None:
             return
         self._recent.append((report.performance, report.comparison.signed))
-        if len(self._recent) >= rule.minimum_episodes:
+        random = rule.consistent_above is not None and report.consistency <= rule.consistent_above
+        if random or len(self._recent) < rule.minimum_episodes:
+            self._w_h = 0.0
+        else:
             self._w_h = signed_human_weight(
                 [pm for pm, _ in self._recent],
                 [a for _, a in self._recent],
                 gain=rule.gain,
                 standard_errors=rule.standard_errors,
             )
+
+    def _revise_by_rank_correlation(self, rule: RankCorrelation, report: EpisodeReport) -> None:
+        if report.comparison is None:
+            return
+        self._recent.append((report.performance, report.comparison.rate))
+        if len(self._recent) >= rule.minimum_episodes:
+            self._w_h = rank_human_weight(
+                [pm for pm, _ in self._recent],
+                [m for _, m in self._recent],
+                gain=rule.gain,
+                standard_errors=rule.standard_errors,
+                signed=rule.signed,
+            )
+
+    def _revise_by_trial(self, rule: Tried, report: EpisodeReport) -> None:
+        if report.comparison is None:
+            return
+        self._recent.append((report.performance, self._w_h))
+        self._n_compared += 1
+        self._believed = self._best_tried(rule)
+        self._w_h = self._believed
+        rng = stream(self._root_seed, "trial", self._n_compared)
+        tries, which = rng.random(2).tolist()
+        if self._believed != 0.0:
+            if tries < rule.control_share:
+                self._w_h = 0.0
+        elif report.consistency > rule.consistent_above and tries < rule.trial_share:
+            self._w_h = rule.weight if which < 0.5 else -rule.weight
+
+    def _best_tried(self, rule: Tried) -> float:
+        """Return the w_h that does best: the believed one, unless another is better by enough."""
+        by_weight = {
+            w_h: [pm for pm, used in self._recent if used == w_h] for w_h in (0.0, rule.weight, -rule.weight)
+        }
+        present = by_weight.pop(self._believed)
+        best, lead = self._believed, rule.better_by
+        for w_h, performances in by_weight.items():
+            if min(len(performances), len(present)) >= rule.minimum_episodes:
+                score = rank_test(performances, present)
+                if score > lead:
+                    best, lead = w_h, score
+        return best

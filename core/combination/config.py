@@ -334,14 +334,79 @@ class Signed(msgspec.Struct, frozen=True, tag="signed"):
     """c: what is not this many standard errors from 0 is taken for 0."""
     minimum_episodes: int = 10
     """With fewer episodes w_h = 0: their standard deviation says nothing."""
+    consistent_above: float | None = None
+    """w_h = 0 unless the presses so far follow the human model better than chance by so many standard errors
+    (`core.learners.consistency`); None: not looked at."""
 
     def __post_init__(self) -> None:
+        if self.consistent_above is not None and not self.consistent_above >= 0:
+            raise ValueError(f"consistent_above is >= 0 standard errors or None, got {self.consistent_above}")
         if not 2 <= self.minimum_episodes <= self.episodes:
             raise ValueError(
                 f"need 2 <= minimum_episodes <= episodes, got {self.minimum_episodes} and {self.episodes}"
             )
         if not (math.isfinite(self.gain) and self.gain > 0 and self.standard_errors >= 0):
             raise ValueError(f"need gain > 0 and standard_errors >= 0: {self.gain}, {self.standard_errors}")
+
+
+class RankCorrelation(msgspec.Struct, frozen=True, tag="rank-correlation"):
+    """Trust somebody if policies that agree with them do better (ours; `docs/decisions/signed-match.md`).
+
+    r = Spearman's correlation between performance and agreement over recent episodes, less its standard error
+    1 / sqrt(n - 1); w_h = gain r.
+    """
+
+    episodes: int = 200
+    """How many recent compared episodes count."""
+    gain: float = 1.5
+    """Factor that brings a good participant near the environment's weight."""
+    standard_errors: float = 1.0
+    """What is not this many standard errors from 0 is taken for 0."""
+    signed: bool = False
+    """A negative correlation gives a negative weight; otherwise 0."""
+    minimum_episodes: int = 10
+    """With fewer episodes w_h = 0."""
+
+    def __post_init__(self) -> None:
+        if not 3 <= self.minimum_episodes <= self.episodes:
+            raise ValueError(
+                f"need 3 <= minimum_episodes <= episodes, got {self.minimum_episodes} and {self.episodes}"
+            )
+        if not (math.isfinite(self.gain) and self.gain > 0 and self.standard_errors >= 0):
+            raise ValueError(f"need gain > 0 and standard_errors >= 0: {self.gain}, {self.standard_errors}")
+
+
+class Tried(msgspec.Struct, frozen=True, tag="tried"):
+    """w_h is 0, `weight` or -`weight`: what episodes under each have shown to do best (ours; `docs/decisions`).
+
+    The presses decide whether there is anything to try: a share of the episodes is played under another w_h only
+    while the presses follow the human model better than chance. The environment decides what to make of it.
+    """
+
+    weight: float = 1.0
+    """|w_h| of somebody who is believed: as much say as the environment, both being standardised."""
+    consistent_above: float = 2.0
+    """Standard errors by which presses must be foreseen before anything is tried (`core.learners.consistency`)."""
+    trial_share: float = 0.3
+    """Share of episodes in which `weight` or -`weight` is tried while nobody is believed."""
+    control_share: float = 0.05
+    """Share of episodes played without the human while somebody is believed."""
+    better_by: float = 3.0
+    """Standard errors of the rank test (Mann & Whitney) by which another w_h must do better to be taken over."""
+    minimum_episodes: int = 5
+    """Episodes under a w_h before it is compared."""
+    episodes: int = 200
+    """How many recent compared episodes count."""
+
+    def __post_init__(self) -> None:
+        if not (0 <= self.trial_share <= 1 and 0 <= self.control_share <= 1):
+            raise ValueError(f"shares are in [0, 1], got {self.trial_share} and {self.control_share}")
+        if not (math.isfinite(self.weight) and self.weight > 0 and self.better_by >= 0):
+            raise ValueError(f"need weight > 0 and better_by >= 0, got {self.weight} and {self.better_by}")
+        if not 2 <= self.minimum_episodes <= self.episodes:
+            raise ValueError(
+                f"need 2 <= minimum_episodes <= episodes, got {self.minimum_episodes} and {self.episodes}"
+            )
 
 
 class FixedWeight(msgspec.Struct, frozen=True, tag="fixed"):
@@ -355,7 +420,7 @@ class FixedWeight(msgspec.Struct, frozen=True, tag="fixed"):
             raise ValueError(f"w_h is finite, got {self.w_h}")
 
 
-TrustRule = Equation4 | Equation5 | Signed | FixedWeight
+TrustRule = Equation4 | Equation5 | Signed | RankCorrelation | Tried | FixedWeight
 """How w_h follows from performance and match; msgspec decodes it by its tag, the field "type"."""
 
 

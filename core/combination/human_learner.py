@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from core.episode import CreditGiven
 from core.feedback.assigner import CreditAssigner
 from core.feedback.samples import CreditConfig, MassAccount, Sample
+from core.learners.consistency import Consistency
 from core.learners.human_config import HumanModelConfig
 from core.learners.human_reward import HumanRewardModel
 from core.learners.human_tiles import HumanTileModel, human_model
@@ -30,7 +31,13 @@ class HumanLearner:
         """
         self._assigner = CreditAssigner(credit)
         self._model = human_model(model, n_features, tiles)
+        self._consistency = Consistency()
         self._on_screen = -1
+
+    @property
+    def consistency(self) -> float:
+        """How many standard errors better than chance the model foresaw the presses (`core.learners.consistency`)."""
+        return self._consistency.score
 
     @property
     def model(self) -> HumanRewardModel | HumanTileModel:
@@ -86,7 +93,10 @@ class HumanLearner:
     def retract(self, press: int) -> None:
         """Make the model one that never saw the press."""
         self._assigner.retract(press)
-        self._model.fit([sample for sample in self._assigner.samples if _tells(sample)])
+        self._model.fit([])
+        self._consistency = Consistency()
+        for sample in self._assigner.samples:
+            self._learn_from(sample)
 
     def finish(self, time_ns: int) -> None:
         """Learn from the steps that still waited for presses: the session is over."""
@@ -112,8 +122,13 @@ class HumanLearner:
 
     def _learn(self) -> None:
         for sample in self._assigner.take():
-            if _tells(sample):
-                self._model.add(sample)
+            self._learn_from(sample)
+
+    def _learn_from(self, sample: Sample) -> None:
+        if _tells(sample):
+            prediction = self._model.predict(sample.features[None, :])[0]
+            self._consistency.note(float(prediction), sample.label, sample.weight)
+            self._model.add(sample)
 
 
 def _tells(sample: Sample) -> bool:

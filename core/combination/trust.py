@@ -7,6 +7,9 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from core.combination.config import MatchKind
 
 
@@ -117,6 +120,69 @@ def signed_human_weight(
     else:
         spread = 1 / math.sqrt(len(agreement))
     return gain * math.copysign(max(0.0, abs(w) - standard_errors * sd * spread), w)
+
+
+def rank_human_weight(
+    performance: Sequence[float],
+    match: Sequence[float],
+    *,
+    gain: float,
+    standard_errors: float,
+    signed: bool,
+) -> float:
+    """Return gain times Spearman's correlation of performance and match, less its standard errors 1 / sqrt(n - 1).
+
+    Args:
+        performance: pm_i of recent episodes, >= 0, at least 3 of them.
+        match: m_i of the same episodes.
+        gain: > 0.
+        standard_errors: >= 0.
+        signed: whether a negative correlation counts; as 0 otherwise.
+
+    Returns:
+        w_h in [-gain, gain]; 0 where all performances, or all matches, are equal.
+    """
+    _check_performance(performance, match)
+    n = len(match)
+    if n < 3:
+        raise ValueError(f"a rank correlation needs at least 3 episodes, got {n}")
+    first, second = _centred_ranks(performance), _centred_ranks(match)
+    spread = math.sqrt(float(first @ first) * float(second @ second))
+    if spread == 0:
+        return 0.0
+    r = float(first @ second) / spread
+    kept = max(0.0, abs(r) - standard_errors / math.sqrt(n - 1))
+    return gain * math.copysign(kept, r) if signed or r > 0 else 0.0
+
+
+def rank_test(first: Sequence[float], second: Sequence[float]) -> float:
+    """Return by how many standard errors `first` ranks above `second` (Mann & Whitney 1947, ties corrected).
+
+    Ranks, because performances are close to exponential: one long episode must not decide.
+
+    Args:
+        first: performances, at least 1.
+        second: performances, at least 1.
+
+    Returns:
+        > 0 where `first` is better; 0 where all are equal.
+    """
+    n, m = len(first), len(second)
+    if min(n, m) < 1:
+        raise ValueError(f"a comparison needs performances on both sides, got {n} and {m}")
+    ranks = _centred_ranks([*first, *second])
+    # Variance of a sum of n of these numbers drawn without replacement; their mean is 0.
+    variance = n * m * float(ranks @ ranks) / ((n + m) * (n + m - 1))
+    return float(ranks[:n].sum()) / math.sqrt(variance) if variance > 0 else 0.0
+
+
+def _centred_ranks(values: Sequence[float]) -> NDArray[np.float64]:
+    """Return twice the ranks less their mean, ties sharing theirs: whole numbers, so their products are exact."""
+    _, place, counts = np.unique(
+        np.asarray(values, dtype=np.float64), return_inverse=True, return_counts=True
+    )
+    upto = np.cumsum(counts)
+    return np.asarray((2.0 * upto - counts - len(values))[place], dtype=np.float64)
 
 
 def selection_probabilities(

@@ -133,11 +133,12 @@ def processes(workers: int) -> Iterator[Executor]:
 
 
 @contextmanager
-def dask_cluster(address: str) -> Iterator[Executor]:
+def dask_cluster(address: str, *, timeout_s: float = 10.0) -> Iterator[Executor]:
     """Run units on an existing Dask cluster.
 
     Args:
         address: of its scheduler, as "tcp://10.0.0.1:8786". Its workers need the same version of this program.
+        timeout_s: how long to wait for its answer.
 
     Raises:
         SweepError: Dask is not installed, or nobody answers.
@@ -147,7 +148,7 @@ def dask_cluster(address: str) -> Iterator[Executor]:
     except ImportError as error:
         raise SweepError("a cluster needs Dask: pip install 'arl-tui[cluster]'") from error
     try:
-        client = Client(address, timeout="10s")
+        client = Client(address, timeout=timeout_s)
     except OSError as error:
         raise SweepError(f"no Dask scheduler answers at {address}: {error}") from error
     with client:

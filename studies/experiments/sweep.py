@@ -71,12 +71,21 @@ MODULES: dict[str, str] = {
 
 
 def load_experiment(name: str) -> Experiment:
-    """Return the experiment called `name`."""
-    if name not in MODULES:
-        raise ValueError(f"no experiment {name!r}: there are {', '.join(MODULES)}")
-    experiment = import_module(MODULES[name]).EXPERIMENT
-    assert isinstance(experiment, Experiment)
+    """Return the experiment called `name`: one of ours, or a module of one's own, as "my_package.my_experiment"."""
+    experiment: Experiment = experiment_module(name).EXPERIMENT
     return experiment
+
+
+def experiment_module(name: str) -> Any:
+    """Return the module of an experiment: it has `EXPERIMENT` and, to be reported, `report`."""
+    if name not in MODULES and "." not in name:
+        raise ValueError(
+            f"no experiment {name!r}: there are {', '.join(MODULES)}; one of your own is named by its module"
+        )
+    module = import_module(MODULES.get(name, name))
+    if not hasattr(module, "EXPERIMENT"):
+        raise ValueError(f"{module.__name__} has no EXPERIMENT")
+    return module
 
 
 def root_seeds(trials: int, first: int = 0) -> range:

@@ -1,0 +1,259 @@
+"""What a report is made of: a Markdown page with figures, tables of intervals, and how it all came about."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from core.streams import stream
+from studies.comparison import Verdict, adjusted, paired_effect_size, probability_interval, sign_flip_p
+from studies.experiments.results import Results
+from studies.reaction_time.figures import COLORS, LINES, save
+from studies.statistics import (
+    Interval,
+    interquartile_mean_interval,
+    mean_interval,
+    median_interval,
+    paired_difference,
+    paired_ratio,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Floats = NDArray[np.float64]
+
+MARKERS = "os^Dv<>P"
+RESAMPLES = 10_000
+"""Bootstrap samples behind every interval of a page."""
+
+
+@dataclass(frozen=True, slots=True)
+class Page:
+    """A report, not yet written."""
+
+    name: str
+    text: str
+    """Markdown; figures are linked as ../figures/NAME.png."""
+    figures: dict[str, Figure] = field(default_factory=dict)
+    """By file name without ending."""
+
+
+def write_page(page: Page, into: Path) -> list[Path]:
+    """Write results/NAME.md and figures/*.png, *.svg below `into`; return the paths."""
+    (into / "results").mkdir(parents=True, exist_ok=True)
+    (into / "figures").mkdir(parents=True, exist_ok=True)
+    path = into / "results" / f"{page.name}.md"
+    path.write_text(page.text, encoding="utf-8")
+    written = [path]
+    for name, figure in page.figures.items():
+        written.extend(save(figure, into / "figures", name))
+    return written
+
+
+def table(header: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
+    """Return a Markdown table."""
+    lines = [header, ["---"] * len(header), *rows]
+    return "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines) + "\n"
+
+
+def number(value: float) -> str:
+    """Return a number with three significant digits and without an exponent."""
+    if not np.isfinite(value):
+        return str(value)
+    if abs(value) >= 100:
+        return f"{value:.0f}"
+    return f"{value:.3g}" if abs(value) >= 1e-3 or value == 0 else f"{value:.4f}"
+
+
+def interval(found: Interval) -> str:
+    """Return an estimate with its interval, as tables show it."""
+    return f"{number(found.estimate)} [{number(found.low)}, {number(found.high)}]"
+
+
+def p_value(p: float) -> str:
+    """Return a p value as tables show it."""
+    return "< 0.001" if p < 0.001 else f"{p:.3f}"
+
+
+def summary_table(scores: Mapping[str, Floats], unit: str) -> str:
+    """Return mean, interquartile mean and median of each condition's trials, with 95 % intervals.
+
+    Args:
+        scores: one number per trial, by the condition's label.
+        unit: of the numbers.
+    """
+    rows = []
+    for label, values in scores.items():
+        rows.append(
+            [
+                label,
+                len(values),
+                interval(mean_interval(values, rng=_rng("mean", label), resamples=RESAMPLES)),
+                interval(interquartile_mean_interval(values, rng=_rng("iqm", label), resamples=RESAMPLES)),
+                interval(median_interval(values, rng=_rng("median", label), resamples=RESAMPLES)),
+            ]
+        )
+    return table(["condition", "trials", f"mean, {unit}", "interquartile mean", "median"], rows)
+
+
+def verdict(treated: str, control: str, scores: Mapping[str, Floats]) -> Verdict:
+    """Compare two conditions over paired trials; scores > 0, by label."""
+    first, second = scores[treated], scores[control]
+    logs = np.log(first / second)
+    p = sign_flip_p(logs, rng=_rng("flips", treated, control))
+    return Verdict(
+        treated,
+        control,
+        paired_ratio(first, second, rng=_rng("ratio", treated, control), resamples=RESAMPLES),
+        paired_difference(first, second, rng=_rng("difference", treated, control), resamples=RESAMPLES),
+        probability_interval(first, second, rng=_rng("improvement", treated, control)),
+        paired_effect_size(logs),
+        p,
+        p,
+    )
+
+
+def verdict_table(verdicts: Sequence[Verdict]) -> str:
+    """Return comparisons, their p values corrected for all of them (Holm)."""
+    rows = [
+        [
+            f"{found.treated} / {found.control}",
+            interval(found.ratio),
+            interval(found.difference),
+            interval(found.improvement),
+            number(found.effect_size),
+            p_value(found.p),
+            p_value(found.p_holm),
+        ]
+        for found in adjusted(verdicts)
+    ]
+    return table(["comparison", "ratio", "difference", "P(improvement)", "d_z (log)", "p", "p (Holm)"], rows)
+
+
+HOW_TO_READ = """\
+Trials pair by seed: the same pieces and the same first samples for every condition. Brackets hold 95 % bootstrap intervals
+(percentile, 10,000 resamples). *Ratio*: geometric mean of treated / control over pairs; scores of games that end by chance are
+close to exponential and spread in proportion, so ratios are the fair scale, and tests are on logarithms. *Difference*: of plain means.
+*P(improvement)*: a random trial of one beats a random trial of the other. *p*: two-sided, 20,000 random sign flips; *Holm*: corrected
+for all rows of the table.
+"""
+
+
+def held(found: Verdict) -> str:
+    """Say whether a claim "treated is better than control" held, by its interval."""
+    if found.ratio.low > 1.0:
+        return "yes"
+    return "no, the opposite" if found.ratio.high < 1.0 else "not shown"
+
+
+def how_it_was_made(results: Results, command: str) -> str:
+    """Return seeds, versions, settings and departures: what is needed to do it again."""
+    record, seeds = results.record, results.seeds
+    versions = [", ".join(f"{name} {value}" for name, value in run.items()) for run in record.software]
+    departures = "\n".join(f"- {sentence}." for sentence in results.experiment.departures)
+    settings = {name: record.conditions[name] for name in results.conditions}
+    common, own = shared_settings(settings)
+    differing = "\n".join(
+        f"- `{name}`: `{msgspec.json.encode(value).decode()}`" for name, value in own.items()
+    )
+    return f"""\
+## How it was made
+
+`{command}`
+
+- Trials: {len(seeds)} per condition, root seeds {seeds[0]} to {seeds[-1]}.
+- Software: {"; ".join(versions)}.
+
+Departures from the paper, and what it leaves open:
+
+{departures}
+
+What differs between the conditions:
+
+{differing}
+
+<details><summary>Settings that all conditions share</summary>
+
+```json
+{msgspec.json.format(msgspec.json.encode(common)).decode()}
+```
+
+</details>
+"""
+
+
+def shared_settings(settings: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Split settings by condition into what all share and what is each one's own.
+
+    Args:
+        settings: plain JSON types by condition, objects with the same keys at the top.
+    """
+    first = next(iter(settings.values()))
+    if not all(isinstance(value, dict) for value in settings.values()):
+        return {}, dict(settings)
+    common: dict[str, Any] = {}
+    own: dict[str, dict[str, Any]] = {name: {} for name in settings}
+    for key in first:
+        values = [value.get(key) for value in settings.values()]
+        if all(value == values[0] for value in values):
+            common[key] = values[0]
+        elif all(isinstance(value, dict) for value in values):
+            inner, rest = shared_settings(dict(zip(settings, values, strict=True)))
+            if inner:
+                common[key] = inner
+            for name, value in rest.items():
+                own[name][key] = value
+        else:
+            for name, value in zip(settings, values, strict=True):
+                own[name][key] = value
+    return common, own
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """Return an empty figure that needs no display; sizes in inches."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def draw_curves(axes: Axes, x: Floats, curves: Mapping[str, Floats]) -> None:
+    """Draw the mean over trials of each curve with its 95 % bootstrap band.
+
+    Args:
+        axes: where.
+        x: shape (n,).
+        curves: by label, shape (trials, n).
+    """
+    for place, (label, values) in enumerate(curves.items()):
+        rng = _rng("curve", label)
+        picks = rng.integers(0, len(values), size=(2000, len(values)))
+        low, high = np.quantile(values[picks].mean(axis=1), [0.025, 0.975], axis=0)
+        color = COLORS[place % len(COLORS)]
+        axes.plot(
+            x,
+            values.mean(axis=0),
+            color=color,
+            linestyle=LINES[place % len(LINES)],
+            marker=MARKERS[place % len(MARKERS)],
+            markersize=3.5,
+            markevery=max(1, len(x) // 15),
+            label=label,
+        )
+        axes.fill_between(x, low, high, color=color, alpha=0.15, linewidth=0)
+    axes.grid(alpha=0.3)
+
+
+def _rng(*path: str) -> np.random.Generator:
+    """Return the stream of one interval: the same page from the same files, always."""
+    return stream(0, "report", *path)
