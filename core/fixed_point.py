@@ -33,6 +33,16 @@ def fixed_point_shift(weights: ArrayLike) -> int:
     return min(WEIGHT_BITS - math.frexp(largest)[1], _MAX_SHIFT)
 
 
+def fixed_point_shifts(rows: NDArray[np.float64]) -> NDArray[np.int32]:
+    """Return `fixed_point_shift` of each row, rows (n, F), shape (n,); all rows at once."""
+    if not np.isfinite(rows).all():
+        raise ValueError(f"weights must be finite, got {rows}")
+    largest = np.abs(rows).max(axis=1, initial=0.0)
+    exponents = np.frexp(largest)[1]
+    shifts = np.where(largest == 0.0, 0, np.minimum(WEIGHT_BITS - exponents, _MAX_SHIFT))
+    return np.asarray(shifts, dtype=np.int32)
+
+
 def fixed_point(weights: ArrayLike) -> NDArray[np.int64]:
     """Return the weights times 2**`fixed_point_shift(weights)`, rounded (half to even), at most 2**40.
 

@@ -5,14 +5,13 @@ grid of `core.fixed_point`. For the 21 features that sum is an exact integer tim
 added up; so a board's unchanged columns are summed once per piece instead of once per placement.
 """
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from core.compiled import kernel
-from core.fixed_point import fixed_point, fixed_point_shift
+from core.fixed_point import fixed_point_shifts
 from core.tetris.board import (
     COLUMNS,
     FEATURES,
@@ -102,8 +101,9 @@ def grid_weights(weights: Floats, per_line: float) -> tuple[Ints, Floats]:
         Integers, shape (n, F + 1), and the unit of each row, shape (n,).
     """
     with_lines = np.column_stack([weights, np.full(len(weights), per_line)])
-    integers = np.array([fixed_point(row) for row in with_lines]).reshape(with_lines.shape)
-    units = np.array([math.ldexp(1.0, -fixed_point_shift(row)) for row in with_lines])
+    shifts = fixed_point_shifts(with_lines)
+    integers = np.rint(np.ldexp(with_lines, shifts[:, None])).astype(np.int64)
+    units = np.ldexp(1.0, -shifts)
     return integers, units
 
 

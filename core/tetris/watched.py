@@ -9,16 +9,20 @@ bit (tested), in a hundredth of the time.
 import heapq
 import math
 from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
 
 from core.clock import NS_PER_S
-from core.combination.agent import ArlAgent
+from core.combination.agent import ArlAgent, EpisodePolicy
 from core.combination.config import Equation4
 from core.episode import KeyPressed
 from core.feedback.delays import CurrentStep, PreviousStep
 from core.feedback.source import Oracle
 from core.feedback.trainers import IntendedPress, SimulatedTrainer
 from core.keys import NS_PER_MS, PressGate
-from core.protocol import Protocol
+from core.protocol import Protocol as SessionProtocol
 from core.rollout import Played
 from core.streams import stream_seed
 from core.tetris.afterstate import Tetris, TetrisState
@@ -40,11 +44,52 @@ class WatchedEpisode:
     """Weight that the human had in this episode."""
 
 
+class Game(Protocol):
+    """A game that is played in compiled code, and stops where it is told to."""
+
+    @property
+    def pieces(self) -> int:
+        """Pieces placed so far."""
+        ...
+
+    @property
+    def lines(self) -> int:
+        """Lines cleared so far."""
+        ...
+
+    @property
+    def finished(self) -> bool:
+        """Whether the game has ended."""
+        ...
+
+    @property
+    def agreed(self) -> int:
+        """Decisions at which the environment policy's best action was the human policy's best."""
+        ...
+
+    @property
+    def agreed_worst(self) -> int:
+        """Decisions at which it was the human policy's worst."""
+        ...
+
+    def advance(self, piece_cap: int) -> None:
+        """Play on until the game ends or has `piece_cap` pieces."""
+        ...
+
+    def set_human_weights(self, human_weights: NDArray[np.float64]) -> None:
+        """Go on with another human model."""
+        ...
+
+    def kept(self, decision: int) -> tuple[tuple[int, ...], int]:
+        """Return the board before one of the last decisions, and the action taken."""
+        ...
+
+
 @dataclass(slots=True, eq=False)
 class _Showing:
     """The episode that is being watched."""
 
-    game: CombinedGame
+    game: Game
     seed: int
     first_step: int
     """Number of its first step in the session."""
@@ -68,7 +113,7 @@ class WatchedTetris:
 
     def __init__(
         self,
-        protocol: Protocol,
+        protocol: SessionProtocol,
         agent: ArlAgent,
         trainer: SimulatedTrainer,
         oracle: Oracle[TetrisState],
@@ -91,7 +136,8 @@ class WatchedTetris:
         """
         _check(protocol)
         self._protocol = protocol
-        self._domain = Tetris(tetris_rules(protocol))
+        self._rules = tetris_rules(protocol)
+        self._domain = Tetris(self._rules)
         self.agent = agent
         self._trainer = trainer
         self._oracle = oracle
@@ -100,6 +146,9 @@ class WatchedTetris:
         self._pause_ns = round(protocol.screen.pause_between_episodes_s * 1000) * NS_PER_MS
         self._gate = PressGate(protocol.keys)
         self._reach = _steps_reached(protocol, step_ns)
+        # With no step on screen, the rules that are no densities look at the last one alone.
+        by_rule = isinstance(protocol.agent.credit.delay, PreviousStep | CurrentStep)
+        self._reach_from_pause = 1 if by_rule else self._reach
         self._episode = 0
         self._first_step = 0
         self._now_ns = 0
@@ -111,19 +160,12 @@ class WatchedTetris:
         """Play the next episode and the pause after it."""
         policy = self.agent.begin_episode(self._episode, exploring=True)
         seed = stream_seed(self._root_seed, "episode", self._episode)
-        game = CombinedGame(
-            policy.theta,
-            policy.human_weights,
-            seed,
-            tetris_rules(self._protocol),
-            policy.weights,
-            share_seed=policy.share_seed,
-            window=self._reach + 1,
-        )
+        game = self._new_game(policy, seed, self._reach + 1)
         showing = _Showing(game, seed, self._first_step, self._now_ns)
         self._trainer.begin_episode(self._episode)
         self._gate.episode_started()
         self._play_out(showing)
+        self._game_over()
         self.agent.count_decisions(showing.compared, showing.agreed, showing.agreed_worst)
         self.agent.learn_from_domain(
             policy,
@@ -139,6 +181,21 @@ class WatchedTetris:
         self._episode += 1
         self._first_step += game.pieces
         return WatchedEpisode(float(game.lines), game.pieces, showing.presses, policy.weights.w_h)
+
+    def _new_game(self, policy: EpisodePolicy, seed: int, window: int) -> Game:
+        """Return the game of the present episode; it keeps the last `window` decisions."""
+        return CombinedGame(
+            policy.theta,
+            policy.human_weights,
+            seed,
+            self._rules,
+            policy.weights,
+            share_seed=policy.share_seed,
+            window=window,
+        )
+
+    def _game_over(self) -> None:
+        """Let a learner that learns from steps take in the end of the game."""
 
     def finish(self) -> None:
         """End the session."""
@@ -194,7 +251,7 @@ class WatchedTetris:
         """Press what is due; return whether anything was."""
         pressed = False
         while self._due and self._due[0][0] <= until_ns:
-            self._show_last_steps(showing)
+            self._show_last_steps(showing, at_most=self._reach)
             time_ns, _, press = heapq.heappop(self._due)
             key = self._gate.config.good if press.value > 0 else self._gate.config.bad
             self._gate.wrong_asked = press.deliberate
@@ -209,10 +266,10 @@ class WatchedTetris:
             pressed = True
         return pressed
 
-    def _show_last_steps(self, showing: _Showing) -> None:
+    def _show_last_steps(self, showing: _Showing, *, at_most: int) -> None:
         """Tell the agent of those steps on screen until now that a press can still reach."""
         n_steps = showing.game.pieces
-        first = max(showing.next_unshown, n_steps - self._reach)
+        first = max(showing.next_unshown, n_steps - at_most)
         if 0 < showing.next_unshown < first:
             # What comes between was on screen, too, but no press can reach it.
             self.agent.step_hidden(showing.began_ns + showing.next_unshown * self._step_ns)
@@ -226,7 +283,7 @@ class WatchedTetris:
 
     def _pause(self, showing: _Showing) -> None:
         """Show the final board: late presses on the last steps."""
-        self._show_last_steps(showing)
+        self._show_last_steps(showing, at_most=self._reach_from_pause)
         self._now_ns = showing.began_ns + showing.game.pieces * self._step_ns
         self.agent.step_hidden(self._now_ns)
         self._gate.step = -1
@@ -234,7 +291,7 @@ class WatchedTetris:
         self._press_until(showing, self._now_ns)
 
 
-def _check(protocol: Protocol) -> None:
+def _check(protocol: SessionProtocol) -> None:
     """Refuse what would need every step, or decisions that are not kept."""
     trust = protocol.agent.bootstrap.trust
     window_needed = isinstance(trust, Equation4) and (
@@ -254,7 +311,7 @@ def _check(protocol: Protocol) -> None:
             raise ValueError(f"a session between whose presses compiled code plays needs {wanted}")
 
 
-def _steps_reached(protocol: Protocol, step_ns: int) -> int:
+def _steps_reached(protocol: SessionProtocol, step_ns: int) -> int:
     """Return how many of the last steps a press can speak of, the one on screen included."""
     delay = protocol.agent.credit.delay
     if isinstance(delay, PreviousStep | CurrentStep):

@@ -1,15 +1,18 @@
 """One trial in Tetris: a simulated person watches every episode of a learner, and what came of it, episode by episode."""
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from core.feedback.trainers import SimulatedTrainer
 from core.keys import NS_PER_MS
+from core.learners.policy_gradient_config import PolicyGradientConfig
 from core.protocol import Protocol
 from core.session import build_agent
 from core.tetris.oracle import TetrisOracle
 from core.tetris.sessions import TICKS_PER_STEP, tetris_rules
 from core.tetris.watched import WatchedTetris
+from core.tetris.watched_gradient import WatchedPolicyGradient
 
 
 def step_ns(protocol: Protocol) -> int:
@@ -29,14 +32,43 @@ def new_trial(protocol: Protocol, root_seed: int) -> WatchedTetris:
     )
 
 
+class GradientTrial(msgspec.Struct, frozen=True):
+    """A trial whose environment learner is policy gradient."""
+
+    protocol: Protocol
+    """The session; its `learner` plays no part."""
+    gradient: PolicyGradientConfig
+
+
+def new_gradient_trial(settings: GradientTrial, root_seed: int) -> WatchedPolicyGradient:
+    """Return a trial of policy gradient that has not begun; as `new_trial`."""
+    protocol = settings.protocol
+    return WatchedPolicyGradient(
+        protocol,
+        settings.gradient,
+        SimulatedTrainer(protocol.trainer, root_seed=root_seed),
+        TetrisOracle(tetris_rules(protocol), protocol.trainer.knowledge),
+        root_seed=root_seed,
+        step_ns=step_ns(protocol),
+    )
+
+
+def run_gradient_trial(settings: GradientTrial, root_seed: int) -> dict[str, NDArray[np.float64]]:
+    """Play a trial of policy gradient; columns as in `run_trial`."""
+    return _played(new_gradient_trial(settings, root_seed), settings.protocol.session.episodes)
+
+
 def run_trial(protocol: Protocol, root_seed: int) -> dict[str, NDArray[np.float64]]:
     """Play a trial of `protocol.session.episodes` episodes.
 
     Returns:
         Columns with one number per episode: lines, pieces, presses, w_h.
     """
-    trial = new_trial(protocol, root_seed)
-    episodes = [trial.play() for _ in range(protocol.session.episodes)]
+    return _played(new_trial(protocol, root_seed), protocol.session.episodes)
+
+
+def _played(trial: WatchedTetris, n_episodes: int) -> dict[str, NDArray[np.float64]]:
+    episodes = [trial.play() for _ in range(n_episodes)]
     return {
         "lines": np.array([episode.performance for episode in episodes]),
         "pieces": np.array([float(episode.steps) for episode in episodes]),

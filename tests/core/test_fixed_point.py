@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from core.fixed_point import exact_weights, fixed_point, fixed_point_shift
+from core.fixed_point import exact_weights, fixed_point, fixed_point_shift, fixed_point_shifts
 
 SIZES = st.floats(1e-100, 1e6)
 WEIGHTS = st.lists(SIZES | SIZES.map(lambda size: -size) | st.just(0.0), min_size=1, max_size=21).map(
@@ -55,3 +55,9 @@ def test_zeros_and_tiny_weights_are_weights_too():
 def test_weights_that_are_not_finite_are_refused():
     with pytest.raises(ValueError, match="finite"):
         fixed_point([1.0, np.inf])
+
+
+@given(st.lists(st.lists(st.floats(-1e6, 1e6), min_size=3, max_size=3), min_size=1, max_size=5))
+def test_shifts_of_many_rows_are_those_of_each(rows):
+    table = np.array(rows)
+    assert fixed_point_shifts(table).tolist() == [fixed_point_shift(row) for row in table]

@@ -1,0 +1,76 @@
+"""Policy gradient under the eyes of a simulated person."""
+
+import msgspec
+import numpy as np
+import pytest
+
+from core.combination.config import AgentConfig, EnvironmentOnly
+from core.compiled import JIT_DISABLED
+from core.feedback.trainers import TrainerConfig
+from core.learners.policy_gradient import PolicyGradient, PolicyGradientConfig
+from core.protocol import Protocol, SessionConfig
+from core.streams import stream_seed
+from core.tetris.afterstate import Tetris, TetrisState
+from core.tetris.config import TetrisConfig
+from core.tetris.policy_gradient import placement_scales, play_policy_gradient
+from studies.experiments.tetris_trial import GradientTrial, new_gradient_trial, run_gradient_trial
+
+EPISODES = 4 if JIT_DISABLED else 30
+RULES = TetrisConfig(rows=12, columns=6, placements="all")
+
+
+def settings(**trainer) -> GradientTrial:
+    protocol = Protocol(
+        domain=RULES,
+        session=SessionConfig(episodes=EPISODES, unseen_between=0, watched="proposed", watched_steps=60),
+        trainer=TrainerConfig(**({"press_probability": 0.2} | trainer)),
+    )
+    return GradientTrial(protocol, PolicyGradientConfig())
+
+
+def test_without_a_word_the_learner_plays_and_learns_as_alone():
+    rows = run_gradient_trial(settings(press_probability=0.0), 4)
+    alone = PolicyGradient(PolicyGradientConfig(), scales=placement_scales(RULES))
+    for episode in range(EPISODES):
+        played = play_policy_gradient(
+            alone,
+            np.zeros(13),
+            stream_seed(4, "episode", episode),
+            RULES,
+            chance_seed=stream_seed(4, "softmax", episode) >> 1,
+            piece_cap=60,
+        )
+        assert (played.lines, played.n_decisions) == (rows["lines"][episode], rows["pieces"][episode])
+
+
+def test_a_person_without_a_say_changes_nothing_but_the_presses():
+    silent = run_gradient_trial(settings(press_probability=0.0), 4)
+    protocol = msgspec.structs.replace(settings().protocol, agent=AgentConfig(scheme=EnvironmentOnly()))
+    heard = run_gradient_trial(GradientTrial(protocol, PolicyGradientConfig()), 4)
+    assert heard["lines"].tolist() == silent["lines"].tolist()
+    assert heard["presses"].sum() > 0
+
+
+def test_a_person_with_a_say_is_heard():
+    rows = run_gradient_trial(settings(), 4)
+    assert rows["presses"].max() <= 5
+    assert (rows["w_h"] > 0).any()
+    again = run_gradient_trial(settings(), 4)
+    assert all(np.array_equal(rows[name], again[name]) for name in rows)
+
+
+def test_the_boards_that_are_judged_are_those_that_were_played():
+    trial = new_gradient_trial(settings(), 4)
+    domain = Tetris(RULES)
+    policy = trial.agent.begin_episode(0, exploring=True)
+    game = trial._new_game(policy, 99, 60)
+    game.advance(60)
+    assert game.pieces > 5
+    state = domain.initial(99)
+    for step in range(game.pieces):
+        columns, action = game.kept(step)
+        assert TetrisState(columns, 99, step, state.lines) == state
+        state = domain.transition(state, action).next_state
+    assert state.lines == game.lines
+    with pytest.raises(ValueError, match="not one of the last"):
+        game.kept(game.pieces)
