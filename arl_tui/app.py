@@ -20,6 +20,7 @@ from arl_tui.recordings import new_path, rescue
 from arl_tui.screens.closing import ClosingScreen
 from arl_tui.screens.play import PlayScreen
 from arl_tui.screens.welcome import WelcomeScreen
+from arl_tui.words import words_of
 from core.clock import NS_PER_S, Clock, MonotonicClock, wall_time_utc
 from core.episode import EpisodeEnded, EpisodeStarted
 from core.keys import nanoseconds
@@ -253,7 +254,7 @@ class ArlApp(App[Outcome], inherit_bindings=False):
             return
         while len(self.screen_stack) > 1:
             self.pop_screen()
-        self.push_screen(ClosingScreen(outcome))
+        self.push_screen(ClosingScreen(outcome, words_of(self.sitting.protocol.game)))
 
     def _on_loop_error(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
         """Fail loudly where a callback of the event loop fails: asyncio would only log it, behind the screen."""

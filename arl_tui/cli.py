@@ -13,7 +13,8 @@ from arl_tui.recordings import DEFAULT_FOLDER
 
 FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 FOLDER = click.Path(file_okay=False, path_type=Path)
-GAMES = click.Choice(["tetris"])
+GAMES = click.Choice(["tetris", "keepaway"])
+TETRIS = click.Choice(["tetris"])
 
 seed_option = click.option(
     "--seed", type=click.IntRange(0, 2**63 - 1), help="Root seed; a new one by default."
@@ -238,7 +239,7 @@ def calibrate(
 
 
 @main.command()
-@click.argument("game", type=GAMES, default="tetris")
+@click.argument("game", type=TETRIS, default="tetris")
 @seed_option
 def practice(game: str, seed: int | None) -> None:
     """Play GAME yourself, with the agent's own four moves."""
@@ -248,12 +249,13 @@ def practice(game: str, seed: int | None) -> None:
 
 
 @main.command(name="protocol")
+@click.argument("game", type=GAMES, required=False)
 @protocol_option
-def show_protocol(protocol: Path | None) -> None:
-    """Print a complete protocol in TOML: a file to start from."""
+def show_protocol(game: str | None, protocol: Path | None) -> None:
+    """Print a complete protocol of GAME (tetris by default) in TOML: a file to start from."""
     from arl_tui.commands.protocol import print_protocol
 
-    print_protocol(protocol)
+    print_protocol(game, protocol)
 
 
 @main.command(name="recordings")

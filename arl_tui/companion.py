@@ -34,13 +34,13 @@ class Companion:
         self._state = self._domain.initial(episode.episode_seed)
         self._trainer.begin_episode(episode.episode)
 
-    def watch(self, step: StepTaken, *, shown_ns: int, hidden_ns: int | None = None) -> list[PressSuggested]:
+    def watch(self, step: StepTaken, *, shown_ns: int, hidden_ns: int) -> list[PressSuggested]:
         """Return the presses about a step that is about to be shown, in order of time.
 
         Args:
             step: what was decided.
             shown_ns: when it comes on screen.
-            hidden_ns: when its outcome is seen; None where the game's own pace says it.
+            hidden_ns: from when on it can be judged.
         """
         assert self._state is not None, "an episode starts before its first step"
         following = self._domain.transition(self._state, step.action).next_state
@@ -50,7 +50,7 @@ class Companion:
             self._oracle(self._state),
             step.action,
             shown_ns=shown_ns,
-            hidden_ns=shown_ns + seen.judged_after_ns if hidden_ns is None else hidden_ns,
+            hidden_ns=hidden_ns,
             attention=seen.attention,
         )
         self._state = following

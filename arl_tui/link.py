@@ -16,7 +16,11 @@ from typing import Protocol
 import msgspec
 
 from core.episode import Input, Output, Record
+from core.keepaway.picture import PitchFrame
 from core.tetris.picture import Snapshot
+
+View = Snapshot | PitchFrame
+"""What is to be seen of a game; msgspec decodes it by its tag."""
 
 
 class Begin(Record, frozen=True, kw_only=True, tag="begin"):
@@ -37,7 +41,11 @@ class Picture(Record, frozen=True, kw_only=True, tag="picture"):
     """From 0, never skipped by the worker; the screen shows the newest it has."""
     step: int
     """Watched step that is seen; -1 between episodes."""
-    view: Snapshot
+    view: View
+    ahead: PitchFrame | None = None
+    """The picture after this one, where the screen may show what lies between."""
+    lasts_ns: int = 0
+    """How long until that one is due, on the screen's clock."""
 
 
 class PressSuggested(Record, frozen=True, kw_only=True, tag="press-suggested"):

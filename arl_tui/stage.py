@@ -1,8 +1,13 @@
 """From a session's outputs to pictures: the same for a live session and for a recording that is looked at again."""
 
+from typing import NamedTuple
 from typing import Protocol as Interface
 
+from arl_tui.link import View
 from core.episode import EpisodeStarted, StepTaken
+from core.keepaway.picture import PitchFrame
+from core.keepaway.pitch import KeepawayConfig
+from core.keys import NS_PER_MS
 from core.protocol import Protocol
 from core.tetris.config import TetrisConfig
 from core.tetris.game import reachable_placements
@@ -10,21 +15,47 @@ from core.tetris.picture import Counts, Snapshot, Wall, animate, snapshot
 from core.tetris.practice import PIECE_STREAMS
 
 
+class Shot(NamedTuple):
+    """A picture for one tick of the stage."""
+
+    view: View
+    ahead: PitchFrame | None = None
+    """The picture of the tick after, where what lies between can be shown."""
+
+
 class Stage(Interface):
     """Draws one session."""
 
     @property
-    def picture(self) -> Snapshot:
-        """The newest picture: of a game at rest, it stays when an episode has ended."""
+    def tick_ns(self) -> int:
+        """How long each picture is shown."""
         ...
 
-    def begin(self, episode: EpisodeStarted) -> tuple[Snapshot, ...]:
-        """Return the pictures from the beginning of an episode to its first decision, one per tick."""
+    @property
+    def picture(self) -> View:
+        """The newest picture, which stays when an episode has ended."""
         ...
 
-    def act(self, step: StepTaken) -> tuple[Snapshot, ...]:
-        """Return the pictures of a step, one per tick."""
+    def begin(self, episode: EpisodeStarted) -> tuple[Shot, ...]:
+        """Return the pictures from the beginning of an episode to its first decision."""
         ...
+
+    def act(self, step: StepTaken) -> tuple[Shot, ...]:
+        """Return the pictures of a step; none where another step begins in the same moment."""
+        ...
+
+    def judged_after_ns(self, n_shots: int) -> int:
+        """Return from when on a step of so many pictures can be judged, since it came on screen."""
+        ...
+
+
+def stage_of(protocol: Protocol) -> Stage:
+    """Return the stage of a protocol's game."""
+    if isinstance(protocol.domain, KeepawayConfig):
+        from arl_tui.pitch_stage import PitchStage  # here, not above: compiled code comes with it
+
+        return PitchStage(protocol.domain, protocol.screen.speed)
+    return TetrisStage(protocol.domain, protocol.screen.tick_ms * NS_PER_MS)
 
 
 class TetrisStage:
@@ -33,8 +64,10 @@ class TetrisStage:
     The board is known from the steps alone: no simulator is asked.
     """
 
-    def __init__(self, config: TetrisConfig) -> None:
-        self.picture = snapshot(Wall(config.rows, config.columns), counts=Counts())
+    def __init__(self, config: TetrisConfig, tick_ns: int = 80 * NS_PER_MS) -> None:
+        self.tick_ns = tick_ns
+        """How long each picture is shown: the time per primitive action."""
+        self.picture: Snapshot = snapshot(Wall(config.rows, config.columns), counts=Counts())
         """The newest picture of a board at rest."""
         self._config = config
         self._piece_at = PIECE_STREAMS[config.pieces]
@@ -42,16 +75,16 @@ class TetrisStage:
         self._counts = Counts()
         self._episode_seed = 0
 
-    def begin(self, episode: EpisodeStarted) -> tuple[Snapshot, ...]:
+    def begin(self, episode: EpisodeStarted) -> tuple[Shot, ...]:
         """Clear the board."""
         self._wall = Wall(self._config.rows, self._config.columns)
         self._episode_seed = episode.episode_seed
         self._counts = Counts(next_piece=self._piece_at(self._episode_seed, 0))
         self.picture = snapshot(self._wall, counts=self._counts)
-        return (self.picture,)
+        return (Shot(self.picture),)
 
-    def act(self, step: StepTaken) -> tuple[Snapshot, ...]:
-        """Return the pictures of a step, one per tick; the last one stays."""
+    def act(self, step: StepTaken) -> tuple[Shot, ...]:
+        """Return the pictures of a step; the last one stays."""
         piece = step.detail["piece"]
         placement = (step.detail["orientation"], step.detail["column"])
         counts = Counts(
@@ -71,10 +104,8 @@ class TetrisStage:
         self._wall = shown.wall
         self.picture = shown.frames[-1]
         self._counts = self.picture.counts
-        return shown.frames
+        return tuple(Shot(frame) for frame in shown.frames)
 
-
-def stage_of(protocol: Protocol) -> Stage:
-    """Return the stage of a protocol's game."""
-    assert isinstance(protocol.domain, TetrisConfig), "Keepaway has no stage yet"
-    return TetrisStage(protocol.domain)
+    def judged_after_ns(self, n_shots: int) -> int:
+        """Return the time on screen: a step is judged when the piece has landed."""
+        return n_shots * self.tick_ns

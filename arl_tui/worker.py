@@ -20,7 +20,7 @@ import msgspec
 
 from arl_tui.companion import Companion
 from arl_tui.link import Begin, Crashed, Picture, Ready, WorkerLine, WorkerLink
-from arl_tui.stage import stage_of
+from arl_tui.stage import Shot, stage_of
 from core.clock import NS_PER_S, Clock, ManualClock, MonotonicClock
 from core.episode import (
     EpisodeEnded,
@@ -34,9 +34,7 @@ from core.episode import (
     StepTaken,
     StopAsked,
 )
-from core.keys import NS_PER_MS
 from core.protocol import Protocol
-from core.tetris.picture import Snapshot
 
 if TYPE_CHECKING:
     from core.session import Session
@@ -139,13 +137,15 @@ def rehearse(protocol: Protocol) -> None:
     )
     rehearsed = msgspec.structs.replace(protocol, session=short)
     session = build_session(rehearsed, root_seed=0)
-    companion = Companion(session, rehearsed, root_seed=0)
+    companion, stage = Companion(session, rehearsed, root_seed=0), stage_of(rehearsed)
     for output in session.run(Rehearsal(), ManualClock()):
         match output:
             case EpisodeStarted():
                 companion.begin(output)
+                stage.begin(output)
             case StepTaken():
                 companion.watch(output, shown_ns=0, hidden_ns=1)
+                stage.act(output)
 
 
 class Show:
@@ -166,7 +166,6 @@ class Show:
         self._clock = clock
         self._companion = companion
         self._stage = stage_of(protocol)
-        self._tick_ns = protocol.screen.tick_ms * NS_PER_MS
         self._break_ns = round(protocol.screen.pause_between_episodes_s * NS_PER_S)
         self._arrived: list[Input] = []
         self._begun = False
@@ -199,33 +198,43 @@ class Show:
                 self._due_ns = self._clock.now_ns()
                 self._play(-1, self._stage.begin(output))
             case StepTaken():
-                pictures = self._stage.act(output)
-                self._suggest(output, len(pictures))
-                self._play(output.step, pictures)
-                self._wait_until_seen(output.step)
+                shots = self._stage.act(output)
+                self._suggest(output, len(shots))
+                self._play(output.step, shots)
+                if shots:
+                    self._wait_until_seen(output.step)
             case EpisodeEnded() if not self._stopped:
-                self._send_picture(-1, self._stage.picture)
+                self._send_picture(-1, Shot(self._stage.picture))
                 self._due_ns = self._clock.now_ns() + self._break_ns
                 self._wait_until_due()
 
-    def _suggest(self, step: StepTaken, n_ticks: int) -> None:
+    def _suggest(self, step: StepTaken, n_shots: int) -> None:
         if self._companion is not None:
             now_ns = self._clock.now_ns()
-            presses = self._companion.watch(step, shown_ns=now_ns, hidden_ns=now_ns + n_ticks * self._tick_ns)
+            judged_ns = now_ns + self._stage.judged_after_ns(n_shots)
+            presses = self._companion.watch(step, shown_ns=now_ns, hidden_ns=judged_ns)
             for press in presses:
                 self._line.send(press)
 
-    def _play(self, step: int, pictures: Iterable[Snapshot]) -> None:
-        for picture in pictures:
+    def _play(self, step: int, shots: Iterable[Shot]) -> None:
+        for shot in shots:
             if self._stopped:
                 return
-            self._send_picture(step, picture)
+            self._send_picture(step, shot)
             # Where learning took longer than a tick, time went by unseen: begin anew instead of hurrying.
-            self._due_ns = max(self._due_ns + self._tick_ns, self._clock.now_ns())
+            self._due_ns = max(self._due_ns + self._stage.tick_ns, self._clock.now_ns())
             self._wait_until_due()
 
-    def _send_picture(self, step: int, view: Snapshot) -> None:
-        self._line.send(Picture(number=self._pictures, step=step, view=view))
+    def _send_picture(self, step: int, shot: Shot) -> None:
+        self._line.send(
+            Picture(
+                number=self._pictures,
+                step=step,
+                view=shot.view,
+                ahead=shot.ahead,
+                lasts_ns=self._stage.tick_ns if shot.ahead is not None else 0,
+            )
+        )
         self._pictures += 1
 
     def _wait_until_due(self) -> None:

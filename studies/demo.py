@@ -13,7 +13,7 @@ from core.feedback.source import SimulatedParticipant
 from core.feedback.trainers import SimulatedTrainer
 from core.games import game_of
 from core.keys import PressGate
-from core.protocol import Protocol
+from core.protocol import Protocol, protocol_from
 from core.recording.reader import Recording
 from core.recording.recorder import LineWriter
 from core.recording.schema import Header, to_plain
@@ -65,6 +65,8 @@ def simulate_session(protocol: Protocol, root_seed: int, target: Path, *, softwa
 class SessionSummary:
     """What a participant or experimenter wants to know of a session at a glance."""
 
+    game: str
+    """Its name, as in `core.protocol.Protocol.game`."""
     episodes: int
     """Watched episodes."""
     unseen_episodes: int
@@ -89,6 +91,7 @@ def summarise(recording: Recording) -> SessionSummary:
     presses = [event for event in recording.inputs if isinstance(event, KeyPressed)]
     accepted = [press for press in presses if press.verdict == "accepted"]
     return SessionSummary(
+        game=protocol_from(recording.header.protocol).game,
         episodes=len(ended),
         unseen_episodes=sum(len(block.policies) for block in unseen),
         performances=tuple(event.performance for event in ended),

@@ -5,20 +5,29 @@ import sys
 from pathlib import Path
 
 import click
+import msgspec
 
 from arl_tui import facts
 from arl_tui.commands.exact import read_or_stop, run_again
 from arl_tui.commands.play import run_live
 from arl_tui.recordings import new_path
+from arl_tui.words import words_of
 from core.clock import wall_time_utc
 from core.feedback.trainers import TrainerConfig
-from core.protocol import Protocol, ScreenConfig, SessionConfig
+from core.protocol import KEEPAWAY, Protocol, ScreenConfig, SessionConfig
 
 PARTICIPANT = "demo"
 
 
-def demo_protocol() -> Protocol:
+def demo_protocol(game: str) -> Protocol:
     """Return a session of about a minute with somebody who speaks often."""
+    if game == "keepaway":
+        return msgspec.structs.replace(
+            KEEPAWAY,
+            name="demo",
+            session=SessionConfig(episodes=5, unseen_between=100, watched_steps=300, unseen_steps=3000),
+            trainer=msgspec.structs.replace(KEEPAWAY.trainer, press_probability=0.8),
+        )
     return Protocol(
         name="demo",
         session=SessionConfig(episodes=3, unseen_between=500, watched_steps=15),
@@ -29,7 +38,7 @@ def demo_protocol() -> Protocol:
 
 def run_demo(game: str, *, seed: int | None, recordings: Path) -> None:
     """Show the whole path; in a terminal on screen, elsewhere as fast as the machine can."""
-    protocol = demo_protocol()
+    protocol = demo_protocol(game)
     root_seed = secrets.randbits(63) if seed is None else seed
     if sys.stdin.isatty() and sys.stdout.isatty():
         outcome = run_live(
@@ -57,11 +66,14 @@ def tell_summary(path: Path) -> None:
     from studies.demo import summarise
 
     summary = summarise(read_or_stop(path, allow_truncated=True))
-    lines = ", ".join(f"{value:g}" for value in summary.performances)
+    words = words_of(summary.game)
+    performances = ", ".join(f"{value:.4g}" for value in summary.performances)
     unseen = ", ".join(f"{value:.1f}" for value in summary.unseen_means)
-    click.echo(f"Games watched: {summary.episodes}; lines cleared: {lines}")
     click.echo(
-        f"Games practised unseen: {summary.unseen_episodes}; lines per game in each block: {unseen or '-'}"
+        f"Games watched: {summary.episodes}; {words.performance[0].lower()}{words.performance[1:]}: {performances}"
+    )
+    click.echo(
+        f"Games practised unseen: {summary.unseen_episodes}; {words.units[1]} per game in each block: {unseen or '-'}"
     )
     click.echo(
         f"Presses that counted: {summary.accepted}, {summary.praised} of them praise; other keys and presses: "

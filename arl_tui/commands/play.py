@@ -32,7 +32,7 @@ def play_session(
 ) -> None:
     """Run a live session in this terminal and say where its recording is."""
     need_terminal("arl play", instead="arl demo")
-    chosen = read_protocol(protocol)
+    chosen = read_protocol(protocol, game)
     if episodes is not None:
         chosen = with_episodes(chosen, episodes)
     from arl_tui.commands.credit import settle_credit
@@ -48,12 +48,22 @@ def need_terminal(command: str, *, instead: str) -> None:
         raise click.ClickException(f"{command} needs a terminal to draw in and a keyboard; try `{instead}`")
 
 
-def read_protocol(path: Path | None) -> Protocol:
-    """Read a protocol; stop with a message that names the file where it is wrong."""
+def read_protocol(path: Path | None, game: str | None = None) -> Protocol:
+    """Read a protocol; stop with a message that names the file where it is wrong.
+
+    Args:
+        path: the file; the defaults of the game without one.
+        game: which one it has to be about; any where it is None.
+    """
     try:
-        return load_protocol(path)
+        protocol = load_protocol(path, game=game or "tetris")
     except (ValueError, OSError) as error:
         raise click.ClickException(str(error)) from error
+    if game is not None and protocol.game != game:
+        raise click.ClickException(
+            f"{path} is a protocol of {protocol.game}, not of {game}: say `{protocol.game}`, or change [domain] type"
+        )
+    return protocol
 
 
 def with_episodes(protocol: Protocol, episodes: int) -> Protocol:

@@ -10,9 +10,9 @@ from arl_tui.commands.play import read_protocol
 from core.recording.schema import to_plain
 
 
-def print_protocol(path: Path | None) -> None:
-    """Print a protocol (the default one, or a file's) with every field filled in, as TOML."""
-    click.echo("\n".join(toml_lines(to_plain(read_protocol(path)))))
+def print_protocol(game: str | None, path: Path | None) -> None:
+    """Print a protocol (the default one of a game, or a file's) with every field filled in, as TOML."""
+    click.echo("\n".join(toml_lines(to_plain(read_protocol(path, game)))))
 
 
 def toml_lines(table: Mapping[str, Any], heading: str = "") -> Iterator[str]:

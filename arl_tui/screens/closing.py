@@ -9,6 +9,7 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from arl_tui.screens.page import Page
+from arl_tui.words import Words
 
 if TYPE_CHECKING:
     from arl_tui.app import ArlApp, Outcome
@@ -23,9 +24,16 @@ class ClosingScreen(Page):
         )
     ]
 
-    def __init__(self, outcome: "Outcome") -> None:
+    def __init__(self, outcome: "Outcome", words: Words) -> None:
+        """Prepare.
+
+        Args:
+            outcome: what is left of the session.
+            words: of its game.
+        """
         super().__init__()
         self.outcome = outcome
+        self._words = words
         self.HEADING = "Thank you!" if outcome.trouble is None else "The session had to end early"
 
     def body(self) -> Iterable[Widget]:
@@ -51,15 +59,16 @@ class ClosingScreen(Page):
         if not tally.steps:
             return "No game was shown."
         games = len(tally.performances)
-        lines = ", ".join(f"{performance:g}" for performance in tally.performances) or "-"
+        lines = ", ".join(f"{performance:.4g}" for performance in tally.performances) or "-"
         told = f"good {tally.good}, bad {tally.bad}"
         if tally.taken_back:
             told += f" ({tally.taken_back} taken back)"
+        practised = f"On its own it practised {tally.unseen} games.\n" if tally.unseen else ""
         return (
-            f"You watched {games} {'game' if games == 1 else 'games'} ({tally.steps} pieces).\n"
-            f"Lines cleared: {lines}\n"
+            f"You watched {games} {'game' if games == 1 else 'games'} ({tally.steps} {self._words.steps}).\n"
+            f"{self._words.performance}: {lines}\n"
             f"What you told the computer: {told}\n"
-            f"On its own it practised {tally.unseen} games.\n"
+            f"{practised}"
             f"How much it listens to you now: {tally.w_h:.0%}"
         )
 

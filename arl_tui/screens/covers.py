@@ -39,17 +39,21 @@ class HelpScreen(Page):
         Binding("h,f1,space,enter,escape", "back", "Go on", id="help.back", tooltip="Go on with the game")
     ]
 
-    def __init__(self, keys: KeyConfig) -> None:
+    def __init__(self, keys: KeyConfig, rules: str) -> None:
+        """Prepare.
+
+        Args:
+            keys: which keys mean what.
+            rules: what happens in the game and what is to be judged, in markup.
+        """
         super().__init__()
         self._keys = keys
+        self._rules = rules
 
     def body(self) -> Iterable[Widget]:
         """Return the text."""
         keys = self._keys
-        yield Static(
-            "The computer drops one piece after another. Full rows disappear: the more, the better. A game ends "
-            "when the pile reaches the top.\n\nTell it what you think of where the last piece came to rest:\n"
-        )
+        yield Static(self._rules)
         yield Static(feedback_keys(keys))
         yield Static(
             f"\nYou have {keys.max_presses_per_episode} presses in each game. A press counts once, however long you "

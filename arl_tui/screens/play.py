@@ -1,4 +1,4 @@
-"""The game on screen: board, feedback, figures, and the keys that steer the session."""
+"""The game on screen: its picture, feedback, figures, and the keys that steer the session."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING, ClassVar, cast
@@ -7,7 +7,6 @@ from textual import events
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical
-from textual.geometry import Size
 from textual.screen import Screen
 from textual.widgets import Static
 
@@ -16,11 +15,9 @@ from arl_tui.live import Cover, LiveSession, Occurrence
 from arl_tui.palette import Palette
 from arl_tui.screens.covers import HelpScreen, PauseScreen, SmallWindowScreen, StopScreen, fits_into
 from arl_tui.screens.page import Page, session_keys
-from arl_tui.widgets.blocks import CELLS_PER_BLOCK
-from arl_tui.widgets.board import TetrisBoard
+from arl_tui.screens.scene import Progress, scene_of
 from arl_tui.widgets.feedback_bar import FeedbackBar
-from arl_tui.widgets.next_piece import NextPiece
-from arl_tui.widgets.stats import Figures, StatsPanel
+from arl_tui.words import words_of
 from core.episode import (
     EpisodeEnded,
     EpisodeStarted,
@@ -31,17 +28,9 @@ from core.episode import (
     WrongPressAsked,
 )
 from core.protocol import Protocol
-from core.tetris.config import TetrisConfig
 
 if TYPE_CHECKING:
     from arl_tui.app import ArlApp
-
-SMALLEST = Size(80, 24)
-"""Terminals are at least this large by custom; the board of 20 x 10 fits."""
-BESIDE = 58
-"""Columns that the game takes beside its blocks."""
-BELOW = 3
-"""Lines that it takes beside its rows: border and keys."""
 
 COMMANDS: dict[str, tuple[str, str]] = {
     # action: (letter, keys that are there even if the letter is a feedback key)
@@ -67,21 +56,15 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         Args:
             protocol: size of the board, keys, number of games.
             live: the session; asked only to cover and uncover.
-            palette: colours of the pieces.
+            palette: colours of the game.
         """
         super().__init__()
-        assert isinstance(protocol.domain, TetrisConfig), "this screen shows a board"
-        rows, columns = protocol.domain.rows, protocol.domain.columns
-        self.board = TetrisBoard(rows, columns, palette=palette)
-        self._needed = Size(
-            max(SMALLEST.width, columns * CELLS_PER_BLOCK + BESIDE),
-            max(SMALLEST.height, rows + BELOW),
-        )
+        self.scene = scene_of(protocol, palette)
+        self.add_class(f"-{protocol.game}")
         self.feedback = FeedbackBar(protocol.keys)
-        self._next = NextPiece(palette=palette)
-        self._stats = StatsPanel()
         self._status = Static(id="status")
         self._keys = protocol.keys
+        self._words = words_of(protocol.game)
         self._episodes = protocol.session.episodes
         self._unseen = protocol.session.unseen_between
         self._live = live
@@ -94,11 +77,10 @@ class PlayScreen(Screen[None], inherit_bindings=False):
     def compose(self) -> ComposeResult:
         """Lay everything out in fixed sizes."""
         with Horizontal(id="stage"):
-            yield self.board
+            yield self.scene.stage()
             with Vertical(id="side"):
                 with Horizontal(id="figures"):
-                    yield self._next
-                    yield self._stats
+                    yield from self.scene.figures()
                 yield self.feedback
                 yield self._status
         yield Static(session_keys(self._keys), id="session-keys")
@@ -127,26 +109,13 @@ class PlayScreen(Screen[None], inherit_bindings=False):
 
     def take_painted(self) -> int | None:
         """Return the step whose picture has been drawn since the last call; None where none has."""
-        drawn, self.board.drawn_frame = self.board.drawn_frame, -1
-        return None if drawn < 0 or self._picture is None else self._picture.step
+        drawn = self.scene.take_drawn()
+        return self._picture.step if drawn and self._picture is not None else None
 
     def _show_picture(self, picture: Picture) -> None:
-        before, self._picture = self._picture, picture
-        changed = self.board.show(picture.view, picture.number)
-        if not changed and (before is None or before.step != picture.step):
-            # Another step that looks the same is still to be seen, and stamped.
-            self.board.refresh()
-        counts = picture.view.counts
-        self._next.show(counts.next_piece)
-        self._stats.show(
-            Figures(
-                lines=counts.lines,
-                pieces=counts.pieces,
-                episode=max(1, self._watched),
-                episodes=self._episodes,
-                human_weights=tuple(self._human_weights) or None,
-            )
-        )
+        self._picture = picture
+        progress = Progress(max(1, self._watched), self._episodes, tuple(self._human_weights))
+        self.scene.show(picture, progress)
 
     def _show_press(self, press: KeyPressed) -> None:
         is_command = any(press.key in (letter, *keys.split(",")) for letter, keys in COMMANDS.values())
@@ -157,13 +126,13 @@ class PlayScreen(Screen[None], inherit_bindings=False):
     def _begin_episode(self) -> None:
         self._watched += 1
         self.feedback.begin_episode(self._live.gate.presses_left)
-        self.board.border_title = f"Game {self._watched}"
+        self.scene.title(f"Game {self._watched}")
         self._say("")
 
     def _end_episode(self, episode: EpisodeEnded) -> None:
         self._human_weights.append(episode.w_h)
-        lines = f"{episode.performance:g} {'line' if episode.performance == 1 else 'lines'}"
-        self.board.border_title = "Game over" if episode.ended == "termination" else "End of this game"
+        lines = self._words.told(episode.performance)
+        self.scene.title("Game over" if episode.ended == "termination" else "End of this game")
         if self._watched >= self._episodes or self._live.phase != "running":
             self._say(f"That was the last game: {lines}.")
         elif self._unseen:
@@ -191,7 +160,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
 
     def action_guide(self) -> None:
         """Show all keys."""
-        self._lay_over(HelpScreen(self._keys), "help")
+        self._lay_over(HelpScreen(self._keys, self._words.rules), "help")
 
     def action_leave(self) -> None:
         """Ask whether to stop."""
@@ -199,8 +168,8 @@ class PlayScreen(Screen[None], inherit_bindings=False):
 
     def on_resize(self, event: events.Resize) -> None:
         """Ask for a larger window where the game does not fit."""
-        if self.is_current and not fits_into(self._needed, event.size):
-            self._lay_over(SmallWindowScreen(self._needed), "resize")
+        if self.is_current and not fits_into(self.scene.needed, event.size):
+            self._lay_over(SmallWindowScreen(self.scene.needed), "resize")
 
     def _lay_over(self, page: Page, reason: Cover, then: Callable[[bool | None], None] | None = None) -> None:
         if self._live.phase != "running" or self._live.gate.covered:
@@ -210,7 +179,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         def uncover(answer: bool | None) -> None:
             self._live.uncover()
             # Draw once more: what was drawn before this call came too early to count.
-            self.board.refresh()
+            self.scene.refresh()
             if then is not None:
                 then(answer)
 

@@ -8,6 +8,7 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from arl_tui.screens.page import Page, feedback_keys
+from arl_tui.words import words_of
 from core.protocol import Protocol
 
 if TYPE_CHECKING:
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
 class WelcomeScreen(Page):
     """Explains, and waits for the start key while the worker warms up."""
 
-    HEADING = "Teach a computer to play Tetris"
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("enter", "start", "Start", id="welcome.start", tooltip="Start the session"),
         Binding("q,ctrl+q,ctrl+c", "leave", "Leave", id="welcome.leave", tooltip="Leave without starting"),
@@ -26,6 +26,8 @@ class WelcomeScreen(Page):
     def __init__(self, protocol: Protocol, participant: str, *, simulated: bool) -> None:
         super().__init__()
         self._protocol = protocol
+        self._words = words_of(protocol.game)
+        self.HEADING = self._words.heading
         self._participant = participant
         self._simulated = simulated
         self._started = False
@@ -35,10 +37,10 @@ class WelcomeScreen(Page):
         keys, session = self._protocol.keys, self._protocol.session
         games = "one game" if session.episodes == 1 else f"{session.episodes} games"
         presses = keys.max_presses_per_episode
+        words = self._words
         yield Static(
-            f"You will watch a computer play {games} of Tetris. It does not know yet how to play well. It "
-            "practises on its own between games, and you can help it: tell it what you think of where it has just "
-            "put a piece."
+            f"You will watch a computer play {games} {words.watched}. It does not know yet how to play well. "
+            f"{words.practises} You can help it: tell it what you think of {words.judged}."
         )
         yield Static(f"\n{feedback_keys(keys)}\n")
         yield Static(

@@ -36,6 +36,7 @@ from core.clock import MonotonicClock
 from core.episode import FrameShown
 from core.keys import nanoseconds
 from core.protocol import Protocol, ScreenConfig, SessionConfig
+from core.tetris.picture import Snapshot
 
 FRAME_MS = 33
 """30 pictures per second."""
@@ -143,7 +144,7 @@ class SubjectApp(App[str], inherit_bindings=False):
             case Ready() if self._link is not None:
                 self._link.send(Begin())
                 self._settle()
-            case Picture(step=step, view=view):
+            case Picture(step=step, view=Snapshot() as view):
                 self._show_picture(step, self._board.show(view))
             case Crashed(error=error, trace=trace):
                 self.exit(f"The learner's process has failed: {error}\n{trace}")

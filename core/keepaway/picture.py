@@ -27,7 +27,7 @@ class PlayerView(msgspec.Struct, frozen=True, array_like=True):
     """In (-180, 180]."""
 
 
-class PitchFrame(msgspec.Struct, frozen=True, kw_only=True, array_like=True):
+class PitchFrame(msgspec.Struct, frozen=True, kw_only=True, array_like=True, tag="keepaway"):
     """One picture of a game, at the end of a cycle or between two."""
 
     length_m: float

@@ -82,7 +82,7 @@ class Counts(msgspec.Struct, frozen=True, kw_only=True, array_like=True):
     """Id of the piece after the falling one; -1 where it is not shown."""
 
 
-class Snapshot(msgspec.Struct, frozen=True, kw_only=True, array_like=True):
+class Snapshot(msgspec.Struct, frozen=True, kw_only=True, array_like=True, tag="tetris"):
     """One picture of a game."""
 
     rows: int

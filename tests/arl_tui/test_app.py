@@ -351,7 +351,7 @@ async def test_a_larger_board_asks_for_a_larger_window(
         await pilot.resize_terminal(82, 29)
         await settle(pilot)
         assert isinstance(app.screen, PlayScreen)
-        assert app.play.board.region.bottom <= 29
+        assert app.play.scene.stage().region.bottom <= 29
         assert app.play.feedback.region.right <= 82
 
 

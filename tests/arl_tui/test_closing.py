@@ -6,6 +6,7 @@ from textual.app import App
 from arl_tui.app import Outcome
 from arl_tui.live import Tally
 from arl_tui.screens.closing import ClosingScreen
+from arl_tui.words import TETRIS
 
 
 def tally(practised: list[float]) -> Tally:
@@ -17,7 +18,7 @@ class Closing(App[None]):
 
     def __init__(self, practised: list[float]) -> None:
         super().__init__()
-        self.closing = ClosingScreen(Outcome(recording=None, tally=tally(practised), trouble=None))
+        self.closing = ClosingScreen(Outcome(recording=None, tally=tally(practised), trouble=None), TETRIS)
 
     def on_mount(self) -> None:
         self.push_screen(self.closing)

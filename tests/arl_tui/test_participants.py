@@ -152,7 +152,7 @@ def test_a_protocol_takes_the_delay_and_keeps_everything_else(tmp_path: Path) ->
 
 def test_replay_learns_again_with_the_participants_own_delay(tmp_path: Path) -> None:
     path = tmp_path / "P01-x.jsonl"
-    simulate_session(demo_protocol(), 4, path, software={})
+    simulate_session(demo_protocol("tetris"), 4, path, software={})
     recorded = ["replay", str(path), "--games", "2", "--workers", "1", "--credit", "participant"]
     missing = CliRunner().invoke(main, recorded)
     assert missing.exit_code == 1
@@ -235,7 +235,7 @@ def test_a_protocol_that_needs_a_measured_delay_stops_where_there_is_none(tmp_pa
 
 def test_a_what_if_stores_where_a_participants_delay_comes_from(tmp_path: Path) -> None:
     path, table = tmp_path / "P01-x.jsonl", tmp_path / "t.csv"
-    simulate_session(demo_protocol(), 4, path, software={})
+    simulate_session(demo_protocol("tetris"), 4, path, software={})
     keep_delay(tmp_path, read_recording(path).header.participant, task_delay())
     asked = ["replay", str(path), "--games", "2", "--workers", "1", "--csv", str(table)]
     done = CliRunner().invoke(main, [*asked, "--credit", "feedback-lag", "--credit", "previous"])

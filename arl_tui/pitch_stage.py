@@ -1,0 +1,71 @@
+"""From a session's outputs to pictures of the pitch: the match is played again, decision by decision.
+
+A decision's first picture shows the cycle in which it is made; the last picture before the next decision, or before the
+end, is the one a cycle earlier. So a hold has one picture and a pass in flight belongs to the passer's step.
+"""
+
+import itertools
+
+import msgspec
+
+from arl_tui.stage import Shot
+from core.episode import EpisodeStarted, StepTaken
+from core.keepaway.camera import Camera
+from core.keepaway.decisions import DecisionPlay
+from core.keepaway.match import Match
+from core.keepaway.picture import NOBODY, PitchFrame
+from core.keepaway.pitch import CYCLE_NS, KeepawayConfig
+
+
+class PitchStage:
+    """Follows the session's episodes; knows of them only seeds and options."""
+
+    def __init__(self, config: KeepawayConfig, speed: float) -> None:
+        """Prepare.
+
+        Args:
+            config: size of the game, and what players see.
+            speed: simulated seconds per second.
+        """
+        self.tick_ns = round(CYCLE_NS / speed)
+        """How long a cycle is shown."""
+        self._config = config
+        self._episodes = 0
+        self._play = DecisionPlay(config, 0)
+        self._camera = Camera(config)
+        self._now = self._look(self._play.match)
+
+    @property
+    def picture(self) -> PitchFrame:
+        """The picture of the moment in which the match stands still."""
+        return self._now
+
+    def begin(self, episode: EpisodeStarted) -> tuple[Shot, ...]:
+        """Return the pictures from the kick-off to the cycle before the first decision."""
+        self._episodes += 1
+        self._play = DecisionPlay(self._config, episode.episode_seed)
+        self._camera = Camera(self._config)
+        pictures = [self._look(self._play.match)]
+        self._play.begin(lambda match: pictures.append(self._look(match)))
+        return self._shots(pictures)
+
+    def act(self, step: StepTaken) -> tuple[Shot, ...]:
+        """Return the pictures from a decision to the cycle before the next one."""
+        keeper, target = step.detail["keeper"], step.detail["target"]
+        pictures = [self._now]
+        self._play.decide(step.action, lambda match: pictures.append(self._look(match)))
+        shown = [msgspec.structs.replace(picture, decider=keeper, target=target) for picture in pictures[:-1]]
+        return self._shots([*shown, pictures[-1]])
+
+    def judged_after_ns(self, n_shots: int) -> int:
+        """Return one cycle: then an option is seen to have been chosen."""
+        return self.tick_ns
+
+    def _shots(self, pictures: list[PitchFrame]) -> tuple[Shot, ...]:
+        """Return all but the last picture, which belongs to what comes now, each with the one after it."""
+        self._now = pictures[-1]
+        return tuple(Shot(view, ahead) for view, ahead in itertools.pairwise(pictures))
+
+    def _look(self, match: Match) -> PitchFrame:
+        picture = self._camera.look(match)
+        return msgspec.structs.replace(picture, episode=max(1, self._episodes), decider=NOBODY, target=NOBODY)

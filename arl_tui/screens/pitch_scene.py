@@ -1,0 +1,96 @@
+"""Keepaway in the play screen: the pitch, smooth between cycles, and the figures of the game."""
+
+from collections.abc import Iterable
+
+from textual.geometry import Size
+from textual.widget import Widget
+from textual.widgets import Static
+
+from arl_tui.link import Picture
+from arl_tui.palette import Palette
+from arl_tui.screens.scene import SMALLEST, Progress
+from arl_tui.widgets.pitch import PitchWidget
+from arl_tui.widgets.stats import trend
+from core.clock import Clock, MonotonicClock
+from core.keepaway.picture import PitchFrame, between
+from core.keepaway.pitch import KeepawayConfig
+from core.protocol import Protocol
+
+FRAME_S = 1 / 30
+"""How often what lies between two cycles is drawn, seconds."""
+BESIDE = 36
+"""Columns beside the pitch."""
+
+
+class LivePitch(PitchWidget):
+    """A pitch that draws what lies between the picture it has and the one that comes next."""
+
+    def __init__(self, config: KeepawayConfig, palette: Palette, clock: Clock) -> None:
+        super().__init__(config.length_m, config.width_m, beside=BESIDE, palette=palette)
+        self._clock = clock
+        self._picture: Picture | None = None
+        self._since_ns = 0
+        self.taken = -1
+        """Number of the newest picture whose drawing has been told of."""
+
+    def on_mount(self) -> None:
+        """Begin to draw smoothly."""
+        self.set_interval(FRAME_S, self._slide)
+
+    def take(self, picture: Picture) -> None:
+        """Draw a picture with the next paint, even if it looks like the one before."""
+        assert isinstance(picture.view, PitchFrame), "a worker that plays Keepaway sends pitches"
+        self._picture, self._since_ns = picture, self._clock.now_ns()
+        if not self.show(picture.view, picture.number):
+            self.refresh()
+
+    def _slide(self) -> None:
+        picture = self._picture
+        if picture is None or picture.ahead is None or self.drawn_frame != picture.number:
+            return
+        assert isinstance(picture.view, PitchFrame)
+        share = (self._clock.now_ns() - self._since_ns) / picture.lasts_ns
+        # Never the next picture itself: another step may begin with it.
+        self.show(between(picture.view, picture.ahead, min(share, 0.99)), picture.number)
+
+
+class PitchScene:
+    """The pitch, and the score beside it."""
+
+    def __init__(self, protocol: Protocol, palette: Palette, *, clock: Clock | None = None) -> None:
+        """Draw an empty pitch of the protocol's size."""
+        assert isinstance(protocol.domain, KeepawayConfig), "a protocol of Keepaway"
+        self.pitch = LivePitch(protocol.domain, palette, clock or MonotonicClock())
+        self.needed: Size = SMALLEST
+        self._score = Static(id="score")
+
+    def take_drawn(self) -> bool:
+        """Return whether a picture has been drawn of which this has not been said; what lies between is none."""
+        drawn = self.pitch.drawn_frame
+        fresh = drawn != self.pitch.taken and drawn >= 0
+        self.pitch.taken = drawn
+        return fresh
+
+    def stage(self) -> Widget:
+        """Return the pitch."""
+        return self.pitch
+
+    def figures(self) -> Iterable[Widget]:
+        """Return the score."""
+        return (self._score,)
+
+    def show(self, picture: Picture, progress: Progress) -> None:
+        """Draw a pitch."""
+        self.pitch.take(picture)
+        weights = progress.human_weights
+        influence = f"\nInfluence {weights[-1]:.2f} {trend(weights, 12)}" if weights else ""
+        self._score.update(f"Game      {progress.episode} of {progress.episodes}{influence}")
+
+    def refresh(self) -> None:
+        """Draw the pitch once more, and say so."""
+        self.pitch.taken = -1
+        self.pitch.refresh()
+
+    def title(self, text: str) -> None:
+        """Write into the pitch's boundary."""
+        self.pitch.note = text
