@@ -10,46 +10,42 @@ from numpy.typing import NDArray
 from core.compiled import kernel
 from core.keepaway.game import begin_cycle, finish_cycle
 from core.keepaway.match import CYCLE, END, Match, Streams, new_match, open_streams
-from core.keepaway.pitch import ONGOING, KeepawayConfig, Rules
+from core.keepaway.pitch import KeepawayConfig, Rules
 
 NOBODY: Final = -1
 CYCLE_LIMIT: Final = 36_000
 """Longest episode in cycles (an hour): a ball that is never lost would never end."""
+
+# What `play_to_decision` comes back with.
+DECIDING: Final = 0
+OVER: Final = 1
+FINISHED: Final = 2
 
 OnCycle = Callable[[Match], None]
 """Looks at the match at the end of a cycle."""
 
 
 @kernel
-def next_decision(match: Match, rules: Rules, streams: Streams, limit: int, most: int) -> int:
-    """Play on until a keeper has to decide; cycles in which nobody does are finished.
+def play_to_decision(match: Match, rules: Rules, streams: Streams, most: int, decided: bool) -> int:
+    """Finish cycles until a keeper has to decide.
 
     Args:
-        match: in place; either at the beginning of a cycle, or `match.deciding` is all False.
+        match: in place.
         rules: size of the game.
         streams: of the match.
-        limit: the episode's longest duration in cycles.
-        most: stop after this many cycles, too.
+        most: finish at most this many cycles, >= 1.
+        decided: the present cycle has begun and all deciding keepers have decided; False: it has yet to begin.
 
     Returns:
-        1 if somebody has to decide, 0 if the episode is over, 2 if `most` cycles have been finished before either.
+        DECIDING, OVER, or FINISHED after `most` cycles without either.
     """
     for _ in range(most):
-        if begin_cycle(match, rules, streams):
-            return 1
-        if finish_cycle(match, rules, streams) or match.status[CYCLE] >= limit:
-            return 0
-    return 2
-
-
-@kernel
-def act_and_go_on(match: Match, rules: Rules, streams: Streams, limit: int, most: int) -> int:
-    """Finish the cycle in which all deciding keepers have decided, then as `next_decision` (one cycle less)."""
-    if finish_cycle(match, rules, streams) or match.status[CYCLE] >= limit:
-        return 0
-    if most == 1:
-        return 2
-    return next_decision(match, rules, streams, limit, most - 1)
+        if not decided and begin_cycle(match, rules, streams):
+            return DECIDING
+        decided = False
+        if finish_cycle(match, rules, streams) or match.status[CYCLE] >= CYCLE_LIMIT:
+            return OVER
+    return FINISHED
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -94,7 +90,7 @@ class DecisionPlay:
 
     def begin(self, on_cycle: OnCycle | None = None) -> None:
         """Play to the first decision, or to an end before it."""
-        self._go_on(next_decision, on_cycle)
+        self._go_on(False, on_cycle)
 
     def decide(self, action: int, on_cycle: OnCycle | None = None) -> None:
         """Let the keeper whose turn it is choose an option; play to the next decision, or to the end.
@@ -110,7 +106,7 @@ class DecisionPlay:
         if len(later):
             self.keeper += 1 + int(later[0])
         else:
-            self._go_on(act_and_go_on, on_cycle)
+            self._go_on(True, on_cycle)
 
     def save(self) -> Saved:
         """Return a copy of everything."""
@@ -125,22 +121,13 @@ class DecisionPlay:
             rng.bit_generator.state = state
         self.keeper = saved.keeper
 
-    def _go_on(
-        self, play: Callable[[Match, Rules, Streams, int, int], int], on_cycle: OnCycle | None
-    ) -> None:
+    def _go_on(self, decided: bool, on_cycle: OnCycle | None) -> None:
         most = 1 if on_cycle else CYCLE_LIMIT
-        before = self.cycle
-        outcome = play(self.match, self.rules, self.streams, CYCLE_LIMIT, most)
-        while True:
+        outcome = FINISHED
+        while outcome == FINISHED:
+            before = self.cycle
+            outcome = play_to_decision(self.match, self.rules, self.streams, most, decided)
+            decided = False
             if on_cycle and self.cycle > before:
                 on_cycle(self.match)
-            if outcome != 2:
-                break
-            before = self.cycle
-            outcome = next_decision(self.match, self.rules, self.streams, CYCLE_LIMIT, most)
-        self.keeper = int(np.flatnonzero(self.match.deciding)[0]) if outcome == 1 else NOBODY
-
-
-def is_over(match: Match) -> bool:
-    """Return whether the episode has ended or has reached its longest duration."""
-    return bool(match.status[END] != ONGOING or match.status[CYCLE] >= CYCLE_LIMIT)
+        self.keeper = int(np.flatnonzero(self.match.deciding)[0]) if outcome == DECIDING else NOBODY

@@ -70,19 +70,24 @@ class DomainContract:
             assert np.isfinite(choices.features).all()
             assert np.isfinite(choices.feedback_features).all()
 
-    def test_performance_begins_at_zero_and_never_falls(self, domain):
-        values = [domain.performance(state) for state, _ in self.random_episode(domain, 17)]
-        assert values[0] == 0
-        assert values == sorted(values)
+    def test_performance_and_time_never_fall_and_are_never_negative(self, domain):
+        states = [state for state, _ in self.random_episode(domain, 17)]
+        for values in (
+            [domain.performance(state) for state in states],
+            [domain.time(state) for state in states],
+        ):
+            assert values[0] >= 0
+            assert values == sorted(values)
+            assert values[-1] > values[0]
 
     def test_a_terminal_state_has_no_choices(self, domain):
         end = self.random_episode(domain, 19)[-1][0]
         with pytest.raises(ValueError, match=r"terminal|at least one action"):
             domain.choices(end)
 
-    def test_performance_is_the_sum_of_the_rewards(self, domain):
+    def test_performance_grows_by_the_rewards(self, domain):
         for seed in range(3):
-            total = 0.0
+            total = domain.performance(domain.initial(seed))
             for state, action in self.random_episode(domain, seed)[:-1]:
                 transition = domain.transition(state, action)
                 total += transition.reward

@@ -25,3 +25,7 @@ class TestTetris(DomainContract):
     @pytest.fixture(params=CONFIGS.values(), ids=CONFIGS)
     def domain(self, request):
         return Tetris(request.param)
+
+    def test_performance_and_time_begin_at_zero(self, domain):
+        assert domain.performance(domain.initial(3)) == 0
+        assert domain.time(domain.initial(3)) == 0
