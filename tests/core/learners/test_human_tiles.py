@@ -1,5 +1,7 @@
 """The human reward model over tiles."""
 
+import itertools
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -86,7 +88,7 @@ def test_runs_say_the_same_in_fewer_numbers(numbers):
     weights = np.array(numbers)
     starts, values = runs(weights)
     np.testing.assert_array_equal(from_runs(starts, values, len(weights)), weights)
-    assert len(starts) == 1 + sum(a != b for a, b in zip(numbers, numbers[1:], strict=False))
+    assert len(starts) == 1 + sum(a != b for a, b in itertools.pairwise(numbers))
 
 
 def test_rows_of_windows_have_the_values_of_their_tiles():

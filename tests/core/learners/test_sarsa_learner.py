@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from core.domain import Choices
-from core.learners.contract import EnvironmentLearner, StepwiseLearner
+from core.learners.contract import StepwiseLearner
 from core.learners.sarsa import SarsaConfig, decide, end_episode, last_value, new_sarsa, take_action
 from core.learners.sarsa_learner import SarsaLearner
 from core.streams import stream
@@ -26,7 +26,6 @@ def learner(**settings) -> SarsaLearner:
 
 def test_it_is_a_stepwise_learner():
     assert isinstance(learner(), StepwiseLearner)
-    assert not isinstance(learner(), EnvironmentLearner) or not hasattr(learner(), "propose")
 
 
 @pytest.mark.parametrize("settings", [{}, {"trace_decay": 0.8}, {"shared_weights": True, "exploration": 0.3}])
