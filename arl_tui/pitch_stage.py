@@ -5,16 +5,17 @@ end, is the one a cycle earlier. So a hold has one picture and a pass in flight 
 """
 
 import itertools
+from typing import TYPE_CHECKING
 
 import msgspec
 
 from arl_tui.stage import Shot
 from core.episode import EpisodeStarted, StepTaken
-from core.keepaway.camera import Camera
-from core.keepaway.decisions import DecisionPlay
-from core.keepaway.match import Match
 from core.keepaway.picture import NOBODY, PitchFrame
 from core.keepaway.pitch import CYCLE_NS, KeepawayConfig
+
+if TYPE_CHECKING:
+    from core.keepaway.match import Match
 
 
 class PitchStage:
@@ -29,10 +30,15 @@ class PitchStage:
         """
         self.tick_ns = round(CYCLE_NS / speed)
         """How long a cycle is shown."""
-        self._config = config
+        # Here, not above: compiled code comes with them, and the screen's process imports this module.
+        from core.keepaway.camera import Camera
+        from core.keepaway.decisions import DecisionPlay
+
+        self._new_play = lambda seed: DecisionPlay(config, seed)
+        self._new_camera = lambda: Camera(config)
         self._episodes = 0
-        self._play = DecisionPlay(config, 0)
-        self._camera = Camera(config)
+        self._play = self._new_play(0)
+        self._camera = self._new_camera()
         self._now = self._look(self._play.match)
 
     @property
@@ -43,8 +49,8 @@ class PitchStage:
     def begin(self, episode: EpisodeStarted) -> tuple[Shot, ...]:
         """Return the pictures from the kick-off to the cycle before the first decision."""
         self._episodes += 1
-        self._play = DecisionPlay(self._config, episode.episode_seed)
-        self._camera = Camera(self._config)
+        self._play = self._new_play(episode.episode_seed)
+        self._camera = self._new_camera()
         pictures = [self._look(self._play.match)]
         self._play.begin(lambda match: pictures.append(self._look(match)))
         return self._shots(pictures)
@@ -66,6 +72,6 @@ class PitchStage:
         self._now = pictures[-1]
         return tuple(Shot(view, ahead) for view, ahead in itertools.pairwise(pictures))
 
-    def _look(self, match: Match) -> PitchFrame:
+    def _look(self, match: "Match") -> PitchFrame:
         picture = self._camera.look(match)
         return msgspec.structs.replace(picture, episode=max(1, self._episodes), decider=NOBODY, target=NOBODY)

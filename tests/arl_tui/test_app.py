@@ -48,12 +48,12 @@ class Worker:
     def start_episode(self) -> None:
         started = episode_started()
         self.link.say(started)
-        self.show(-1, self.stage.begin(started)[0])
+        self.show(-1, self.stage.begin(started)[0].view)
 
     def step(self, number: int, column: int = 0) -> None:
         taken = step_taken(number, column=column)
         self.link.say(taken)
-        self.show(number, self.stage.act(taken)[0])
+        self.show(number, self.stage.act(taken)[0].view)
 
     def show(self, step: int, view: object) -> None:
         self.link.say(Picture(number=self.pictures, step=step, view=view))  # type: ignore[arg-type]

@@ -34,7 +34,7 @@ def test_the_board_on_screen_is_the_board_of_the_game(seed: int) -> None:
         pictures = stage.act(taken)
         next_state = game.transition(state, action).next_state
         if not game.terminal(next_state):
-            assert pictures[0].counts.next_piece == game.detail(next_state, 0)["piece"]
+            assert pictures[0].view.counts.next_piece == game.detail(next_state, 0)["piece"]
         shown = np.frombuffer(stage.picture.cells, dtype=np.uint8).reshape(config.rows, config.columns)[::-1]
         columns = [sum(1 << row for row in np.flatnonzero(column != EMPTY).tolist()) for column in shown.T]
         assert columns == list(next_state.columns)
@@ -46,6 +46,6 @@ def test_a_new_episode_clears_the_board() -> None:
     stage = TetrisStage(TetrisConfig())
     stage.begin(episode_started())
     stage.act(step_taken(0))
-    (picture,) = stage.begin(episode_started(1))
+    ((picture, _),) = stage.begin(episode_started(1))
     assert set(picture.cells) == {EMPTY}
     assert picture.counts.pieces == 0
