@@ -1,6 +1,7 @@
 """The command `arl`. Each command imports what it needs when it runs, so that `arl --help` answers at once."""
 
 from pathlib import Path
+from typing import Literal
 
 import click
 
@@ -206,6 +207,13 @@ def import_tamer_log(log: Path, out: Path | None, recordings: Path) -> None:
 @recordings_option
 @click.option("--dry-run", is_flag=True, help="Print every trial as it would be run, and stop.")
 @click.option(
+    "--game",
+    type=click.Choice(["tetris", "keepaway"]),
+    default="tetris",
+    show_default=True,
+    help="Which game is watched and judged in feedback-lag.",
+)
+@click.option(
     "--refit",
     is_flag=True,
     help="Measure nothing: fit the newest finished trials again, pooled with everybody there is by now.",
@@ -218,6 +226,7 @@ def calibrate(
     seed: int | None,
     recordings: Path,
     dry_run: bool,
+    game: Literal["tetris", "keepaway"],
     refit: bool,
 ) -> None:
     """Measure how long a participant takes to react, and to judge what the agent does.
@@ -235,6 +244,7 @@ def calibrate(
         recordings=recordings,
         dry_run=dry_run,
         refit=refit,
+        game=game,
     )
 
 

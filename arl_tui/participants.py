@@ -39,6 +39,8 @@ class TaskDelay(msgspec.Struct, frozen=True, kw_only=True):
     """How long one person took in one task."""
 
     task: Task
+    game: str = "tetris"
+    """Which game was watched in the feedback-lag task."""
     fitted_utc: str
     files: tuple[str, ...]
     """Names of the trial files."""
@@ -65,6 +67,11 @@ class TaskDelay(msgspec.Struct, frozen=True, kw_only=True):
     pooled_people: int = 0
 
     @property
+    def key(self) -> str:
+        """Under which name it is kept: the task, with the game where that is not Tetris."""
+        return task_key(self.task, self.game)
+
+    @property
     def warnings(self) -> list[str]:
         """Return in plain words why this delay should not be trusted, or not fully."""
         found = []
@@ -75,6 +82,11 @@ class TaskDelay(msgspec.Struct, frozen=True, kw_only=True):
         if self.connection.get("hindrances"):
             found.append(f"measured through {self.connection['hindrances']}: times may be too long")
         return found
+
+
+def task_key(task: Task, game: str) -> str:
+    """Return the name under which a delay is kept."""
+    return task if game == "tetris" or task != FEEDBACK_LAG else f"{task}, {game}"
 
 
 class ParticipantDelays(msgspec.Struct, frozen=True, kw_only=True):
@@ -127,7 +139,7 @@ def read_delays(recordings: Path, participant: str) -> ParticipantDelays | None:
 def keep_delay(recordings: Path, participant: str, delay: TaskDelay) -> Path:
     """Store one task's delay beside the others of this participant; the file is whole at every moment."""
     known = read_delays(recordings, participant) or ParticipantDelays(participant=participant)
-    updated = msgspec.structs.replace(known, tasks={**known.tasks, delay.task: delay})
+    updated = msgspec.structs.replace(known, tasks={**known.tasks, delay.key: delay})
     path = delays_path(recordings, participant)
     path.parent.mkdir(parents=True, exist_ok=True)
     new = path.with_suffix(".new")
@@ -139,13 +151,14 @@ def keep_delay(recordings: Path, participant: str, delay: TaskDelay) -> Path:
     return path
 
 
-def choose_credit(text: str, recordings: Path, participant: str) -> CreditChoice:
+def choose_credit(text: str, recordings: Path, participant: str, game: str = "tetris") -> CreditChoice:
     """Return the credit rule that `text` names: one of `CHOICES`, or a rule such as gamma:2.5,0.3.
 
     Args:
         text: from the command line.
         recordings: folder beside which participants' delays are kept.
         participant: whose delays "participant", "feedback-lag", "simple" and "pooled" mean.
+        game: of the session; events of different games take different times to judge.
 
     Raises:
         ParticipantError: the participant has no such fit.
@@ -157,16 +170,17 @@ def choose_credit(text: str, recordings: Path, participant: str) -> CreditChoice
         return _chosen(text, parse_delay(text), {})
     task = SIMPLE if text == "simple" else FEEDBACK_LAG
     known = read_delays(recordings, participant)
-    fit = None if known is None else known.tasks.get(task)
+    key = task_key(task, game)
+    fit = None if known is None else known.tasks.get(key)
     if fit is None:
-        option = task.replace(" ", "-")
+        option = task.replace(" ", "-") + (f" --game {game}" if key != task else "")
         raise ParticipantError(
-            f"{participant} has no fit of the task {task!r} in {delays_path(recordings, participant)}. Measure it: "
+            f"{participant} has no fit of the task {key!r} in {delays_path(recordings, participant)}. Measure it: "
             f"`arl calibrate --participant {participant} --tasks {option}`; or choose --credit paper"
         )
     about = {
         "credit_participant": participant,
-        "credit_task": task,
+        "credit_task": key,
         "credit_fitted_utc": fit.fitted_utc,
         "credit_files": " ".join(fit.files),
     }

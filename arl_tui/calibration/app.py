@@ -11,6 +11,7 @@ from textual import constants, events
 from textual.app import App
 
 from arl_tui.app import key_name
+from arl_tui.calibration.clips import Clip
 from arl_tui.calibration.fitting import FitOrder, Fitted
 from arl_tui.calibration.helper import HelperError, ask_helper
 from arl_tui.calibration.pages import (
@@ -27,7 +28,7 @@ from arl_tui.calibration.pages import (
 from arl_tui.calibration.plan import PLANNED, Part, Sitting, new_parts, slug, unfinished
 from arl_tui.calibration.scenes import Scene
 from arl_tui.calibration.trial_screen import SMALLEST, TrialScreen
-from arl_tui.calibration.views import BoxView, GameView, View
+from arl_tui.calibration.views import BoxView, GameView, PitchView, View
 from arl_tui.driver import FlushClock, stamped_driver
 from arl_tui.garbage import GarbageControl
 from arl_tui.palette import palette_for
@@ -244,8 +245,9 @@ class CalibrationApp(App[Outcome], inherit_bindings=False):
         """Return what trials look like; None where nobody waited for the game to get ready."""
         if schedule.config.task != "feedback lag":
             return BoxView()
+        is_tetris = schedule.config.game == "tetris"
         answer = await self._wait_for(
-            "arl_tui.calibration.scenes",
+            "arl_tui.calibration.scenes" if is_tetris else "arl_tui.calibration.clips",
             schedule,
             WaitingPage(
                 "Getting ready", "The game is being prepared. The first time this takes up to a minute."
@@ -253,8 +255,10 @@ class CalibrationApp(App[Outcome], inherit_bindings=False):
         )
         if answer is None:
             return None
-        scenes = msgspec.json.decode(answer, type=list[Scene])
-        return GameView(scenes, palette_for("standard", self.console.color_system))
+        palette = palette_for("standard", self.console.color_system)
+        if is_tetris:
+            return GameView(msgspec.json.decode(answer, type=list[Scene]), palette)
+        return PitchView(msgspec.json.decode(answer, type=list[Clip]), palette)
 
     async def _wait_for(self, module: str, question: object, page: WaitingPage) -> bytes | None:
         """Ask another process while a page says so; None where the participant would not wait.
@@ -282,7 +286,7 @@ class CalibrationApp(App[Outcome], inherit_bindings=False):
             folder = self._sitting.recordings / CALIBRATION_FOLDER
             folder.mkdir(parents=True, exist_ok=True)
             created_utc = wall_time_utc()
-            name = f"{self._sitting.participant}-{slug(part.schedule.config.task)}"
+            name = f"{self._sitting.participant}-{slug(part.schedule.config)}"
             header = TrialHeader(
                 participant=self._sitting.participant,
                 created_utc=created_utc,

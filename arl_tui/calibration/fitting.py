@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from arl_tui.calibration.plan import newest_complete
+from arl_tui.calibration.plan import GameName, newest_complete
 from arl_tui.participants import Quantity, TaskDelay, keep_delay
 from core.clock import wall_time_utc
 from core.feedback.delays import GammaDelay
@@ -52,9 +52,10 @@ def fit_files(order: FitOrder) -> Fitted:
     kept_in = ""
     for name in order.files:
         path = Path(name)
-        task = read_trials(path).header.schedule.config.task
+        config = read_trials(path).header.schedule.config
+        task, game = config.task, config.game
         try:
-            others = _others(order.participant, recordings, task)
+            others = _others(order.participant, recordings, task, game)
         except TrialFileError as error:  # somebody else's file
             others = {}
             failures[f"{task}, pooled"] = str(error)
@@ -90,9 +91,11 @@ def fit_task(path: Path, others: "Mapping[str, Sample]", participant: str, task:
     fit = fit_participant(participant, sample, settings)
     better = _better_gamma(fit)
     pooled, people = _pooled(participant, sample, others)
-    facts = read_trials(path).header.facts
+    header = read_trials(path).header
+    facts = header.facts
     return TaskDelay(
         task=task,
+        game=header.schedule.config.game,
         fitted_utc=wall_time_utc(),
         files=(path.name,),
         family=better.family,
@@ -149,11 +152,11 @@ def _pooled(participant: str, own: "Sample", others: "Mapping[str, Sample]") -> 
     return pooled[participant].gamma_delay(), len(samples)
 
 
-def _others(participant: str, recordings: Path, task: Task) -> "Mapping[str, Sample]":
+def _others(participant: str, recordings: Path, task: Task, game: GameName) -> "Mapping[str, Sample]":
     from studies.reaction_time.exclusion import ExclusionPolicy, select
     from studies.reaction_time.read import read_rows
 
-    paths = list(newest_complete(recordings, task))
+    paths = list(newest_complete(recordings, task, game))
     samples, _ = select(read_rows(paths), ExclusionPolicy())
     return {name: sample for name, sample in samples.items() if name != participant}
 

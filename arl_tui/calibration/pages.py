@@ -11,7 +11,7 @@ from textual.widgets import Static
 
 from arl_tui.calibration.fitting import Fitted
 from arl_tui.calibration.plan import Part, Unfinished, minutes_left
-from arl_tui.calibration.texts import INSTRUCTIONS, SOMETIMES_NOTHING, TITLES
+from arl_tui.calibration.texts import SOMETIMES_NOTHING, TITLES, instruction
 from arl_tui.participants import FEEDBACK_LAG, SIMPLE, TaskDelay
 from arl_tui.screens.covers import fits_into
 from arl_tui.screens.page import Page
@@ -145,7 +145,7 @@ class InstructionPage(Reading):
         else:
             yield "[b]Practice is over.[/] From now on it counts, and you are not told how you did."
             ending = ""
-        yield INSTRUCTIONS[config.task]
+        yield instruction(config)
         if config.catch_rate and config.task != "go/no-go":
             yield SOMETIMES_NOTHING
         if ending:

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from pathlib import Path
+from typing import Literal
 
 import msgspec
 
@@ -12,6 +13,7 @@ from studies.reaction_time.protocol import Schedule, Task, TaskConfig
 from studies.reaction_time.schedule import expected_minutes, make_schedule
 from studies.reaction_time.trial_log import LONGEST_PAUSE_H, TrialFile, read_trials
 
+GameName = Literal["tetris", "keepaway"]
 TASKS: dict[str, Task] = {
     "simple": "simple",
     "choice": "choice",
@@ -46,7 +48,7 @@ class Sitting:
     @property
     def planned(self) -> str:
         """Names of the tasks, as they stand in the trial files."""
-        return ",".join(slug(config.task) for config in self.configs)
+        return ",".join(slug(config) for config in self.configs)
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +95,11 @@ def task_names(text: str) -> tuple[str, ...]:
 
 
 def configure(
-    names: Sequence[str], *, n_trials: int | None = None, n_practice: int | None = None
+    names: Sequence[str],
+    *,
+    n_trials: int | None = None,
+    n_practice: int | None = None,
+    game: GameName = "tetris",
 ) -> tuple[TaskConfig, ...]:
     """Return the configuration of each task.
 
@@ -101,6 +107,7 @@ def configure(
         names: keys of `TASKS`.
         n_trials: scored trials per task; the task's default without.
         n_practice: practice trials per task; the task's default without.
+        game: which one is watched in the feedback-lag task.
     """
     changes: dict[str, int] = {}
     if n_trials is not None:
@@ -111,14 +118,15 @@ def configure(
     for name in names:
         config = msgspec.structs.replace(TaskConfig(task=TASKS[name]), **changes)
         if config.task == "feedback lag":
-            config = msgspec.structs.replace(config, time_out_s=JUDGING_S)
+            config = msgspec.structs.replace(config, time_out_s=JUDGING_S, game=game)
         configs.append(config)
     return tuple(configs)
 
 
-def slug(task: Task) -> str:
-    """Return a task's name on the command line and in file names."""
-    return next(name for name, known in TASKS.items() if known == task)
+def slug(config: TaskConfig) -> str:
+    """Return a task's name in file names: as on the command line, with the game where that is not Tetris."""
+    name = next(name for name, known in TASKS.items() if known == config.task)
+    return f"{name}-{config.game}" if config.game != "tetris" else name
 
 
 def new_parts(sitting: Sitting) -> tuple[Part, ...]:
@@ -162,13 +170,17 @@ def unfinished(sitting: Sitting, now_utc: str) -> Unfinished | None:
     return Unfinished(parts, seed, age / timedelta(hours=1))
 
 
-def newest_complete(recordings: Path, task: Task) -> Iterator[Path]:
-    """Yield the newest finished session of each participant in this task."""
+def newest_complete(recordings: Path, task: Task, game: GameName = "tetris") -> Iterator[Path]:
+    """Yield the newest finished session of each participant in this task, and in this game where one is watched."""
     found: dict[str, tuple[str, Path]] = {}
-    for path in sorted((recordings / CALIBRATION_FOLDER).glob(f"*-{slug(task)}-*.jsonl")):
+    name = slug(TaskConfig(task=task, game=game))
+    for path in sorted((recordings / CALIBRATION_FOLDER).glob(f"*-{name}-*.jsonl")):
         file = read_trials(path)
         header = file.header
-        if header.schedule.config.task == task and file.next_trial >= len(header.schedule.trials):
+        if (header.schedule.config.task, header.schedule.config.game) == (
+            task,
+            game,
+        ) and file.next_trial >= len(header.schedule.trials):
             found[header.participant] = max(
                 found.get(header.participant, ("", path)), (header.created_utc, path)
             )

@@ -1,6 +1,6 @@
 """What the participant is told, in plain words."""
 
-from studies.reaction_time.protocol import NO, YES, Task, TrialRecord
+from studies.reaction_time.protocol import NO, YES, Task, TaskConfig, TrialRecord
 
 _KEYS = {"space": "Space", NO: NO.upper(), YES: YES.upper()}
 
@@ -52,6 +52,27 @@ INSTRUCTIONS: dict[Task, str] = {
         "Press as soon as you have made up your mind. The computer's mistakes are put right before the next piece."
     ),
 }
+KEEPAWAY_INSTRUCTION = (
+    "You watch a computer play: three keepers pass the ball among themselves, two takers try to get it. At one moment "
+    "the play stops, and [b]judge now[/] appears below it.\n\n"
+    f"The ball has reached a keeper:  press {cap(YES)}\nThe keepers have lost the ball: press {cap(NO)}\n\n"
+    "Press as soon as you have made up your mind."
+)
+KEEPAWAY_REMINDER = f"{cap(NO)} ball lost\n{cap(YES)} ball kept"
+
+
+def instruction(config: TaskConfig) -> str:
+    """Return how a task goes, in markup."""
+    keepaway = config.task == "feedback lag" and config.game == "keepaway"
+    return KEEPAWAY_INSTRUCTION if keepaway else INSTRUCTIONS[config.task]
+
+
+def key_reminder(config: TaskConfig) -> str:
+    """Return which key says what, in markup."""
+    keepaway = config.task == "feedback lag" and config.game == "keepaway"
+    return KEEPAWAY_REMINDER if keepaway else KEY_REMINDERS[config.task]
+
+
 SOMETIMES_NOTHING = (
     "Be quick, but wait until you really see something: [b]now and then nothing comes[/], and then nothing is to "
     "be pressed."

@@ -14,7 +14,7 @@ from textual.geometry import Size
 from textual.screen import Screen
 from textual.widgets import Static
 
-from arl_tui.calibration.texts import KEY_REMINDERS, LET_GO, SESSION_KEYS, practice_word
+from arl_tui.calibration.texts import LET_GO, SESSION_KEYS, key_reminder, practice_word
 from arl_tui.calibration.views import View
 from arl_tui.garbage import GarbageControl
 from arl_tui.screens.covers import fits_into
@@ -98,7 +98,7 @@ class TrialScreen(Screen[bool], inherit_bindings=False):
     def compose(self) -> ComposeResult:
         """Lay out stimulus, one line of words, and the keys."""
         task = self._schedule.config.task
-        reminder = Static(KEY_REMINDERS[task], id="reminder")
+        reminder = Static(key_reminder(self._schedule.config), id="reminder")
         session = Static(SESSION_KEYS, id="session")
         if task == "feedback lag":
             with Horizontal(id="trial", classes="game"):

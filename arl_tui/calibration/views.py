@@ -5,10 +5,13 @@ from typing import Protocol
 
 from textual.widget import Widget
 
+from arl_tui.calibration.clips import MARK, Clip
+from arl_tui.calibration.clips import TICK_MS as CYCLE_MS
 from arl_tui.calibration.scenes import TICK_MS, Scene
 from arl_tui.calibration.stimulus import StimulusBox
 from arl_tui.palette import Palette
 from arl_tui.widgets.board import TetrisBoard
+from arl_tui.widgets.pitch import PitchWidget
 from core.keys import NS_PER_MS
 from studies.reaction_time.protocol import TrialPlan
 
@@ -138,3 +141,51 @@ class GameView:
     def note(self, plan: TrialPlan) -> str:
         """Return where the piece went."""
         return self._scenes[plan.index].note
+
+
+class PitchView:
+    """The real pitch: a possession is played, then one picture is marked."""
+
+    tick_ns: int | None = CYCLE_MS * NS_PER_MS
+
+    def __init__(self, clips: Sequence[Clip], palette: Palette) -> None:
+        first = clips[0].event
+        self.pitch = PitchWidget(first.length_m, first.width_m, palette=palette)
+        # As large as there is room for beside the words, in the smallest window.
+        self.pitch.styles.width, self.pitch.styles.height = 34, 20
+        self._clips = clips
+        self._palette = palette
+
+    @property
+    def widget(self) -> Widget:
+        """The pitch."""
+        return self.pitch
+
+    def renewed(self) -> "PitchView":
+        """Return the same game on a new pitch."""
+        return PitchView(self._clips, self._palette)
+
+    def study(self, item: str) -> None:
+        """Do nothing: there is nothing to remember in a game."""
+
+    def wait(self, plan: TrialPlan, tick: int) -> None:
+        """Show the play before the event."""
+        self.pitch.note = ""
+        self.pitch.show(self._clips[plan.index].at(tick))
+
+    def present(self, plan: TrialPlan) -> None:
+        """Show the event, with a mark: something changes on the screen whatever the event looks like."""
+        self.pitch.show(self._clips[plan.index].event, plan.index)
+        self.pitch.note = MARK
+
+    def rest(self) -> None:
+        """Leave the pitch as it is."""
+
+    def take_drawn(self) -> int:
+        """Return what the pitch has drawn."""
+        drawn, self.pitch.drawn_frame = self.pitch.drawn_frame, -1
+        return drawn
+
+    def note(self, plan: TrialPlan) -> str:
+        """Return what happened."""
+        return self._clips[plan.index].note

@@ -15,7 +15,8 @@ from arl_tui.recordings import CALIBRATION_FOLDER
 if TYPE_CHECKING:
     from arl_tui.calibration.app import Outcome
     from arl_tui.calibration.fitting import Fitted
-    from studies.reaction_time.protocol import Task
+    from arl_tui.calibration.plan import GameName
+    from studies.reaction_time.protocol import TaskConfig
 
 HINDRANCES = {
     "ssh": "a network connection (SSH)",
@@ -34,16 +35,17 @@ def calibrate(
     recordings: Path,
     dry_run: bool,
     refit: bool = False,
+    game: "GameName" = "tetris",
 ) -> None:
     """Run the tasks in this terminal, print what they would be, or fit what has been measured."""
     from arl_tui.calibration.plan import Sitting, configure, new_parts, task_names
 
     try:
-        configs = configure(task_names(tasks), n_trials=trials, n_practice=practice)
+        configs = configure(task_names(tasks), n_trials=trials, n_practice=practice, game=game)
     except ValueError as error:
         raise click.BadParameter(str(error), param_hint="--tasks") from error
     if refit:
-        fit_again(participant, [config.task for config in configs], recordings)
+        fit_again(participant, configs, recordings)
         return
     sitting = Sitting(
         participant=participant,
@@ -116,7 +118,7 @@ def tell(outcome: "Outcome") -> None:
         raise click.ClickException(outcome.trouble)
 
 
-def fit_again(participant: str, tasks: Sequence["Task"], recordings: Path) -> None:
+def fit_again(participant: str, configs: Sequence["TaskConfig"], recordings: Path) -> None:
     """Fit the newest finished session of each task, and keep the result."""
     from arl_tui.calibration.fitting import FitOrder, fit_files
     from arl_tui.calibration.plan import newest_complete
@@ -126,8 +128,8 @@ def fit_again(participant: str, tasks: Sequence["Task"], recordings: Path) -> No
     try:
         paths = [
             str(path)
-            for task in tasks
-            for path in newest_complete(recordings, task)
+            for config in configs
+            for path in newest_complete(recordings, config.task, config.game)
             if read_trials(path).header.participant == participant
         ]
     except TrialFileError as error:
@@ -146,7 +148,7 @@ def tell_fit(fitted: "Fitted") -> None:
     for delay in fitted.delays:
         mean = delay.mean_s
         click.echo(
-            f"{delay.task}: mean {mean.estimate:.3f} s (95 %: {mean.low:.3f} to {mean.high:.3f} s), "
+            f"{delay.key}: mean {mean.estimate:.3f} s (95 %: {mean.low:.3f} to {mean.high:.3f} s), "
             f"{delay.n_observed} responses, {delay.family}"
         )
         for warning in delay.warnings:

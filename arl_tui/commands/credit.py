@@ -19,10 +19,10 @@ from core.protocol import Protocol
 from core.recording.reader import Recording
 
 
-def credit_of(text: str, recordings: Path, participant: str) -> CreditChoice:
+def credit_of(text: str, recordings: Path, participant: str, game: str) -> CreditChoice:
     """Return the rule that `text` names, after saying why it may not be trusted; stop where there is none."""
     try:
-        choice = choose_credit(text, recordings, participant)
+        choice = choose_credit(text, recordings, participant, game)
     except ParticipantError as error:
         raise click.ClickException(str(error)) from error
     except ValueError as error:
@@ -48,7 +48,7 @@ def settle_credit(
     if asked == "rule":
         choice = rule_as_written(protocol.agent.credit.delay)
     else:
-        choice = credit_of(asked, recordings, participant)
+        choice = credit_of(asked, recordings, participant, protocol.game)
     return with_credit(protocol, choice), choice.source | by
 
 
@@ -72,7 +72,7 @@ def what_if_delays(texts: Sequence[str], recording: Recording, protocol: Protoco
         if text == "rule":
             choice = rule_as_written(protocol.agent.credit.delay)
         else:
-            choice = credit_of(text, home_of(recording.path), recording.header.participant)
+            choice = credit_of(text, home_of(recording.path), recording.header.participant, protocol.game)
         words = "; ".join(f"{name.removeprefix('credit_')} {value}" for name, value in choice.source.items())
         if text in CHOICES:
             click.echo(f"Credit: {words}")
