@@ -102,7 +102,15 @@ def build_session(protocol: Protocol, root_seed: int) -> Session:
     Args:
         protocol: everything the experimenter decided.
         root_seed: >= 0; episodes, policies and all random choices follow from it.
+
+    Raises:
+        ValueError: the protocol asks for a participant's measured delay and nobody has put its numbers in.
     """
+    if protocol.delay_of != "rule":
+        raise ValueError(
+            f"delay_of is {protocol.delay_of!r}: put the participant's delay into agent.credit.delay and set delay_of to "
+            "'rule' (`arl play` does both)"
+        )
     game = game_of(protocol)
     agent = game.agent(protocol, root_seed)
     return Session(
