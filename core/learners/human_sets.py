@@ -3,6 +3,7 @@
 The same samples in the same order give the same bits as there.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -24,6 +25,9 @@ class HumanSet(NamedTuple):
     """Shape (n, a, t), or (1, a, t) where one model is shared by all."""
     samples: Ints
     """[samples learned from], shape (1,): while it is 0 nothing is known."""
+    foreseen: Floats
+    """How well presses were foreseen (`core.learners.consistency`): sum of weights, means of label and prediction, sum of
+    squares of predictions, drift, variation; shape (6,)."""
     n_tilings: int
     step_size: float
     """Share of its error that a sample of weight 1 takes out."""
@@ -41,6 +45,7 @@ def new_human_set(config: TileModel, coder: TileCoder, n_learners: int, n_option
     return HumanSet(
         weights=np.zeros((1 if config.shared else n_learners, n_options, coder.n_tiles)),
         samples=np.zeros(1, np.int64),
+        foreseen=np.zeros(6),
         n_tilings=coder.n_tilings,
         step_size=float(config.step_size),
     )
@@ -76,5 +81,27 @@ def learn_sample(
         sample_weight: the step's share of the credit, in (0, 1].
     """
     weights = human.weights[min(k, human.weights.shape[0] - 1), option]
+    _note(human.foreseen, window_sum(weights, windows, human.n_tilings), label, sample_weight)
     move_tiles(windows, label, sample_weight, human.step_size, weights, human.n_tilings)
     human.samples[0] += 1
+
+
+@kernel
+def _note(state: Floats, prediction: float, label: float, weight: float) -> None:
+    """Take in a prediction made before the press was known (`core.learners.consistency.Consistency.note`)."""
+    told = prediction - state[2]
+    if state[3] > 0.0:
+        spread = math.sqrt(state[3] / state[0])
+        gain = weight * min(max(told / spread, -1.0), 1.0) * (label - state[1])
+        state[4] += gain
+        state[5] += gain * gain
+    state[0] += weight
+    state[2] += weight / state[0] * told
+    state[3] += weight * told * (prediction - state[2])
+    state[1] += weight / state[0] * (label - state[1])
+
+
+def consistency(human: HumanSet) -> float:
+    """Return how many standard errors better than chance the models foresaw the presses."""
+    drift, variation = human.foreseen[4:]
+    return float(drift / math.sqrt(variation)) if variation > 0 else 0.0

@@ -1,0 +1,43 @@
+"""The Sarsa arm of robustness: wrong feedback against rules of trust, in Keepaway."""
+
+from collections.abc import Iterator
+
+from core.combination.config import Annealed, Constant, Equation4, Equation5, Signed
+from studies.experiments.keepaway_settings import DEPARTURES, TRUST, arl, person, sarsa_alone
+from studies.experiments.keepaway_trial import KeepawayTrial, quick, run_trial
+from studies.experiments.sweep import Condition, Experiment
+
+WRONG_PERCENT = (0, 10, 30, 50, 80, 100)
+"""Share of presses of the wrong key."""
+HOURS = 4.0
+"""Shorter than Fig. 7: there are forty conditions."""
+
+
+def _rules(wrong: float) -> dict[str, tuple[str, KeepawayTrial]]:
+    """Return name -> (label, trial) of every rule against a person with this share of wrong presses, in [0, 1]."""
+    someone = person(wrong)
+    return {
+        "annealed": ("annealed, 0.98 per episode", arl(Annealed(), watched_by=someone, hours=HOURS)),
+        "constant": ("constant w_h = 1", arl(Constant(), watched_by=someone, hours=HOURS)),
+        "eq4": ("Eq. 4", arl(trust=Equation4(), watched_by=someone, hours=HOURS)),
+        "eq5": ("Eq. 5", arl(trust=Equation5(), watched_by=someone, hours=HOURS)),
+        "signed": ("signed agreement", arl(trust=Signed(), watched_by=someone, hours=HOURS)),
+        "trust": ("the rule of Fig. 7", arl(trust=TRUST, watched_by=someone, hours=HOURS)),
+    }
+
+
+def _conditions() -> Iterator[Condition]:
+    yield Condition("sarsa", "Sarsa", sarsa_alone(HOURS))
+    for percent in WRONG_PERCENT:
+        for name, (label, trial) in _rules(percent / 100).items():
+            yield Condition(f"{name}-{percent}", f"{label}, {percent} % wrong", trial)
+
+
+EXPERIMENT = Experiment(
+    name="robustness-keepaway",
+    title="Wrong feedback and trust in Keepaway",
+    conditions=tuple(_conditions()),
+    trial=run_trial,
+    quick=quick,
+    departures=DEPARTURES,
+)
