@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
     from studies.experiments.sweep import Experiment
 
-NAMES = ("fig5",)
+NAMES = ("fig5", "fig7", "credit", "robustness-keepaway")
 """Written out here so that `--help` need not load them; a test compares."""
 DEFAULT_RESULTS = Path("results")
 

@@ -55,7 +55,7 @@ from core.keepaway.pitch import CYCLE_NS, CYCLE_S, OUT, KeepawayConfig
 from core.keepaway.presses import LOST, MADE, begin_episode, new_presses
 from core.keys import KeyConfig
 from core.learners.human_config import TileModel
-from core.learners.human_sets import new_human_set
+from core.learners.human_sets import consistency, new_human_set
 from core.learners.sarsa import SarsaConfig, new_sarsa
 from core.streams import stream_seed
 
@@ -311,6 +311,7 @@ class ArlAutoplay:
                 performance=episode.duration_s,
                 truncated=episode.truncated,
                 comparison=Comparison(*counts) if episode.compared else None,
+                consistency=consistency(self.human),
             ),
             self.human.weights[0, 0] if self.human.samples[0] else None,
         )

@@ -1,8 +1,11 @@
 """What a wrong delay density costs in Keepaway, where feedback is late: the person's own fit, the paper's, uniform, none."""
 
 from core.feedback.delays import CurrentStep, GammaDelay, PreviousStep, UniformDelay
+from studies.experiments.keepaway_pages import Claim, report_page
 from studies.experiments.keepaway_settings import DEPARTURES, TRUST, arl, person, sarsa_alone
 from studies.experiments.keepaway_trial import own_fit, quick, run_trial
+from studies.experiments.page import Page
+from studies.experiments.results import Results
 from studies.experiments.sweep import Condition, Experiment
 
 SLOW = GammaDelay(shape=4.0, scale_s=0.3, offset_s=0.3)
@@ -40,3 +43,26 @@ EXPERIMENT = Experiment(
     quick=quick,
     departures=DEPARTURES,
 )
+
+CLAIMS: tuple[Claim, ...] = (
+    ("own-fit", "paper", "the person's own fit does better than the paper's density"),
+    ("own-fit", "uniform", "the person's own fit does better than a uniform density"),
+    ("own-fit", "on-screen", "the person's own fit does better than no delay at all"),
+    ("paper", "on-screen", "the paper's density, though wrong, does better than no delay at all"),
+)
+OTHERS = (
+    ("true", "own-fit"),
+    ("own-fit", "sarsa"),
+    ("paper", "sarsa"),
+    ("previous", "sarsa"),
+    ("on-screen", "sarsa"),
+)
+INTRODUCTION = """A simulated
+person watches every episode, presses at most 2 keys in it, errs in 1 of 10, and presses 1.5 s after an option was chosen on average (gamma
+of shape 4 and scale 0.3 s, 0.3 s at least). Their own fit is a shifted gamma density of 60 reactions drawn beforehand, anew in each trial.
+w_h is by trial."""
+
+
+def report(results: Results) -> Page:
+    """Return the page of `credit`."""
+    return report_page(results, CLAIMS, OTHERS, INTRODUCTION)

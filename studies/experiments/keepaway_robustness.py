@@ -3,8 +3,11 @@
 from collections.abc import Iterator
 
 from core.combination.config import Annealed, Constant, Equation4, Equation5, Signed
+from studies.experiments.keepaway_pages import report_page
 from studies.experiments.keepaway_settings import DEPARTURES, TRUST, arl, person, sarsa_alone
 from studies.experiments.keepaway_trial import KeepawayTrial, quick, run_trial
+from studies.experiments.page import Page
+from studies.experiments.results import Results
 from studies.experiments.sweep import Condition, Experiment
 
 WRONG_PERCENT = (0, 10, 30, 50, 80, 100)
@@ -22,7 +25,7 @@ def _rules(wrong: float) -> dict[str, tuple[str, KeepawayTrial]]:
         "eq4": ("Eq. 4", arl(trust=Equation4(), watched_by=someone, hours=HOURS)),
         "eq5": ("Eq. 5", arl(trust=Equation5(), watched_by=someone, hours=HOURS)),
         "signed": ("signed agreement", arl(trust=Signed(), watched_by=someone, hours=HOURS)),
-        "trust": ("the rule of Fig. 7", arl(trust=TRUST, watched_by=someone, hours=HOURS)),
+        "tried": ("trust by trial", arl(trust=TRUST, watched_by=someone, hours=HOURS)),
     }
 
 
@@ -41,3 +44,12 @@ EXPERIMENT = Experiment(
     quick=quick,
     departures=DEPARTURES,
 )
+
+INTRODUCTION = """A simulated
+person watches every episode, presses at most 2 keys in it, and errs as often as the condition says."""
+
+
+def report(results: Results) -> Page:
+    """Return the page of the Sarsa arm: every rule at every rate against Sarsa alone."""
+    others = [(name, "sarsa") for name in results.conditions if name != "sarsa"]
+    return report_page(results, (), others, INTRODUCTION)

@@ -3,7 +3,7 @@
 The constants were chosen on pilot seeds (`docs/decisions/keepaway-experiments.md`), none of which is reported.
 """
 
-from core.combination.config import AgentConfig, BootstrapConfig, Equation4, Linear, Scheme, TrustRule
+from core.combination.config import AgentConfig, BootstrapConfig, Equation4, Linear, Scheme, Tried, TrustRule
 from core.feedback.config import CreditConfig, TrainerConfig
 from core.feedback.delays import Delay, Density, GammaDelay
 from core.keepaway.arl_autoplay import ArlKeepawayConfig
@@ -15,12 +15,14 @@ HUMAN_STEP = 0.3
 """Share of a sample's error that the human model takes out."""
 HUMAN_SHARED = True
 """One human model for all keepers: a press teaches three keepers at once."""
+TRUST = Tried()
+"""The rule of trust where Eq. 4 is not asked for: by trial."""
 HOURS = 10.0
 """Simulated hours of a trial: where the published curves have risen most of their way."""
 
 DEPARTURES = (
-    "the participants are simulated: they judge an option by the hand-coded policy of the benchmark, on what the keeper "
-    "sees; each pass may be judged when it is made, holding now and then",
+    "the participants are simulated: they judge by the hand-coded policy of the benchmark, on what the keeper sees",
+    "each pass may be judged when it is made, holding now and then",
     "every episode is watched",
     "the human model is linear over the tiles of the learner, one for all keepers, learned by gradient descent",
     "R and H are standardised over the options of each decision",

@@ -66,6 +66,9 @@ class Experiment:
 
 MODULES: dict[str, str] = {
     "fig5": "studies.experiments.fig5",
+    "fig7": "studies.experiments.fig7",
+    "credit": "studies.experiments.credit",
+    "robustness-keepaway": "studies.experiments.keepaway_robustness",
 }
 """Where each experiment is: a module with `EXPERIMENT` and `report(results) -> Page`. Imported when asked for."""
 

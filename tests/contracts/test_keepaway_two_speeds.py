@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from core.combination.agent import ArlAgent
-from core.combination.config import AgentConfig, BootstrapConfig, Equation4, Exponential, Linear, Signed
+from core.combination.config import AgentConfig, BootstrapConfig, Equation4, Exponential, Linear, Tried
 from core.feedback.config import CreditConfig, TrainerConfig
 from core.feedback.delays import CurrentStep, GammaDelay
 from core.keepaway.arl_autoplay import ArlAutoplay, ArlKeepawayConfig
@@ -28,9 +28,9 @@ AGENTS = {
         scheme=Linear(),
         human_model=TileModel(),
     ),
-    "exponential, signed, on screen, shared": AgentConfig(
+    "exponential, tried, on screen, shared": AgentConfig(
         credit=CreditConfig(delay=CurrentStep()),
-        bootstrap=BootstrapConfig(trust=Signed(minimum_episodes=3)),
+        bootstrap=BootstrapConfig(trust=Tried(consistent_above=0.0, minimum_episodes=2, better_by=0.5)),
         scheme=Exponential(),
         human_model=TileModel(shared=True),
     ),
@@ -122,6 +122,4 @@ def test_compiled_play_and_the_parts_of_a_session_learn_the_same_from_the_same_p
         assert (cycles, w_h) == (episode.cycles, episode.w_h)
     assert slow.made == len(presses) > 8
     np.testing.assert_array_equal(game.sarsa.weights, slow.learner.sarsa.weights)
-    np.testing.assert_allclose(
-        game.human.weights.ravel(), slow.agent.human.weights, rtol=1e-9, atol=1e-15
-    )
+    np.testing.assert_allclose(game.human.weights.ravel(), slow.agent.human.weights, rtol=1e-9, atol=1e-15)

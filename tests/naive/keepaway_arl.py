@@ -25,6 +25,7 @@ from core.keepaway.match import CYCLE, new_match, open_streams, start_episode
 from core.keepaway.policies import hand_coded
 from core.keepaway.variables import observe
 from core.keys import PressGate
+from core.learners.consistency import Consistency
 from core.learners.human_config import SgdModel
 from core.learners.human_reward import HumanRewardModel
 from core.learners.sarsa import (
@@ -92,6 +93,7 @@ class ArlKeepaway:
             SgdModel(step_size=model.step_size / self.active, intercept=False),
             self.sets * self.n * self.coder.n_tiles,
         )
+        self.consistency = Consistency()
         self.assigner = CreditAssigner(config.agent.credit)
         self.seed = stream_seed(root_seed, *path, "session")
         self.bootstrap = BootstrapLearning(
@@ -146,6 +148,7 @@ class ArlKeepaway:
                 performance=self.record.cycles * 0.1,
                 truncated=False,
                 comparison=Comparison(*counts) if counts[0] else None,
+                consistency=self.consistency.score,
             ),
             self.human.weights if self.human.knows_something else None,
         )
@@ -221,4 +224,6 @@ class ArlKeepaway:
             if accepted:
                 self.assigner.press(number, time_ns, press.value)
                 for sample in self.assigner.take():
+                    expected = float(self.human.predict(sample.features[None, :])[0])
+                    self.consistency.note(expected, sample.label, sample.weight)
                     self.human.add(sample)

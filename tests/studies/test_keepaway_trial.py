@@ -1,11 +1,14 @@
 """Trials in Keepaway for experiments: pure, paired, and as long as asked for."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 import msgspec
 import numpy as np
 import pytest
 
 from core.feedback.delays import GammaDelay
 from studies.experiments import credit, fig7, keepaway_robustness
+from studies.experiments.keepaway_pages import smooth
 from studies.experiments.keepaway_settings import arl, sarsa_alone
 from studies.experiments.keepaway_trial import (
     KeepawayTrial,
@@ -15,7 +18,9 @@ from studies.experiments.keepaway_trial import (
     quick,
     run_trial,
 )
-from studies.experiments.sweep import PILOT_SEEDS, csv_text, describe_settings
+from studies.experiments.results import read_results
+from studies.experiments.run import run_sweep
+from studies.experiments.sweep import PILOT_SEEDS, csv_text, describe_settings, root_seeds
 
 EXPERIMENTS = (fig7.EXPERIMENT, credit.EXPERIMENT, keepaway_robustness.EXPERIMENT)
 
@@ -71,3 +76,19 @@ def test_means_by_time_are_over_the_episodes_that_end_in_each_part():
     assert mean_by_time(rows, "seconds", 2.0, 4).tolist() == [2.0, 5.0, 7.0, 9.0]
     # Nothing ends in (0.6, 0.7] hours of 2: the episode under way, 7.
     assert mean_by_time(rows, "seconds", 2.0, 20)[7] == 7.0
+
+
+@pytest.mark.jit
+def test_a_page_says_which_claims_held_from_files_alone(tmp_path):
+    seeds = root_seeds(2, PILOT_SEEDS)
+    with ThreadPoolExecutor(1) as executor:
+        run_sweep(fig7.EXPERIMENT, seeds, tmp_path, executor, quick=True, only=["sarsa", "linear-gamma"])
+    page = fig7.report(read_results(fig7.EXPERIMENT, tmp_path))
+    assert "ARL, linear with gamma, keeps the ball longer than Sarsa" in page.text
+    assert "without gamma, keeps" not in page.text, "nothing was played without gamma"
+    assert set(page.figures) == {"fig7"}
+
+
+def test_running_means_look_back_over_a_few_points():
+    curve = np.array([[2.0, 4.0, 6.0, 8.0]])
+    assert smooth(curve, 2).tolist() == [[2.0, 3.0, 5.0, 7.0]]

@@ -19,6 +19,7 @@ from core.combination.config import (
     Linear,
     RewardShaping,
     Signed,
+    Tried,
 )
 from core.feedback.config import CreditConfig, TrainerConfig
 from core.feedback.delays import CurrentStep, GammaDelay, PreviousStep, UniformDelay
@@ -28,6 +29,7 @@ from core.keepaway.person_config import KeepawayPersonConfig
 from core.keepaway.pitch import KeepawayConfig
 from core.keys import KeyConfig
 from core.learners.human_config import RidgeModel, TileModel
+from core.learners.human_sets import consistency
 from core.learners.sarsa import SarsaConfig, new_sarsa
 from tests.naive.keepaway_arl import ArlKeepaway
 
@@ -79,6 +81,7 @@ SETTINGS = {
         pause_s=0.0,
         keys=KeyConfig(max_presses_per_episode=4),
     ),
+    "tried": setting(agent(trust=Tried(consistent_above=0.0, minimum_episodes=2, better_by=0.5))),
     "human only, 4 against 3": setting(
         agent(HumanOnly()), task=KeepawayConfig(4, 3, 25.0, 25.0, exact_state=True)
     ),
@@ -98,6 +101,7 @@ def test_compiled_play_is_the_play_of_a_session_in_python(name):
     np.testing.assert_array_equal(fast.sarsa.weights, slow.sarsa.weights)
     np.testing.assert_allclose(fast.human.weights.ravel(), slow.human.weights, rtol=1e-9, atol=1e-15)
     assert fast.human.weights.any()
+    assert consistency(fast.human) == pytest.approx(slow.consistency.score, rel=1e-9)
     assert fast.account.presses == slow.assigner.account.presses > 5
     for part in ("credited", "before_first", "in_gaps"):
         assert getattr(fast.account, part) == pytest.approx(getattr(slow.assigner.account, part), abs=1e-9)

@@ -1,0 +1,125 @@
+"""What the pages of experiments in Keepaway share: scores of trials, figures over simulated time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studies.comparison import Verdict
+from studies.experiments import page
+from studies.experiments.keepaway_trial import mean_by_time
+from studies.experiments.page import Page
+from studies.experiments.results import Results
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Floats = NDArray[np.float64]
+Claim = tuple[str, str, str]
+"""(better condition, worse condition, in words)."""
+
+BINS = 40
+"""Points of a curve."""
+WINDOW = 5
+"""Points of a curve over which its running mean goes: published curves are smoothed as well."""
+SCORE = "seconds per episode, over the whole trial"
+SCORES_TEXT = """\
+The score of a trial is the mean over simulated time of how long episodes lasted: the area under its learning curve (40 equal parts). It
+was chosen before the trials were played. The last tenth of the time is given as well.
+"""
+
+
+def by_time(results: Results, condition: str, column: str, bins: int = BINS) -> Floats:
+    """Return a column's means over equal parts of the shortest trial's simulated time, shape (trials, bins)."""
+    hours = _hours(results)
+    return np.array([mean_by_time(trial, column, hours, bins) for trial in results.trials[condition]])
+
+
+def scores(results: Results) -> dict[str, Floats]:
+    """Return the score of each trial, by the condition's label."""
+    return {
+        results.label(name): by_time(results, name, "seconds").mean(axis=1) for name in results.conditions
+    }
+
+
+def last_tenth(results: Results) -> dict[str, Floats]:
+    """Return mean durations at the end of each trial, by the condition's label."""
+    return {results.label(name): by_time(results, name, "seconds", 10)[:, -1] for name in results.conditions}
+
+
+def smooth(curves: Floats, window: int = WINDOW) -> Floats:
+    """Return running means over up to `window` points up to each point, shape (trials, n)."""
+    sums = np.cumsum(np.pad(curves, ((0, 0), (1, 0))), axis=1)
+    ends = np.arange(1, curves.shape[1] + 1)
+    starts = np.maximum(ends - window, 0)
+    return np.asarray((sums[:, ends] - sums[:, starts]) / (ends - starts))
+
+
+def curves_figure(results: Results) -> Figure:
+    """Draw durations, and beside them w_h, against simulated time."""
+    figure = page.new_figure(7.2, 3.6)
+    left, right = figure.subplots(1, 2)
+    x = _hours(results) * (np.arange(BINS) + 1.0) / BINS
+    for axes, column in ((left, "seconds"), (right, "w_h")):
+        curves = {results.label(n): smooth(by_time(results, n, column)) for n in results.conditions}
+        page.draw_curves(axes, x, curves)
+    left.set(xlabel="simulated hours", ylabel="seconds per episode")
+    left.set_ylim(bottom=0.0)
+    left.legend(frameon=False, fontsize="x-small")
+    right.set(xlabel="simulated hours", ylabel="weight of the human, $w_h$")
+    return figure
+
+
+def report_page(
+    results: Results, claims: Sequence[Claim], others: Sequence[tuple[str, str]], introduction: str
+) -> Page:
+    """Return the page of an experiment in Keepaway.
+
+    Args:
+        results: what was played.
+        claims: what is claimed, tested in this order.
+        others: further comparisons (treated, control).
+        introduction: sentences below the figure.
+    """
+    whole, last, label = scores(results), last_tenth(results), results.label
+    there = set(results.conditions)
+    claimed = [claim for claim in claims if {claim[0], claim[1]} <= there]
+    verdicts = [page.verdict(label(better), label(worse), whole) for better, worse, _ in claimed]
+    verdicts += [page.verdict(label(a), label(b), whole) for a, b in others if {a, b} <= there]
+    name = results.experiment.name
+    text = f"""\
+# {results.experiment.title}
+
+{_claims_table(claimed, verdicts)}
+![Learning curves](../figures/{name}.png)
+
+Means over {len(results.seeds)} trials with 95 % bootstrap bands, running means over an eighth of the time. {introduction}
+
+## Scores
+
+{SCORES_TEXT}
+{page.summary_table(whole, SCORE)}
+Last tenth of the time:
+
+{page.summary_table(last, "seconds per episode")}
+## Comparisons
+
+{page.HOW_TO_READ}
+{page.verdict_table(verdicts)}
+{page.how_it_was_made(results, f"arl experiment run {name} && arl experiment report {name} --into docs")}"""
+    return Page(name, text, {name: curves_figure(results)})
+
+
+def _claims_table(claims: Sequence[Claim], verdicts: Sequence[Verdict]) -> str:
+    rows = [
+        [words, page.held(found), page.interval(found.ratio)]
+        for (_, _, words), found in zip(claims, verdicts, strict=False)
+    ]
+    return page.table(["claim", "held", "ratio"], rows)
+
+
+def _hours(results: Results) -> float:
+    return min(float(trial["hours"][-1]) for trials in results.trials.values() for trial in trials)
