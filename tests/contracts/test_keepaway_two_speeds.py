@@ -47,7 +47,7 @@ def compiled(config, n_episodes):
             array[...] = theirs
         for rng, their_rng in zip(game.streams, session.streams, strict=True):
             rng.bit_generator.state = their_rng.bit_generator.state
-        explore = stream(ROOT_SEED, "explore", episode)
+        explore = stream(game._seed, "explore", episode)
         game.streams.policy.bit_generator.state = explore.bit_generator.state
         episodes.append(game.play_episode())
     return game, episodes
@@ -56,13 +56,13 @@ def compiled(config, n_episodes):
 class StepByStep:
     """The loop of a session: the real domain and the real agent, presses at given times."""
 
-    def __init__(self, config, presses):
+    def __init__(self, config, presses, root_seed):
         self.domain = Keepaway(TASK, shared_feedback=config.agent.human_model.shared)
         learner = SarsaLearner(SarsaConfig(), self.domain.coder, n_learners=3, n_actions=3)
         names = self.domain.feedback_feature_names
         tiles = self.domain.feedback_tiles
         self.agent = ArlAgent(
-            learner, config.agent, n_feedback_features=len(names), root_seed=ROOT_SEED, feedback_tiles=tiles
+            learner, config.agent, n_feedback_features=len(names), root_seed=root_seed, feedback_tiles=tiles
         )
         self.learner, self.presses, self.made, self.steps = learner, presses, 0, 0
         self.pause_ns = round(config.pause_s * 1e9)
@@ -115,7 +115,7 @@ def test_compiled_play_and_the_parts_of_a_session_learn_the_same_from_the_same_p
     config = ArlKeepawayConfig(task=TASK, agent=AGENTS[name], person=PERSON)
     game, episodes = compiled(config, 12)
     presses = [press for episode in episodes for press in episode.presses if press.accepted]
-    slow, now_ns = StepByStep(config, presses), 0
+    slow, now_ns = StepByStep(config, presses, game._seed), 0
     for number, episode in enumerate(episodes):
         assert episode.start_ns == now_ns
         cycles, w_h, now_ns = slow.play_episode(number, now_ns)
