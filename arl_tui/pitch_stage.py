@@ -4,6 +4,7 @@ A decision's first picture shows the cycle in which it is made; the last picture
 end, is the one a cycle earlier. So a hold has one picture and a pass in flight belongs to the passer's step.
 """
 
+import functools
 import itertools
 from typing import TYPE_CHECKING
 
@@ -34,8 +35,8 @@ class PitchStage:
         from core.keepaway.camera import Camera
         from core.keepaway.decisions import DecisionPlay
 
-        self._new_play = lambda seed: DecisionPlay(config, seed)
-        self._new_camera = lambda: Camera(config)
+        self._new_play = functools.partial(DecisionPlay, config)
+        self._new_camera = functools.partial(Camera, config)
         self._episodes = 0
         self._play = self._new_play(0)
         self._camera = self._new_camera()

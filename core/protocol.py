@@ -14,6 +14,7 @@ import msgspec
 from core.combination.config import AgentConfig, Equation4
 from core.feedback.config import CreditConfig, TrainerConfig
 from core.feedback.delays import GammaDelay, describe
+from core.keepaway.person_config import KeepawayPersonConfig
 from core.keepaway.pitch import KeepawayConfig
 from core.keys import KeyConfig
 from core.learners.cross_entropy_config import CrossEntropyConfig
@@ -194,7 +195,7 @@ KEEPAWAY = Protocol(
     ),
     # Section 4: at most two presses per episode, about 1 in 10 of them wrong.
     keys=KeyConfig(max_presses_per_episode=2),
-    trainer=TrainerConfig(press_probability=0.5, max_presses=2),
+    trainer=KeepawayPersonConfig().trainer,
     # An untrained team keeps the ball for about 7 s, a trained one for 12 s; a step takes 0.1 s or a pass.
     session=SessionConfig(episodes=20, unseen_between=0, watched_steps=1200, unseen_steps=12000),
 )

@@ -140,7 +140,7 @@ def would_choose(watcher: Watcher, match: Match, rules: Rules, i: int) -> int:
         observe(i, match.players, rules.n_keepers, watcher.order, watcher.variables)
         variables = watcher.variables
     if watcher.lay:
-        wanted = _lay_choice(variables, rules.n_keepers, rules.n_takers)
+        wanted = lay_choice(variables, rules.n_keepers, rules.n_takers)
     else:
         wanted = hand_coded(variables, rules.n_keepers, rules.n_takers)
     if watcher.exact and wanted > 0:
@@ -152,7 +152,8 @@ def would_choose(watcher: Watcher, match: Match, rules: Rules, i: int) -> int:
 
 
 @kernel
-def _lay_choice(variables: Floats, n_keepers: int, n_takers: int) -> int:
+def lay_choice(variables: Floats, n_keepers: int, n_takers: int) -> int:
+    """Return what a lay person would do: pass to the mate farthest from all takers when one is near, else hold."""
     if variables[n_keepers] > LAY_DANGER_M:
         return 0
     base = 1 + 2 * (n_keepers - 1 + n_takers)

@@ -11,20 +11,19 @@ from core.combination.agent import ArlAgent, EpisodePolicy
 from core.combination.human_learner import HumanLearner
 from core.domain import Choices, Domain
 from core.episode import StepTaken
+from core.feedback.config import Knowledge
 from core.feedback.viewing import Watched
 from core.games import Oracle, Player
 from core.keepaway.domain import HOLD, Keepaway, KeepawayState
-from core.keepaway.pitch import CYCLE_NS, CYCLE_S, KeepawayConfig
+from core.keepaway.person import lay_choice, noticed_per_cycle
+from core.keepaway.person_config import KeepawayPersonConfig
+from core.keepaway.pitch import CYCLE_NS, KeepawayConfig
 from core.keepaway.policies import hand_coded
 from core.learners.human_config import TileModel
 from core.learners.sarsa_config import SarsaConfig
 from core.learners.sarsa_learner import SarsaLearner
 from core.protocol import Protocol
 from core.rollout import Played, play_unseen
-
-HOLDS_NOTICED_PER_S = 0.3
-"""Chance, per second of holding, to look at the hold as one looks at a pass. People judge events, not every 100 ms of
-holding. (Our choice.)"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,21 +46,29 @@ class KeepawayViewing:
     def watched(self, state: KeepawayState, action: int, following: KeepawayState) -> Watched:
         """Return how an option is seen: a pass is an event, a hold one of many."""
         cycles = following.cycle - state.cycle
-        noticed = 1.0 if action != HOLD else 1.0 - (1.0 - HOLDS_NOTICED_PER_S) ** CYCLE_S
+        noticed = 1.0 if action != HOLD else noticed_per_cycle(KeepawayPersonConfig().holds_noticed_per_s)
         return Watched(cycles * self.cycle_ns, self.cycle_ns, noticed)
 
 
 class KeepawayOracle:
-    """What the hand-coded policy would have done in the keeper's place, on what the keeper sees."""
+    """What somebody would have done in the keeper's place, on what the keeper sees."""
 
-    def __init__(self, config: KeepawayConfig) -> None:
-        """Judge matches of this size."""
+    def __init__(self, config: KeepawayConfig, knowledge: Knowledge = "expert") -> None:
+        """Judge matches of this size.
+
+        Args:
+            config: size of the game.
+            knowledge: expert (the hand-coded policy) or lay (`core.keepaway.person`).
+        """
+        if knowledge == "myopic":
+            raise ValueError("knowledge='myopic' is not known in Keepaway: an option has no immediate effect")
         self._config = config
+        self._choose = lay_choice if knowledge == "lay" else hand_coded
 
     def __call__(self, state: KeepawayState) -> NDArray[np.float64]:
         """Return 1 for its option and 0 for the others, shape (n,)."""
         values = np.zeros(self._config.n_actions)
-        values[hand_coded(state.variables, self._config.n_keepers, self._config.n_takers)] = 1.0
+        values[self._choose(state.variables, self._config.n_keepers, self._config.n_takers)] = 1.0
         return values
 
 
@@ -112,9 +119,9 @@ class KeepawayGame:
         return [play_unseen(domain, agent, policy, seed, max_steps, learning=False) for seed in seeds]
 
     def oracle(self, protocol: Protocol) -> Oracle:
-        """Return the hand-coded policy's opinion."""
+        """Return what the protocol's simulated participant knows."""
         assert isinstance(protocol.domain, KeepawayConfig), "a protocol of Keepaway"
-        return KeepawayOracle(protocol.domain)
+        return KeepawayOracle(protocol.domain, protocol.trainer.knowledge)
 
     def viewing(self, protocol: Protocol) -> KeepawayViewing:
         """Return cycles of 100 ms at the protocol's speed."""

@@ -16,9 +16,12 @@ def the_only_recording(folder: Path) -> Path:
     return path
 
 
-def test_without_a_terminal_it_plays_records_replays_and_summarises(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("game", "games"), [("tetris", 3), ("keepaway", 5)])
+def test_without_a_terminal_it_plays_records_replays_and_summarises(
+    tmp_path: Path, game: str, games: int
+) -> None:
     done = subprocess.run(
-        [sys.executable, "-m", "arl_tui.cli", "demo", "--seed", "3", "--recordings", str(tmp_path)],
+        [sys.executable, "-m", "arl_tui.cli", "demo", game, "--seed", "3", "--recordings", str(tmp_path)],
         capture_output=True,
         text=True,
         stdin=subprocess.DEVNULL,
@@ -28,7 +31,7 @@ def test_without_a_terminal_it_plays_records_replays_and_summarises(tmp_path: Pa
     path = the_only_recording(tmp_path)
     assert str(path) in done.stdout
     assert "Replay: exact" in done.stdout
-    assert "Games watched: 3" in done.stdout
+    assert f"Games watched: {games}" in done.stdout
     recording = read_recording(path)
     assert recording.complete
     assert recording.header.origin == "simulated"
