@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.combination.config import SCHEMES
+from core.combination.human_learner import HumanLearner
 from core.episode import CreditGiven, KeyPressed, PressRetracted
 from core.feedback.credit import Delay, describe
 from core.games import game_of
@@ -53,7 +54,7 @@ class WhatIfRow:
     credited: float
     """Share of the presses' mass that fell on steps."""
     lines: Interval
-    """Lines per game of the resulting policy on fresh seeds, with a 95 % bootstrap interval."""
+    """Lines per game (Keepaway: seconds) of the resulting policy on fresh seeds, with a 95 % bootstrap interval."""
     capped: float
     """Share of games stopped by the cap."""
 
@@ -161,7 +162,7 @@ def held_out_log_loss(
     train: list[tuple[float, bool]] = []
     test: list[tuple[float, bool]] = []
     for given in credits:
-        score = _score(given, model.weights, steps)
+        score = _score(given, model, steps)
         if score is not None:
             (train if given.press in training else test).append((score, presses[given.press] > 0))
     if not test or len({praise for _, praise in train}) < 2:
@@ -182,10 +183,10 @@ def _standing_presses(recording: Recording) -> dict[int, float]:
     return standing
 
 
-def _score(given: CreditGiven, weights: NDArray[np.float64], steps: dict[int, WatchedStep]) -> float | None:
+def _score(given: CreditGiven, human: HumanLearner, steps: dict[int, WatchedStep]) -> float | None:
     """Return the model's value of what a press speaks of; None where it speaks of nothing that is known."""
     parts = [
-        (share, float(steps[step].taken @ weights))
+        (share, float(human.model.predict(steps[step].taken[None, :])[0]))
         for step, share in zip(given.steps, given.shares, strict=True)
         if np.isfinite(steps[step].taken).all()
     ]

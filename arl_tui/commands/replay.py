@@ -12,6 +12,7 @@ import click
 from arl_tui.commands.credit import what_if_delays
 from arl_tui.commands.exact import protocol_of, read_or_stop, run_again
 from arl_tui.commands.play import read_protocol
+from arl_tui.words import words_of
 from core.feedback.delays import describe
 from core.protocol import Protocol
 
@@ -55,15 +56,16 @@ def replay_recording(
         seed=seed or 0,
         workers=workers,
     )
-    click.echo("\n".join(table(rows)))
+    units = words_of(chosen.game).units[1]
+    click.echo("\n".join(table(rows, units)))
     click.echo(OFF_POLICY)
     if csv_path is not None:
-        write_csv(csv_path, rows, {describe(delay): source for delay, source in delays.items()})
+        write_csv(csv_path, rows, {describe(delay): source for delay, source in delays.items()}, units)
         click.echo(f"Table: {csv_path}")
     if plot_path is not None:
         from arl_tui.commands.what_if_figure import draw
 
-        draw(rows, plot_path)
+        draw(rows, plot_path, units)
         click.echo(f"Figure: {plot_path}")
 
 
@@ -98,9 +100,9 @@ def compare(
         )
 
 
-def table(rows: "Iterable[WhatIfRow]") -> Iterable[str]:
-    """Yield the lines of the table."""
-    yield f"{'credit':24} {'scheme':18} {'lines per game':>26} {'log-loss (rate)':>16} {'on steps':>8}  w_h over episodes"
+def table(rows: "Iterable[WhatIfRow]", units: str = "lines") -> Iterable[str]:
+    """Yield the lines of the table; `units` is what is counted per game."""
+    yield f"{'credit':24} {'scheme':18} {units + ' per game':>26} {'log-loss (rate)':>16} {'on steps':>8}  w_h over episodes"
     for row in rows:
         lines = f"{row.lines.estimate:.1f} [{row.lines.low:.1f}, {row.lines.high:.1f}]"
         capped = f" {row.capped:.0%} cut" if row.capped else ""
@@ -116,13 +118,16 @@ def _evenly(values: Sequence[float]) -> list[float]:
     return [values[round(last * k / (W_H_SHOWN - 1))] for k in range(W_H_SHOWN)]
 
 
-def write_csv(path: Path, rows: "Iterable[WhatIfRow]", sources: Mapping[str, str]) -> None:
+def write_csv(
+    path: Path, rows: "Iterable[WhatIfRow]", sources: Mapping[str, str], units: str = "lines"
+) -> None:
     """Write the table with every figure in full precision; w_h as one field, values separated by spaces.
 
     Args:
         path: of the new file.
         rows: of the table.
         sources: where each credit rule comes from, in words, by the rule.
+        units: what is counted per game.
     """
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
@@ -130,9 +135,9 @@ def write_csv(path: Path, rows: "Iterable[WhatIfRow]", sources: Mapping[str, str
             [
                 "credit",
                 "scheme",
-                "lines",
-                "lines_low",
-                "lines_high",
+                units,
+                f"{units}_low",
+                f"{units}_high",
                 "level",
                 "capped",
                 "log_loss",

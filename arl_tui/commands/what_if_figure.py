@@ -8,8 +8,8 @@ if TYPE_CHECKING:
     from studies.what_if import WhatIfRow
 
 
-def draw(rows: "Sequence[WhatIfRow]", path: Path) -> None:
-    """Draw lines per game with intervals, a row per credit rule and a mark per scheme; the suffix says the format.
+def draw(rows: "Sequence[WhatIfRow]", path: Path, units: str = "lines") -> None:
+    """Draw lines (or other `units`) per game with intervals, a row per credit rule and a mark per scheme; the suffix says the format.
 
     Raises:
         ValueError: matplotlib does not know the suffix.
@@ -41,7 +41,7 @@ def draw(rows: "Sequence[WhatIfRow]", path: Path) -> None:
     # Policies differ by factors of a hundred, and some clear nothing at all.
     axes.set_xscale("symlog", linthresh=1.0)
     axes.set_xlim(left=0.0)
-    axes.set_xlabel(f"lines per game on fresh seeds, with {rows[0].lines.level:.0%} intervals")
+    axes.set_xlabel(f"{units} per game on fresh seeds, with {rows[0].lines.level:.0%} intervals")
     axes.set_ylabel("credit rule")
     if len(schemes) > 1:
         axes.legend(title="scheme")

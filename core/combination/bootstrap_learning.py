@@ -156,16 +156,10 @@ class BootstrapLearning:
 
     def state_bytes(self) -> bytes:
         """Return all that decides about later choices, for fingerprints."""
-        parts = [
-            struct.pack(
-                "<ddd?q",
-                self._w_h,
-                self._believed,
-                self._performance_before,
-                self._compared_anything,
-                self._n_compared,
-            )
-        ]
+        parts = [struct.pack("<dd?", self._w_h, self._performance_before, self._compared_anything)]
+        if isinstance(self.config.trust, Tried):
+            # Only there: sessions under the other rules keep the fingerprints that were recorded.
+            parts.append(struct.pack("<dq", self._believed, self._n_compared))
         parts += [struct.pack("<dd", *pair) for pair in self._recent]
         for policy in self._ranked:
             counts = policy.comparison or Comparison(1, 0, 0)

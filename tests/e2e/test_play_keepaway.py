@@ -1,5 +1,6 @@
 """Keepaway in a pseudo-terminal: watched, judged, recorded, replayed; killed in the middle."""
 
+import itertools
 import os
 import signal
 from pathlib import Path
@@ -68,7 +69,7 @@ def check_intervals(events) -> None:
         if isinstance(event, FrameShown) and event.step >= 0:
             shown.setdefault(event.step, event.flushed_ns)
     steps = [event for event in events if isinstance(event, StepTaken)]
-    for one, other in zip(steps, steps[1:], strict=False):
+    for one, other in itertools.pairwise(steps):
         cycles = other.detail["cycle"] - one.detail["cycle"]
         if one.episode == other.episode and cycles > 0:
             assert shown[one.step] > one.time_ns
