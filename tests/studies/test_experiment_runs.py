@@ -54,6 +54,15 @@ def contents(folder: Path) -> dict[str, bytes]:
     return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("seed-*.csv"))}
 
 
+def children(parent: int) -> list[str]:
+    """Return the processes started by another one; none where the system does not say."""
+    return [
+        found
+        for task in Path(f"/proc/{parent}/task").glob("*/children")
+        for found in task.read_text().split()
+    ]
+
+
 def test_each_trial_of_each_condition_has_one_file_with_a_row_per_episode(tmp_path):
     files = run_sweep(EXPERIMENT, root_seeds(3, first=7), tmp_path, Inline())
     assert len(files) == 6
@@ -135,8 +144,12 @@ def test_a_run_that_was_killed_leaves_whole_files_and_goes_on(tmp_path):
     deadline = time.monotonic() + 120
     while len(contents(folder)) < 3 and time.monotonic() < deadline:
         time.sleep(0.01)
-    os.killpg(process.pid, signal.SIGKILL)
+    workers = children(process.pid)
+    os.kill(process.pid, signal.SIGKILL)
     process.wait()
+    while any(Path(f"/proc/{worker}").exists() for worker in workers) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert not any(Path(f"/proc/{worker}").exists() for worker in workers), "workers outlive their run"
     left = contents(folder)
     assert 3 <= len(left) < 60
     assert left.items() <= contents(whole).items()
