@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
     from studies.experiments.sweep import Experiment
 
-NAMES = ("fig5", "fig7", "credit", "robustness-keepaway")
+NAMES = ("fig4", "fig5", "fig6", "fig7", "features", "robustness", "robustness-keepaway", "credit")
 """Written out here so that `--help` need not load them; a test compares."""
 DEFAULT_RESULTS = Path("results")
 
@@ -29,7 +29,7 @@ out_option = click.option(
 def experiment() -> None:
     """Run the experiments behind the figures, and report them.
 
-    NAME is one of fig4 fig5 fig6 fig7 features robustness credit, or a Python module with an EXPERIMENT of your own.
+    NAME is one of fig4 fig5 fig6 fig7 features robustness robustness-keepaway credit, or a Python module with an EXPERIMENT of your own.
     """
 
 

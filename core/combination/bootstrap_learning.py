@@ -89,10 +89,11 @@ class BootstrapLearning:
         self._ranked: list[RankedPolicy] = []
         self._w_h = config.trust.w_h if isinstance(config.trust, FixedWeight) else 0.0
         self._compared_anything = False
-        # Eq. 5: performance behind w_h so far. Others: (pm_i, a_i), or (pm_i, w_h), of recent episodes.
+        # Eq. 5: performance behind w_h so far. Others: (pm_i, a_i), or (pm_i, attitude), of recent episodes.
         self._performance_before = 0.0
-        # Tried: the w_h that is believed in, beside the one that is being tried.
+        # Tried: the attitude that is believed in, and the one of the next episode.
         self._believed = 0.0
+        self._attitude = 0.0
         self._n_compared = 0
         trust = config.trust
         self._recent: deque[tuple[float, float]] = deque(
@@ -159,7 +160,7 @@ class BootstrapLearning:
         parts = [struct.pack("<dd?", self._w_h, self._performance_before, self._compared_anything)]
         if isinstance(self.config.trust, Tried):
             # Only there: sessions under the other rules keep the fingerprints that were recorded.
-            parts.append(struct.pack("<dq", self._believed, self._n_compared))
+            parts.append(struct.pack("<ddq", self._believed, self._attitude, self._n_compared))
         parts += [struct.pack("<dd", *pair) for pair in self._recent]
         for policy in self._ranked:
             counts = policy.comparison or Comparison(1, 0, 0)
@@ -272,28 +273,28 @@ class BootstrapLearning:
     def _revise_by_trial(self, rule: Tried, report: EpisodeReport) -> None:
         if report.comparison is None:
             return
-        self._recent.append((report.performance, self._w_h))
+        self._recent.append((report.performance, self._attitude))
         self._n_compared += 1
-        self._believed = self._best_tried(rule)
-        self._w_h = self._believed
+        self._believed = self._attitude = self._best_attitude(rule)
         rng = stream(self._root_seed, "trial", self._n_compared)
         tries, which = rng.random(2).tolist()
         if self._believed != 0.0:
             if tries < rule.control_share:
-                self._w_h = 0.0
+                self._attitude = 0.0
         elif report.consistency > rule.consistent_above and tries < rule.trial_share:
-            self._w_h = rule.weight if which < 0.5 else -rule.weight
+            self._attitude = 1.0 if which < 0.5 else -1.0
+        self._w_h = self._attitude * rule.weight
 
-    def _best_tried(self, rule: Tried) -> float:
-        """Return the w_h that does best: the believed one, unless another is better by enough."""
-        by_weight = {
-            w_h: [pm for pm, used in self._recent if used == w_h] for w_h in (0.0, rule.weight, -rule.weight)
+    def _best_attitude(self, rule: Tried) -> float:
+        """Return the attitude that does best: the believed one, unless another is better by enough."""
+        played = {
+            attitude: [pm for pm, used in self._recent if used == attitude] for attitude in (0.0, 1.0, -1.0)
         }
-        present = by_weight.pop(self._believed)
+        present = played.pop(self._believed)
         best, lead = self._believed, rule.better_by
-        for w_h, performances in by_weight.items():
+        for attitude, performances in played.items():
             if min(len(performances), len(present)) >= rule.minimum_episodes:
                 score = rank_test(performances, present)
                 if score > lead:
-                    best, lead = w_h, score
+                    best, lead = attitude, score
         return best

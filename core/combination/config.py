@@ -377,32 +377,37 @@ class RankCorrelation(msgspec.Struct, frozen=True, tag="rank-correlation"):
 
 
 class Tried(msgspec.Struct, frozen=True, tag="tried"):
-    """w_h is 0, `weight` or -`weight`: what episodes under each have shown to do best (ours; `docs/decisions`).
+    """The human's word is tried out, and performance says what to make of it (ours; `docs/decisions/tried-trust.md`).
 
-    The presses decide whether there is anything to try: a share of the episodes is played under another w_h only
-    while the presses follow the human model better than chance. The environment decides what to make of it.
+    w_h = attitude * weight. The attitude is 1 (believe), 0, or -1 (believe the opposite), whichever went with the better
+    episodes. Others are tried in a share of the episodes, but only while there is something to try: while the presses
+    can be foreseen from what they are about (`core.learners.consistency`), as random ones cannot.
     """
 
     weight: float = 1.0
     """|w_h| of somebody who is believed: as much say as the environment, both being standardised."""
     consistent_above: float = 2.0
-    """Standard errors by which presses must be foreseen before anything is tried (`core.learners.consistency`)."""
+    """Standard errors by which presses must be foreseen better than chance for an attitude to be tried."""
     trial_share: float = 0.3
-    """Share of episodes in which `weight` or -`weight` is tried while nobody is believed."""
+    """Share of episodes in which 1 or -1 is tried while the attitude is 0."""
     control_share: float = 0.05
-    """Share of episodes played without the human while somebody is believed."""
+    """Share of episodes played without the human while it is 1 or -1."""
     better_by: float = 3.0
-    """Standard errors of the rank test (Mann & Whitney) by which another w_h must do better to be taken over."""
+    """Standard errors of the rank test (Mann & Whitney) by which another attitude must do better to be taken over."""
     minimum_episodes: int = 5
-    """Episodes under a w_h before it is compared."""
+    """Episodes under an attitude before it is compared."""
     episodes: int = 200
     """How many recent compared episodes count."""
 
     def __post_init__(self) -> None:
         if not (0 <= self.trial_share <= 1 and 0 <= self.control_share <= 1):
             raise ValueError(f"shares are in [0, 1], got {self.trial_share} and {self.control_share}")
-        if not (math.isfinite(self.weight) and self.weight > 0 and self.better_by >= 0):
-            raise ValueError(f"need weight > 0 and better_by >= 0, got {self.weight} and {self.better_by}")
+        if not (math.isfinite(self.weight) and self.weight > 0):
+            raise ValueError(f"need weight > 0, got {self.weight}")
+        if not min(self.better_by, self.consistent_above) >= 0:
+            raise ValueError(
+                f"need better_by >= 0 and consistent_above >= 0: {self.better_by}, {self.consistent_above}"
+            )
         if not 2 <= self.minimum_episodes <= self.episodes:
             raise ValueError(
                 f"need 2 <= minimum_episodes <= episodes, got {self.minimum_episodes} and {self.episodes}"

@@ -65,10 +65,14 @@ class Experiment:
 
 
 MODULES: dict[str, str] = {
+    "fig4": "studies.experiments.fig4",
     "fig5": "studies.experiments.fig5",
+    "fig6": "studies.experiments.fig6",
     "fig7": "studies.experiments.fig7",
-    "credit": "studies.experiments.credit",
+    "features": "studies.experiments.features",
+    "robustness": "studies.experiments.robustness",
     "robustness-keepaway": "studies.experiments.keepaway_robustness",
+    "credit": "studies.experiments.credit",
 }
 """Where each experiment is: a module with `EXPERIMENT` and `report(results) -> Page`. Imported when asked for."""
 

@@ -33,13 +33,13 @@ def play(rule: Tried, helps: dict[float, float], *, consistency: float, episodes
 
 
 def test_somebody_who_helps_is_believed_soon_and_for_good():
-    used = play(Tried(), {0.0: 1.0, 1.0: 5.0, -1.0: 0.2}, consistency=4.0)
+    used = play(Tried(), {0.0: 1.0, 1.0: 5.0, -1.0: 0.2}, consistency=9.0)
     assert (used[100:] == 1.0).mean() > 0.9
     assert (used[100:] != -1.0).all()
 
 
 def test_an_adversary_is_believed_the_other_way_round():
-    used = play(Tried(), {0.0: 1.0, 1.0: 0.2, -1.0: 5.0}, consistency=4.0)
+    used = play(Tried(), {0.0: 1.0, 1.0: 0.2, -1.0: 5.0}, consistency=9.0)
     assert (used[100:] == -1.0).mean() > 0.9
 
 
@@ -63,14 +63,14 @@ def test_belief_ends_when_the_environment_turns():
         best = 1.0 if episode < 300 else 0.0
         performance = float(rng.exponential(6.0 if bootstrap.w_h == best else 1.0))
         bootstrap.record(
-            EpisodeReport(episode, np.zeros(2), performance, False, Comparison(10, 5, 0), 4.0), V
+            EpisodeReport(episode, np.zeros(2), performance, False, Comparison(10, 5, 0), 9.0), V
         )
     assert (np.array(used[150:300]) == 1.0).mean() > 0.85
     assert (np.array(used[700:]) == 1.0).mean() < 0.3
 
 
 def test_control_episodes_go_on_while_somebody_is_believed():
-    used = play(Tried(control_share=0.25), {0.0: 1.0, 1.0: 5.0, -1.0: 0.2}, consistency=4.0, episodes=800)[
+    used = play(Tried(control_share=0.25), {0.0: 1.0, 1.0: 5.0, -1.0: 0.2}, consistency=9.0, episodes=800)[
         200:
     ]
     # standard error sqrt(0.25 * 0.75 / 600) = 0.018; allow 4 of them

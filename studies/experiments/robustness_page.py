@@ -1,0 +1,217 @@
+"""The page of the robustness experiment: the goal and whether it was reached, every rule at every rate, every person."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studies.comparison import Verdict
+from studies.experiments import page
+from studies.experiments.page import Page
+from studies.experiments.results import Results
+from studies.experiments.robustness import ENVIRONMENT, GRADIENT, PEOPLE, RATES, TRUST, by_rate
+from studies.experiments.tetris_pages import SCORE
+from studies.reaction_time.figures import COLORS, LINES
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Floats = NDArray[np.float64]
+
+RULES: dict[str, str] = {
+    "tried": TRUST["tried"][0],
+    "signed": TRUST["signed"][0],
+    "eq4": TRUST["eq4"][0],
+    "annealed": "annealed",
+    "constant": "constant, w_h = 1",
+    "eq5": TRUST["eq5"][0],
+    "chance": TRUST["chance"][0],
+    "rank": TRUST["rank"][0],
+    "rank-signed": TRUST["rank-signed"][0],
+}
+"""Rules in the order of tables, with their labels."""
+
+
+def robustness_page(results: Results) -> Page:
+    """Return the page."""
+    scores = {name: results.table(name, "lines").mean(axis=1) for name in results.conditions}
+    against = {
+        name: page.verdict(name, ENVIRONMENT, scores)
+        for name in results.conditions
+        if name not in (ENVIRONMENT, GRADIENT) and not name.startswith("gradient-")
+    }
+    text = f"""\
+# {results.experiment.title}
+
+A person presses the wrong key in 0 to 100 % of the cases: from a perfect judge by way of pure noise (50 %) to a perfect adversary. Scores
+are {SCORE}; ratios are to the environment alone, the same learner without a person, over {len(results.seeds)} paired trials.
+
+![Every rule at every rate](../figures/robustness.png)
+
+## The goal, and whether the rule reached it
+
+One rule, its constants fixed in advance on other seeds ([tried trust](../decisions/tried-trust.md)).
+
+{_goal_table(scores, against)}
+## Every rule at every rate
+
+Ratio to the environment alone, with 95 % interval.
+
+{_rules_table(against)}
+Mean weight of the human over the last 100 episodes:
+
+{_weights_table(results)}
+Mean scores (arithmetic), {SCORE}:
+
+{_scores_table(scores)}
+## Every simulated person
+
+The rule with people by name (`core.feedback.persons`), 1 press in 10 wrong unless the name says otherwise.
+
+{_people_table(results, against)}
+## Another learner: policy gradient
+
+{_gradient_table(scores)}
+## How to read this
+
+{page.HOW_TO_READ}
+{page.how_it_was_made(results, "arl experiment run robustness && arl experiment report robustness --into docs")}"""
+    return Page("robustness", text, {"robustness": _figure(results, scores, against)})
+
+
+def _goal_table(scores: Mapping[str, Floats], against: Mapping[str, Verdict]) -> str:
+    """Return each demand of the goal with what was found."""
+    rows = []
+    for rate, name in by_rate("tried", against).items():
+        found = against[name]
+        mean_ratio = float(scores[name].mean() / scores[ENVIRONMENT].mean())
+        harmless = not (found.p < 0.05 and found.ratio.estimate < 1)
+        near = found.ratio.estimate >= 0.9
+        demands = [("never significantly below", harmless), ("nor 10 % below", near)]
+        if rate in (10, 30):
+            demands.append(("beats the environment at 95 %", found.ratio.low > 1))
+            annealed = f"annealed-{rate:03d}"
+            if annealed in scores:
+                other = page.verdict(name, annealed, scores)
+                demands.append(
+                    (f"beats annealed at 95 % ({page.interval(other.ratio)})", other.ratio.low > 1)
+                )
+        if rate >= 80:
+            demands.append(("better than the environment", found.ratio.estimate > 1))
+            demands.append(("at 95 %", found.ratio.low > 1))
+        said = "; ".join(f"{what}: {'yes' if met else '**no**'}" for what, met in demands)
+        rows.append(
+            [f"{rate} %", page.interval(found.ratio), f"{mean_ratio:.2f}", page.p_value(found.p), said]
+        )
+    return page.table(["wrong", "ratio to the environment", "ratio of plain means", "p", "demands"], rows)
+
+
+def _rules_table(against: Mapping[str, Verdict]) -> str:
+    rows = []
+    for rule, label in RULES.items():
+        conditions = by_rate(rule, against)
+        rows.append(
+            [
+                label,
+                *(
+                    page.interval(against[conditions[rate]].ratio) if rate in conditions else ""
+                    for rate in RATES
+                ),
+            ]
+        )
+    return page.table(["rule", *(f"{rate} % wrong" for rate in RATES)], rows)
+
+
+def _weights_table(results: Results) -> str:
+    rows = []
+    for rule, label in RULES.items():
+        conditions = by_rate(rule, results.trials)
+        cells = [
+            f"{results.table(conditions[rate], 'w_h')[:, -100:].mean():.2f}" if rate in conditions else ""
+            for rate in RATES
+        ]
+        rows.append([label, *cells])
+    return page.table(["rule", *(f"{rate} %" for rate in RATES)], rows)
+
+
+def _scores_table(scores: Mapping[str, Floats]) -> str:
+    alone = scores[ENVIRONMENT].mean()
+    rows = [["environment only", *(page.number(float(alone)) for _ in RATES)]]
+    for rule, label in RULES.items():
+        conditions = by_rate(rule, scores)
+        rows.append(
+            [
+                label,
+                *(
+                    page.number(float(scores[conditions[rate]].mean())) if rate in conditions else ""
+                    for rate in RATES
+                ),
+            ]
+        )
+    return page.table(["rule", *(f"{rate} %" for rate in RATES)], rows)
+
+
+def _people_table(results: Results, against: Mapping[str, Verdict]) -> str:
+    rows = [
+        [
+            name,
+            page.interval(against[f"person-{name}"].ratio),
+            page.p_value(against[f"person-{name}"].p),
+            f"{results.table(f'person-{name}', 'w_h')[:, -100:].mean():.2f}",
+            f"{results.table(f'person-{name}', 'presses').mean():.2f}",
+        ]
+        for name in PEOPLE
+        if f"person-{name}" in against
+    ]
+    if not rows:
+        return "These trials were not played.\n"
+    return page.table(
+        ["person", "ratio to the environment", "p", "w_h at the end", "presses per episode"], rows
+    )
+
+
+def _gradient_table(scores: Mapping[str, Floats]) -> str:
+    names = [name for name in scores if name.startswith("gradient-")]
+    if GRADIENT not in scores or not names:
+        return "These trials were not played.\n"
+    rows = []
+    for name in names:
+        found = page.verdict(name, GRADIENT, scores)
+        rows.append([f"{int(name[-3:])} %", page.interval(found.ratio), page.p_value(found.p)])
+    return page.table(["wrong", "ratio to policy gradient alone", "p"], rows)
+
+
+def _figure(results: Results, scores: Mapping[str, Floats], against: Mapping[str, Verdict]) -> Figure:
+    """Draw ratio and final weight against the rate, for the rules that were played at every rate."""
+    figure = page.new_figure(7.2, 3.6)
+    left, right = figure.subplots(1, 2)
+    left.axhline(1.0, color="0.4", linewidth=1.0)
+    shown = [rule for rule in RULES if len(by_rate(rule, against)) >= max(3, len(_rates(against)) - 1)]
+    for place, rule in enumerate(shown):
+        conditions = by_rate(rule, against)
+        rates = np.array(list(conditions), dtype=np.float64)
+        found = [against[name].ratio for name in conditions.values()]
+        middle = np.array([ratio.estimate for ratio in found])
+        ends = np.array([[r.estimate - r.low for r in found], [r.high - r.estimate for r in found]])
+        style = {
+            "color": COLORS[place % len(COLORS)],
+            "linestyle": LINES[place % len(LINES)],
+            "marker": page.MARKERS[place % len(page.MARKERS)],
+            "markersize": 4,
+        }
+        left.errorbar(rates + (place - 2) * 0.8, middle, yerr=ends, capsize=2, label=RULES[rule], **style)
+        weights = [results.table(name, "w_h")[:, -100:].mean() for name in conditions.values()]
+        right.plot(rates, weights, **style)
+    left.set(xlabel="wrong presses (%)", ylabel="score / environment only", yscale="log", xticks=RATES)
+    right.set(xlabel="wrong presses (%)", ylabel="$w_h$, last 100 episodes", xticks=RATES)
+    for axes in (left, right):
+        axes.grid(alpha=0.3)
+    left.legend(frameon=False, fontsize="small")
+    return figure
+
+
+def _rates(against: Iterable[str]) -> set[str]:
+    return {name[-3:] for name in against if name[-3:].isdigit()}
