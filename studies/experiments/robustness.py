@@ -68,6 +68,8 @@ def _conditions() -> tuple[Condition, ...]:
     found = [Condition(ENVIRONMENT, "environment only", session(alone))]
     for rate in RATES:
         fixed: dict[str, Scheme] = {"annealed": Annealed(), "constant": Constant()}
+        if rate not in SOME_RATES:
+            del fixed["constant"]
         for name, scheme in fixed.items():
             agent = tetris_agent(scheme=scheme)
             found.append(Condition(f"{name}-{rate:03d}", name, session(agent, wrong(rate))))
