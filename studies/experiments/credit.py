@@ -2,7 +2,7 @@
 
 from core.feedback.delays import CurrentStep, GammaDelay, PreviousStep, UniformDelay
 from studies.experiments.keepaway_pages import Claim, report_page
-from studies.experiments.keepaway_settings import DEPARTURES, TRUST, arl, person, sarsa_alone
+from studies.experiments.keepaway_settings import BELIEVED, DEPARTURES, arl, person, sarsa_alone
 from studies.experiments.keepaway_trial import own_fit, quick, run_trial
 from studies.experiments.page import Page
 from studies.experiments.results import Results
@@ -18,25 +18,25 @@ EXPERIMENT = Experiment(
     title="Credit with the right and with wrong delays in Keepaway",
     conditions=(
         Condition("sarsa", "Sarsa", sarsa_alone()),
-        Condition("true", "the true density", arl(trust=TRUST, delay=SLOW, watched_by=SLOW_PERSON)),
+        Condition("true", "the true density", arl(trust=BELIEVED, delay=SLOW, watched_by=SLOW_PERSON)),
         Condition(
-            "own-fit", "own fit of 60 reactions", own_fit(arl(trust=TRUST, watched_by=SLOW_PERSON), 60)
+            "own-fit", "own fit of 60 reactions", own_fit(arl(trust=BELIEVED, watched_by=SLOW_PERSON), 60)
         ),
-        Condition("paper", "the paper's gamma(2.5, 0.3)", arl(trust=TRUST, watched_by=SLOW_PERSON)),
+        Condition("paper", "the paper's gamma(2.5, 0.3)", arl(trust=BELIEVED, watched_by=SLOW_PERSON)),
         Condition(
             "uniform",
             "uniform 0.2-0.8 s (TAMER)",
-            arl(trust=TRUST, delay=UniformDelay(), watched_by=SLOW_PERSON),
+            arl(trust=BELIEVED, delay=UniformDelay(), watched_by=SLOW_PERSON),
         ),
         Condition(
             "on-screen",
             "no delay: the option on screen",
-            arl(trust=TRUST, delay=CurrentStep(), watched_by=SLOW_PERSON),
+            arl(trust=BELIEVED, delay=CurrentStep(), watched_by=SLOW_PERSON),
         ),
         Condition(
             "previous",
             "no delay: the option before",
-            arl(trust=TRUST, delay=PreviousStep(), watched_by=SLOW_PERSON),
+            arl(trust=BELIEVED, delay=PreviousStep(), watched_by=SLOW_PERSON),
         ),
     ),
     trial=run_trial,
@@ -60,7 +60,7 @@ OTHERS = (
 INTRODUCTION = """A simulated
 person watches every episode, presses at most 2 keys in it, errs in 1 of 10, and presses 1.5 s after an option was chosen on average (gamma
 of shape 4 and scale 0.3 s, 0.3 s at least). Their own fit is a shifted gamma density of 60 reactions drawn beforehand, anew in each trial.
-w_h is by trial."""
+w_h is 1 throughout: this is about credit, not about trust."""
 
 
 def report(results: Results) -> Page:

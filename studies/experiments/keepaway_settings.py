@@ -3,7 +3,15 @@
 The constants were chosen on pilot seeds (`docs/decisions/keepaway-experiments.md`), none of which is reported.
 """
 
-from core.combination.config import AgentConfig, BootstrapConfig, Equation4, Linear, Scheme, Tried, TrustRule
+from core.combination.config import (
+    AgentConfig,
+    BootstrapConfig,
+    Equation4,
+    FixedWeight,
+    Linear,
+    Scheme,
+    TrustRule,
+)
 from core.feedback.config import CreditConfig, TrainerConfig
 from core.feedback.delays import Delay, Density, GammaDelay
 from core.keepaway.arl_autoplay import ArlKeepawayConfig
@@ -15,8 +23,8 @@ HUMAN_STEP = 0.3
 """Share of a sample's error that the human model takes out."""
 HUMAN_SHARED = True
 """One human model for all keepers: a press teaches three keepers at once."""
-TRUST = Tried()
-"""The rule of trust where Eq. 4 is not asked for: by trial."""
+BELIEVED = FixedWeight(1.0)
+"""In place of a rule of trust where none is asked for: as much say as the environment."""
 HOURS = 10.0
 """Simulated hours of a trial: where the published curves have risen most of their way."""
 
