@@ -9,14 +9,12 @@ class Words:
 
     heading: str
     """Title of the first screen."""
-    watched: str
-    """What is watched, after a number: "games of Tetris"."""
-    judged: str
-    """What the participant judges, after "tell it what you think of"."""
+    welcome: str
+    """What will be watched, {games} of it, and what is to be judged; {practises} says what happens in between."""
     rules: str
     """What happens and what counts, for the help page."""
     practises: str
-    """What the computer does between two watched games, as a sentence; empty where nothing is said."""
+    """What the computer does between two watched games, as a sentence and a space; left out where it does nothing."""
     performance: str
     """What is counted, as a label before figures."""
     units: tuple[str, str]
@@ -32,27 +30,33 @@ class Words:
 
 TETRIS = Words(
     heading="Teach a computer to play Tetris",
-    watched="of Tetris",
-    judged="where it has just put a piece",
+    welcome=(
+        "You will watch a computer play {games} of Tetris. It does not know yet how to play well. {practises}You can "
+        "help it: tell it what you think of where it has just put a piece."
+    ),
     rules=(
         "The computer drops one piece after another. Full rows disappear: the more, the better. A game ends "
         "when the pile reaches the top.\n\nTell it what you think of where the last piece came to rest:\n"
     ),
-    practises="It practises on its own between games.",
+    practises="It practises on its own between games. ",
     performance="Lines cleared",
     units=("line", "lines"),
     steps="pieces",
 )
 KEEPAWAY = Words(
     heading="Teach a team to keep the ball",
-    watched="of Keepaway",
-    judged="what the player with the ball has just done",
+    welcome=(
+        "You will watch {games} of Keepaway. The keepers ([b]K[/]) pass a ball among themselves, and the takers ([b]T[/]) "
+        "want it. A game ends when a taker has it, or it leaves the square: the longer the keepers keep it, the better. "
+        "They do not know yet how to play well. {practises}You can help them: say what you think of the last pass, or "
+        "of holding the ball too long."
+    ),
     rules=(
         "The keepers (K) pass the ball among themselves; the takers (T) want it. A game ends when a taker has the "
         "ball or it leaves the square: the longer the keepers keep it, the better. The player with the ball holds "
         "it or passes it.\n\nTell the team what you think of its last pass, or of holding the ball too long:\n"
     ),
-    practises="",
+    practises="They practise on their own between games. ",
     performance="Seconds the ball was kept",
     units=("second", "seconds"),
     steps="decisions",

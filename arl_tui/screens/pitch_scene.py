@@ -10,6 +10,7 @@ from arl_tui.link import Picture
 from arl_tui.palette import Palette
 from arl_tui.screens.scene import SMALLEST, Progress
 from arl_tui.widgets.pitch import PitchWidget
+from arl_tui.widgets.pitch_drawing import smallest
 from arl_tui.widgets.stats import trend
 from core.clock import Clock, MonotonicClock
 from core.keepaway.picture import PitchFrame, between
@@ -20,6 +21,9 @@ FRAME_S = 1 / 30
 """How often what lies between two cycles is drawn, seconds."""
 BESIDE = 36
 """Columns beside the pitch."""
+KEPT_SHOWN = 3
+"""Durations of so many games are shown."""
+TREND_WIDTH = 12
 
 
 class LivePitch(PitchWidget):
@@ -61,8 +65,12 @@ class PitchScene:
         """Draw an empty pitch of the protocol's size."""
         assert isinstance(protocol.domain, KeepawayConfig), "a protocol of Keepaway"
         self.pitch = LivePitch(protocol.domain, palette, clock or MonotonicClock())
-        self.needed: Size = SMALLEST
+        least = smallest(protocol.domain.length_m, protocol.domain.width_m)
+        self.needed = Size(max(SMALLEST.width, least.columns + BESIDE), max(SMALLEST.height, least.lines + 1))
+        """Columns and lines without which the game does not fit."""
         self._score = Static(id="score")
+        self._score.border_title = "Progress"
+        self._written = ""
 
     def take_drawn(self) -> bool:
         """Return whether a picture has been drawn of which this has not been said; what lies between is none."""
@@ -82,9 +90,10 @@ class PitchScene:
     def show(self, picture: Picture, progress: Progress) -> None:
         """Draw a pitch."""
         self.pitch.take(picture)
-        weights = progress.human_weights
-        influence = f"\nInfluence {weights[-1]:.2f} {trend(weights, 12)}" if weights else ""
-        self._score.update(f"Game      {progress.episode} of {progress.episodes}{influence}")
+        score = "\n".join(_score_lines(progress))
+        if score != self._written:
+            self._written = score
+            self._score.update(score)
 
     def refresh(self) -> None:
         """Draw the pitch once more, and say so."""
@@ -93,4 +102,20 @@ class PitchScene:
 
     def title(self, text: str) -> None:
         """Write into the pitch's boundary."""
-        self.pitch.note = text
+        self.pitch.title = text
+
+    def presses_left(self, presses: int) -> None:
+        """Write them into the pitch's boundary, where the eye is."""
+        self.pitch.note = "1 press left" if presses == 1 else f"{presses} presses left"
+
+
+def _score_lines(progress: Progress) -> Iterable[str]:
+    """Yield at most four lines of at most 31 characters."""
+    yield f"Game       {progress.episode} of {progress.episodes}"
+    kept = [f"{seconds:.1f}" for seconds in progress.performances]
+    if kept:
+        yield f"Kept       {' '.join(kept[-KEPT_SHOWN:])} s"
+        yield f"Best       {max(progress.performances):.1f} s"
+    weights = progress.human_weights
+    if weights:
+        yield f"Influence  {weights[-1]:.2f}  {trend(weights, TREND_WIDTH)}"

@@ -96,6 +96,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
                 self._show_press(occurrence)
             case PressRetracted():
                 self.feedback.show_retraction(occurrence, self._live.gate.presses_left)
+                self.scene.presses_left(self._live.gate.presses_left)
             case WrongPressAsked():
                 self.feedback.ask_wrong(True)
             case EpisodeStarted():
@@ -114,7 +115,8 @@ class PlayScreen(Screen[None], inherit_bindings=False):
 
     def _show_picture(self, picture: Picture) -> None:
         self._picture = picture
-        progress = Progress(max(1, self._watched), self._episodes, tuple(self._human_weights))
+        performances = tuple(self._live.tally.performances)
+        progress = Progress(max(1, self._watched), self._episodes, tuple(self._human_weights), performances)
         self.scene.show(picture, progress)
 
     def _show_press(self, press: KeyPressed) -> None:
@@ -122,10 +124,12 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         if press.verdict != "other" or not is_command:
             self.feedback.show_press(press, self._live.gate.presses_left)
         self.feedback.ask_wrong(self._live.gate.wrong_asked)
+        self.scene.presses_left(self._live.gate.presses_left)
 
     def _begin_episode(self) -> None:
         self._watched += 1
         self.feedback.begin_episode(self._live.gate.presses_left)
+        self.scene.presses_left(self._live.gate.presses_left)
         self.scene.title(f"Game {self._watched}")
         self._say("")
 

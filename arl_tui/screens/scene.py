@@ -36,6 +36,8 @@ class Progress:
     """How many there will be."""
     human_weights: tuple[float, ...]
     """w_h after each episode so far, oldest first."""
+    performances: tuple[float, ...] = ()
+    """Of the watched episodes so far, in the game's unit, oldest first."""
 
 
 class Scene(Interface):
@@ -68,6 +70,10 @@ class Scene(Interface):
 
     def title(self, text: str) -> None:
         """Write a title to the game."""
+        ...
+
+    def presses_left(self, presses: int) -> None:
+        """Say how many presses still count in this episode, if the game's picture has a place for it."""
         ...
 
 
@@ -126,6 +132,9 @@ class TetrisScene:
     def title(self, text: str) -> None:
         """Write into the board's border."""
         self.board.border_title = text
+
+    def presses_left(self, presses: int) -> None:
+        """Say nothing: the feedback bar is near enough."""
 
 
 def scene_of(protocol: Protocol, palette: Palette) -> Scene:

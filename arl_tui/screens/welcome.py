@@ -38,10 +38,8 @@ class WelcomeScreen(Page):
         games = "one game" if session.episodes == 1 else f"{session.episodes} games"
         presses = keys.max_presses_per_episode
         words = self._words
-        yield Static(
-            f"You will watch a computer play {games} {words.watched}. It does not know yet how to play well. "
-            f"{words.practises} You can help it: tell it what you think of {words.judged}."
-        )
+        practises = words.practises if session.unseen_between else ""
+        yield Static(words.welcome.format(games=games, practises=practises))
         yield Static(f"\n{feedback_keys(keys)}\n")
         yield Static(
             f"You have [b]{presses} presses in each game[/], so save them for what matters, and press as soon as "

@@ -78,6 +78,7 @@ class PitchWidget(Widget, inherit_bindings=False, can_focus=False):
         self._detail: Detail = detail or detail_for()
         self._beside = beside
         self._note = ""
+        self._title: str | None = None
         self._view: PitchFrame | None = None
         self._shape: Shape | None = None
         self._rows: tuple[Row, ...] = ()
@@ -132,6 +133,17 @@ class PitchWidget(Widget, inherit_bindings=False, can_focus=False):
             self._note = note
             self._redraw()
 
+    @property
+    def title(self) -> str | None:
+        """What stands in the boundary at the top left; None for the number of the episode."""
+        return self._title
+
+    @title.setter
+    def title(self, title: str | None) -> None:
+        if title != self._title:
+            self._title = title
+            self._redraw()
+
     def cover(self, text: str, *, whole: bool = True) -> None:
         """Write a few short lines over the pitch, until `uncover`.
 
@@ -176,7 +188,7 @@ class PitchWidget(Widget, inherit_bindings=False, can_focus=False):
         """Work the picture out; ask for its changed lines to be painted and return whether there are any."""
         if self._view is None or self._shape is None:
             return False
-        before, self._rows = self._rows, draw(self._view, self._shape, self._detail, self._note)
+        before, self._rows = self._rows, draw(self._view, self._shape, self._detail, self._note, self._title)
         if (self._cover_text and self._cover_whole) or before == self._rows:
             return False
         if len(before) != len(self._rows):

@@ -32,7 +32,9 @@ def smallest(length_m: float, width_m: float) -> Shape:
     return Shape(math.ceil(ASPECT * length_m * scale - 1e-9) + 2, math.ceil(width_m * scale - 1e-9) + 2)
 
 
-def draw(frame: PitchFrame, shape: Shape, detail: Detail, note: str = "") -> tuple[Row, ...]:
+def draw(
+    frame: PitchFrame, shape: Shape, detail: Detail, note: str = "", title: str | None = None
+) -> tuple[Row, ...]:
     """Return the rows of a picture.
 
     Args:
@@ -40,6 +42,7 @@ def draw(frame: PitchFrame, shape: Shape, detail: Detail, note: str = "") -> tup
         shape: of the drawing (`fit`).
         detail: how fine.
         note: written into the boundary at the bottom right, such as the presses left.
+        title: written into it at the top left; the number of the episode by default.
     """
     sheet = Sheet(frame, shape, detail)
     sheet.write_names()
@@ -48,7 +51,7 @@ def draw(frame: PitchFrame, shape: Shape, detail: Detail, note: str = "") -> tup
     sheet.dot_trail()
     sheet.dot_players()
     sheet.place_ball()
-    edges = _edges(frame, shape, detail, note)
+    edges = _edges(frame, shape, detail, note, f"Episode {frame.episode}" if title is None else title)
     return tuple(sheet.row(line, edges.get(line)) for line in range(shape.lines))
 
 
@@ -57,12 +60,12 @@ def plain(rows: tuple[Row, ...]) -> list[str]:
     return ["".join(text for text, _, _ in row) for row in rows]
 
 
-def _edges(frame: PitchFrame, shape: Shape, detail: Detail, note: str) -> dict[int, str]:
+def _edges(frame: PitchFrame, shape: Shape, detail: Detail, note: str, title: str) -> dict[int, str]:
     """Return the boundary's first and last line with the words in them."""
     corners, level = MARKS[detail].boundary[:4], MARKS[detail].boundary[4]
     clock = f"{frame.time_s:.1f} s"
     width = shape.columns - 2
-    top = _between_ends(f"Episode {frame.episode}", clock, width, level)
+    top = _between_ends(title, clock, width, level)
     bottom = _between_ends(frame.caption(), note, width, level)
     return {0: corners[0] + top + corners[1], shape.lines - 1: corners[2] + bottom + corners[3]}
 
