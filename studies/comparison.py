@@ -21,9 +21,14 @@ def probability_of_improvement(treated: ArrayLike, control: ArrayLike) -> float:
     first, second = np.asarray(treated, dtype=np.float64), np.asarray(control, dtype=np.float64)
     if first.ndim != 1 or second.ndim != 1 or not len(first) or not len(second):
         raise ValueError(f"need two rows of results, got shapes {first.shape} and {second.shape}")
+    return float(_wins(first, second).mean())
+
+
+def _wins(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return 1 where an entry of `first` is above one of `second`, 1/2 where equal, else 0, shape (n, m)."""
     above = first[:, None] > second[None, :]
     equal = first[:, None] == second[None, :]
-    return float(above.mean() + equal.mean() / 2)
+    return np.asarray(above + equal / 2, dtype=np.float64)
 
 
 def probability_interval(
@@ -37,13 +42,11 @@ def probability_interval(
     """Return `probability_of_improvement` with a bootstrap interval, both conditions resampled by themselves."""
     first, second = np.asarray(treated, dtype=np.float64), np.asarray(control, dtype=np.float64)
     estimate = probability_of_improvement(first, second)
-    drawn = [
-        probability_of_improvement(
-            first[rng.integers(0, len(first), size=len(first))],
-            second[rng.integers(0, len(second), size=len(second))],
-        )
-        for _ in range(resamples)
-    ]
+    # How often each result is drawn in each resample.
+    n, m = len(first), len(second)
+    drawn_first = rng.multinomial(n, np.full(n, 1 / n), size=resamples)
+    drawn_second = rng.multinomial(m, np.full(m, 1 / m), size=resamples)
+    drawn = ((drawn_first @ _wins(first, second)) * drawn_second).sum(axis=1) / (n * m)
     low, high = np.quantile(drawn, [(1 - level) / 2, (1 + level) / 2])
     return Interval(estimate, float(low), float(high), level)
 

@@ -1,0 +1,129 @@
+"""Reports read files, never play; the same files give the same page."""
+
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from core.streams import stream
+from studies.experiments import page
+from studies.experiments.results import read_results
+from studies.experiments.run import run_sweep
+from studies.experiments.sweep import MODULES, csv_text, experiment_module, root_seeds
+from tests.studies.test_experiment_runs import Inline
+
+TETRIS = ("fig5", "fig6", "features", "robustness")
+
+
+def games(seed: int, condition: str, gain: float, episodes: int = 200) -> dict[str, np.ndarray]:
+    """Rows as a trial in Tetris returns them, the condition `gain` times as good."""
+    rng = stream(seed, "games")
+    lines = np.floor(gain * rng.exponential(np.linspace(1.0, 40.0, episodes)))
+    return {
+        "lines": lines,
+        "pieces": 2.5 * lines + 20,
+        "presses": rng.integers(0, 6, size=episodes).astype(float),
+        "w_h": np.full(episodes, 0.4),
+    }
+
+
+def played(name: str, folder: Path, gains: dict[str, float], trials: int = 6):
+    """Return results of an experiment whose trials were never played."""
+
+    class Made(Inline):
+        def submit(self, fn, /, experiment, condition, seed, quick):
+            return super().submit(lambda *_: csv_text(games(seed, condition, gains.get(condition, 1.0))))
+
+    experiment = experiment_module(name).EXPERIMENT
+    run_sweep(experiment, root_seeds(trials), folder, Made(), software={"commit": "abc"})
+    never = dataclasses.replace(experiment, trial=lambda *_: pytest.fail("a report must not play"))
+    return read_results(never, folder)
+
+
+@pytest.mark.parametrize("name", TETRIS)
+def test_a_page_says_what_held_and_how_to_do_it_again(name, tmp_path):
+    found = experiment_module(name).report(played(name, tmp_path, {}))
+    assert found.name == name
+    for expected in (
+        "abc",
+        f"arl experiment run {name}",
+        "root seeds 0 to 5",
+        "Departures",
+        f"figures/{name}.png",
+    ):
+        assert expected in found.text
+    written = page.write_page(found, tmp_path / "docs")
+    assert sorted(path.suffix for path in written) == [".md", ".png", ".svg"]
+    assert all(path.stat().st_size > 500 for path in written)
+
+
+@pytest.mark.parametrize("name", ["fig5", "features"])
+def test_the_same_files_give_the_same_page(name, tmp_path):
+    results = played(name, tmp_path, {})
+    report = experiment_module(name).report
+    first, second = report(results), report(results)
+    assert first.text == second.text
+    first_files = page.write_page(first, tmp_path / "a")
+    second_files = page.write_page(second, tmp_path / "b")
+    assert [p.read_bytes() for p in first_files] == [p.read_bytes() for p in second_files]
+
+
+def test_a_claim_holds_where_the_condition_is_better_and_not_otherwise(tmp_path):
+    report = experiment_module("fig5").report
+    better = report(played("fig5", tmp_path / "better", {"arl-ce": 3.0})).text
+    assert better.count("| yes |") == 3
+    worse = report(played("fig5", tmp_path / "worse", {"arl-ce": 0.3})).text
+    assert worse.count("| no, the opposite |") == 3
+
+
+def test_the_goal_of_robustness_is_judged_demand_by_demand(tmp_path):
+    report = experiment_module("robustness").report
+    gains = {f"tried-{rate:03d}": 2.0 for rate in (0, 10, 30, 80, 100)}
+    good = report(played("robustness", tmp_path / "good", gains)).text
+    goal = good[good.index("## The goal") : good.index("## Every rule")]
+    assert "**no**" not in goal
+    assert goal.count("beats annealed at 95 %") == 2
+    bad = report(played("robustness", tmp_path / "bad", {"tried-050": 0.5})).text
+    goal = bad[bad.index("## The goal") : bad.index("## Every rule")]
+    assert "never significantly below: **no**; nor 10 % below: **no**" in goal
+
+
+def test_trials_of_people_that_were_not_played_are_said_to_be_missing(tmp_path):
+    results = played("robustness", tmp_path, {})
+    kept = {
+        name: trial for name, trial in results.trials.items() if not name.startswith(("person", "gradient"))
+    }
+    text = experiment_module("robustness").report(dataclasses.replace(results, trials=kept)).text
+    assert text.count("These trials were not played.") == 2
+
+
+def test_figure_4_comes_from_fits_and_says_what_they_misplace(tmp_path):
+    module = experiment_module("fig4")
+    rows = module.trial(module.EXPERIMENT.condition("paper-640").settings, 3)
+    assert rows["shape"][0] == pytest.approx(2.5, abs=0.6)
+    assert rows["mean_s"][0] == pytest.approx(0.75, abs=4 * 0.474 / np.sqrt(640))
+    assert 0 <= rows["elsewhere"][0] < 0.1
+    # Two gammas of which one lies 0.5 s later share less than all their mass; a density shares all with itself.
+    step_s = module.GRID_S[1]
+    assert module.density(module.PAPER).sum() * step_s == pytest.approx(1.0, abs=0.002)
+    run_sweep(module.EXPERIMENT, root_seeds(3), tmp_path, Inline())
+    text = module.report(read_results(module.EXPERIMENT, tmp_path)).text
+    assert "mean 0.75 s and mode 0.45 s" in text
+
+
+def test_settings_are_split_into_what_is_shared_and_what_differs():
+    common, own = page.shared_settings(
+        {"a": {"x": 1, "y": {"p": 1, "q": 2}}, "b": {"x": 1, "y": {"p": 1, "q": 3}}}
+    )
+    assert common == {"x": 1, "y": {"p": 1}}
+    assert own == {"a": {"y": {"q": 2}}, "b": {"y": {"q": 3}}}
+
+
+def test_numbers_have_three_digits_and_no_exponent():
+    assert [page.number(v) for v in (12345.6, 1.2345, 0.0, 0.00012345)] == ["12346", "1.23", "0", "0.0001"]
+
+
+def test_every_experiment_can_be_reported():
+    for name in MODULES:
+        assert callable(experiment_module(name).report)
