@@ -58,7 +58,8 @@ def main() -> None:
     "--credit",
     metavar="RULE",
     help="How presses are shared out among steps: the participant's own delay (participant, feedback-lag, simple, "
-    "pooled; see `arl calibrate`), paper, or a rule as in `arl replay`. The protocol's choice (delay_of) by default.",
+    "pooled; see `arl calibrate`), paper, or a rule as in `arl replay`. By default the protocol file's choice (delay_of); "
+    "without a file the participant's own delay where it has been measured, else the paper's.",
 )
 @recordings_option
 def play(

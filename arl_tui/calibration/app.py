@@ -1,4 +1,4 @@
-"""The app of a calibration: leads a participant through tasks, and keeps each trial at once."""
+"""The app of a calibration: leads a participant through the tasks, from the first page to the fit."""
 
 import asyncio
 import signal
@@ -15,31 +15,30 @@ from arl_tui.calibration.clips import Clip
 from arl_tui.calibration.fitting import FitOrder, Fitted
 from arl_tui.calibration.helper import HelperError, ask_helper
 from arl_tui.calibration.pages import (
-    BreakPage,
     HindrancePage,
-    InstructionPage,
     OldSittingPage,
     PausePage,
     SmallPage,
     SummaryPage,
     WaitingPage,
     WelcomePage,
+    page_before,
 )
-from arl_tui.calibration.plan import PLANNED, Part, Sitting, new_parts, slug, unfinished
+from arl_tui.calibration.plan import PLANNED, Part, Sitting, new_parts, unfinished
 from arl_tui.calibration.scenes import Scene
 from arl_tui.calibration.trial_screen import SMALLEST, TrialScreen
+from arl_tui.calibration.trial_store import TrialStore
 from arl_tui.calibration.views import BoxView, GameView, PitchView, View
 from arl_tui.driver import FlushClock, stamped_driver
 from arl_tui.garbage import GarbageControl
 from arl_tui.palette import palette_for
-from arl_tui.recordings import CALIBRATION_FOLDER, new_path
 from arl_tui.screens.covers import fits_into
 from arl_tui.screens.page import Page
 from core.clock import Clock, MonotonicClock, wall_time_utc
 from core.keys import nanoseconds
-from studies.reaction_time.protocol import BlockPlan, Schedule, TrialRecord
+from studies.reaction_time.protocol import Schedule
 from studies.reaction_time.trial import TrialTiming
-from studies.reaction_time.trial_log import TrialFileError, TrialHeader, TrialWriter
+from studies.reaction_time.trial_log import TrialFileError
 
 ANY_FRAME = -1
 """Mark of a frame without a stimulus."""
@@ -90,11 +89,7 @@ class CalibrationApp(App[Outcome], inherit_bindings=False):
         self._helper = helper
         self._timing = timing
         self._garbage = GarbageControl()
-        self._writer: TrialWriter | None = None
-        self._comment = ""
-        self._files: list[Path] = []
-        self._complete: list[Path] = []
-        self._trouble: str | None = None
+        self._store = TrialStore(sitting)
         self._stamps_without_driver: list[tuple[int, int]] = []
         self._last_flush_ns: int | None = None
         self._stopping = False
@@ -117,8 +112,7 @@ class CalibrationApp(App[Outcome], inherit_bindings=False):
     def on_unmount(self) -> None:
         """Leave the process as it was found."""
         self._garbage.restore()
-        if self._writer is not None:
-            self._writer.close()
+        self._store.close(finished=False)
 
     async def on_event(self, event: events.Event) -> None:
         """Hand every key press to the running trial before anything else is done with it."""
@@ -161,13 +155,14 @@ class CalibrationApp(App[Outcome], inherit_bindings=False):
             try:
                 finished = await self._run_part(part)
             except (OSError, TrialFileError, HelperError) as error:
-                finished, self._trouble = False, str(error)
-            if not finished or self._trouble is not None:
+                finished, self._store.trouble = False, str(error)
+            if not finished or self._store.trouble is not None:
                 break
         fitted = await self._fit()
-        finished = finished and self._trouble is None
-        await self._ask(SummaryPage(fitted, finished=finished, trouble=self._trouble))
-        self.exit(Outcome(tuple(self._files), finished, fitted, self._trouble))
+        trouble = self._store.trouble
+        finished = finished and trouble is None
+        await self._ask(SummaryPage(fitted, finished=finished, trouble=trouble))
+        self.exit(Outcome(tuple(self._store.files), finished, fitted, trouble))
 
     async def _ask(self, page: Page) -> bool:
         answer = await self.push_screen_wait(page)
@@ -185,33 +180,29 @@ class CalibrationApp(App[Outcome], inherit_bindings=False):
         schedule, done = part.schedule, set(part.done)
         if part.complete:
             assert part.path is not None
-            self._complete.append(part.path)
+            self._store.complete.append(part.path)
             return True
         view = await self._view(schedule)
         if view is None:
             return False
         finished = await self._run_blocks(part, schedule, done, view)
-        if self._writer is not None:
-            if finished and self._trouble is None:
-                self._complete.append(self._writer.path)
-            self._writer.close()
-            self._writer = None
+        self._store.close(finished=finished)
         return finished
 
     async def _run_blocks(self, part: Part, schedule: Schedule, done: set[int], view: View) -> bool:
         n_trials = len(schedule.trials)
         fresh, last_block = True, -1
-        while len(done) < n_trials and self._trouble is None:
+        while len(done) < n_trials and self._store.trouble is None:
             next_trial = next(plan.index for plan in schedule.trials if plan.index not in done)
             block = schedule.block_of(next_trial)
             if block.index != last_block:
-                page = self._page_before(schedule, block, done, fresh=fresh, resumed=bool(part.done))
+                page = page_before(schedule, block, len(done), fresh=fresh, resumed=bool(part.done))
                 if not await self._ask(page):
                     return False
             if not fits_into(SMALLEST, self.size) and not await self._ask(SmallPage()):
                 return False
-            if self._writer is None:
-                self._open(part)
+            if not self._store.is_open:
+                self._store.open(part, self._facts())
             plans = [plan for plan in block.trials if plan.index not in done]
             screen = TrialScreen(
                 schedule,
@@ -220,7 +211,7 @@ class CalibrationApp(App[Outcome], inherit_bindings=False):
                 view,
                 clock=self._clock,
                 garbage=self._garbage,
-                keep=lambda record: self._keep(record, done),
+                keep=lambda record: self._store.keep(record, done),
                 study=block.index != last_block,
                 timing=self._timing,
             )
@@ -233,14 +224,6 @@ class CalibrationApp(App[Outcome], inherit_bindings=False):
             fresh, last_block = False, block.index
         return True
 
-    def _page_before(
-        self, schedule: Schedule, block: BlockPlan, done: set[int], *, fresh: bool, resumed: bool
-    ) -> Page:
-        first_scored = next(each.index for each in schedule.blocks if not each.practice)
-        if fresh or block.index == first_scored:
-            return InstructionPage(schedule, block, resumed=fresh and resumed)
-        return BreakPage(len(done), len(schedule.trials))
-
     async def _view(self, schedule: Schedule) -> View | None:
         """Return what trials look like; None where nobody waited for the game to get ready."""
         if schedule.config.task != "feedback lag":
@@ -250,7 +233,7 @@ class CalibrationApp(App[Outcome], inherit_bindings=False):
             "arl_tui.calibration.scenes" if is_tetris else "arl_tui.calibration.clips",
             schedule,
             WaitingPage(
-                "Getting ready", "The game is being prepared. The first time this takes up to a minute."
+                "Getting ready", "The game is being prepared. The first time this takes a minute or two."
             ),
         )
         if answer is None:
@@ -275,27 +258,6 @@ class CalibrationApp(App[Outcome], inherit_bindings=False):
         finally:
             task.cancel()
 
-    # --- trials to the disk -------------------------------------------------------------------------------------
-
-    def _open(self, part: Part) -> None:
-        if part.path is not None:
-            self._writer, _ = TrialWriter.resume(part.path, despite_age=True)
-            about = self._facts()
-            self._comment = f"resumed ({about['connection']}, {about.get('hindrances', 'no hindrance')})"
-        else:
-            folder = self._sitting.recordings / CALIBRATION_FOLDER
-            folder.mkdir(parents=True, exist_ok=True)
-            created_utc = wall_time_utc()
-            name = f"{self._sitting.participant}-{slug(part.schedule.config)}"
-            header = TrialHeader(
-                participant=self._sitting.participant,
-                created_utc=created_utc,
-                schedule=part.schedule,
-                facts=self._facts(),
-            )
-            self._writer = TrialWriter.create(new_path(folder, name, created_utc), header)
-        self._files.append(self._writer.path)
-
     def _facts(self) -> dict[str, str]:
         from arl_tui import facts  # Not needed before the first paint.
         from arl_tui.timing.kept import timing_facts
@@ -312,37 +274,20 @@ class CalibrationApp(App[Outcome], inherit_bindings=False):
             found["hindrances"] = " and ".join(self._sitting.hindrances)
         return found
 
-    def _keep(self, record: TrialRecord, done: set[int]) -> bool:
-        """Write a trial to the disk; return whether that went well."""
-        assert self._writer is not None, "a file is open while trials run"
-        if self._comment:
-            comment = "; ".join(part for part in (record.comment, self._comment) if part)
-            record, self._comment = msgspec.structs.replace(record, comment=comment), ""
-        try:
-            self._writer.write(record)
-        except OSError as error:
-            self._trouble = f"The disk does not take the measurement: {error}"
-            return False
-        if not record.comment.startswith("abandoned"):
-            done.add(record.trial)
-        return True
-
     def _end_at_once(self) -> None:
         """Keep what there is and close: the window is gone, or the system asks for it."""
         self._stopping = True
         if isinstance(self.screen, TrialScreen):
             self.screen.interrupt("window closed")
-        self.call_later(self.exit, Outcome(tuple(self._files), False, Fitted()))
-
-    # --- the fit ------------------------------------------------------------------------------------------------
+        self.call_later(self.exit, Outcome(tuple(self._store.files), False, Fitted()))
 
     async def _fit(self) -> Fitted:
-        if not self._complete:
+        if not self._store.complete:
             return Fitted()
         order = FitOrder(
             recordings=str(self._sitting.recordings),
             participant=self._sitting.participant,
-            files=tuple(str(path) for path in self._complete),
+            files=tuple(str(path) for path in self._store.complete),
         )
         page = WaitingPage("That was it", "Your times are being worked out ...")
         try:

@@ -169,6 +169,22 @@ class BreakPage(Reading):
         yield f"This task: [$primary]{'━' * filled}[/][dim]{'━' * (30 - filled)}[/] {self._done} of {self._total}"
 
 
+def page_before(schedule: Schedule, block: BlockPlan, n_done: int, *, fresh: bool, resumed: bool) -> Reading:
+    """Return what is read before a block: how the task goes, or that there is a break.
+
+    Args:
+        schedule: of the task.
+        block: the block that comes.
+        n_done: trials of the task that are done.
+        fresh: whether this is the first block since the command was given.
+        resumed: whether some of the task's trials were done before.
+    """
+    first_scored = next(each.index for each in schedule.blocks if not each.practice)
+    if fresh or block.index == first_scored:
+        return InstructionPage(schedule, block, resumed=fresh and resumed)
+    return BreakPage(n_done, len(schedule.trials))
+
+
 class PausePage(Reading):
     """The participant has asked for a pause, in the middle of a trial."""
 

@@ -12,8 +12,12 @@ from arl_tui.calibration.stimulus import StimulusBox
 from arl_tui.palette import Palette
 from arl_tui.widgets.board import TetrisBoard
 from arl_tui.widgets.pitch import PitchWidget
+from core.keepaway.picture import between
 from core.keys import NS_PER_MS
 from studies.reaction_time.protocol import TrialPlan
+
+PICTURES_PER_CYCLE = 3
+"""How often the pitch is drawn while a cycle of the game passes: 30 times a second."""
 
 
 class View(Protocol):
@@ -144,9 +148,13 @@ class GameView:
 
 
 class PitchView:
-    """The real pitch: a possession is played, then one picture is marked."""
+    """The real pitch: a possession is played, smooth between cycles, then one picture is marked.
 
-    tick_ns: int | None = CYCLE_MS * NS_PER_MS
+    The play reaches the last cycle before the event just when the foreperiod ends: it does not stop before the event,
+    which would announce it, and nothing of the event slides in. The event is one whole picture of a cycle.
+    """
+
+    tick_ns: int | None = CYCLE_MS * NS_PER_MS // PICTURES_PER_CYCLE
 
     def __init__(self, clips: Sequence[Clip], palette: Palette) -> None:
         first = clips[0].event
@@ -170,8 +178,11 @@ class PitchView:
 
     def wait(self, plan: TrialPlan, tick: int) -> None:
         """Show the play before the event."""
+        clip, foreperiod_ms = self._clips[plan.index], 1000.0 * plan.foreperiod_s
+        early_ms = foreperiod_ms - int(foreperiod_ms / CYCLE_MS) * CYCLE_MS
+        cycle, share = divmod(max(0.0, tick / PICTURES_PER_CYCLE - early_ms / CYCLE_MS), 1.0)
         self.pitch.note = ""
-        self.pitch.show(self._clips[plan.index].at(tick))
+        self.pitch.show(between(clip.at(int(cycle)), clip.at(int(cycle) + 1), share))
 
     def present(self, plan: TrialPlan) -> None:
         """Show the event, with a mark: something changes on the screen whatever the event looks like."""

@@ -1,4 +1,4 @@
-"""Whose delay gives credit: `--credit`, or else the protocol's `delay_of`."""
+"""Whose delay gives credit: `--credit`, or else the protocol's `delay_of`, or without either whoever has one."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -8,11 +8,14 @@ import msgspec
 
 from arl_tui.participants import (
     CHOICES,
+    FEEDBACK_LAG,
     CreditChoice,
     ParticipantError,
     choose_credit,
     home_of,
+    read_delays,
     rule_as_written,
+    task_key,
 )
 from core.feedback.delays import Delay
 from core.protocol import Protocol
@@ -33,7 +36,12 @@ def credit_of(text: str, recordings: Path, participant: str, game: str) -> Credi
 
 
 def settle_credit(
-    protocol: Protocol, option: str | None, recordings: Path, participant: str
+    protocol: Protocol,
+    option: str | None,
+    recordings: Path,
+    participant: str,
+    *,
+    own_if_measured: bool = False,
 ) -> tuple[Protocol, dict[str, str]]:
     """Return the protocol with its credit rule in numbers, and where that comes from, for the recording's header.
 
@@ -42,14 +50,29 @@ def settle_credit(
         option: `--credit`; None where it was not given.
         recordings: folder beside which participants' delays are kept.
         participant: pseudonym.
+        own_if_measured: nobody has chosen the protocol: without `option` the participant's own delay of judging this
+            game counts, where it has been measured.
     """
     asked = option if option is not None else protocol.delay_of
-    by = {"credit_asked_by": "protocol" if option is None else "command line"}
+    by = "protocol" if option is None else "command line"
+    if option is None and own_if_measured:
+        by = "default"
+        if has_fit(recordings, participant, protocol.game):
+            asked = "participant"
     if asked == "rule":
         choice = rule_as_written(protocol.agent.credit.delay)
     else:
         choice = credit_of(asked, recordings, participant, protocol.game)
-    return with_credit(protocol, choice), choice.source | by
+    return with_credit(protocol, choice), choice.source | {"credit_asked_by": by}
+
+
+def has_fit(recordings: Path, participant: str, game: str) -> bool:
+    """Return whether the participant's delay of judging a game has been measured; stop where the file is damaged."""
+    try:
+        known = read_delays(recordings, participant)
+    except ParticipantError as error:
+        raise click.ClickException(str(error)) from error
+    return known is not None and task_key(FEEDBACK_LAG, game) in known.tasks
 
 
 def with_credit(protocol: Protocol, choice: CreditChoice) -> Protocol:

@@ -37,7 +37,7 @@ def play_session(
         chosen = with_episodes(chosen, episodes)
     from arl_tui.commands.credit import settle_credit
 
-    chosen, source = settle_credit(chosen, credit, recordings, participant)
+    chosen, source = settle_credit(chosen, credit, recordings, participant, own_if_measured=protocol is None)
     outcome = run_live(chosen, participant=participant, seed=seed, recordings=recordings, source=source)
     tell(outcome)
 

@@ -11,6 +11,7 @@ from arl_tui.calibration.clips import KEPT, LOST, MARK, Clip, judged, make_clips
 from arl_tui.calibration.plan import configure, newest_complete
 from arl_tui.calibration.trial_screen import TrialScreen
 from arl_tui.calibration.views import PitchView
+from arl_tui.palette import STANDARD
 from arl_tui.participants import ParticipantError, choose_credit, keep_delay
 from core.keepaway.picture import PitchFrame, PlayerView
 from core.keepaway.pitch import ONGOING, OUT, TAKEN
@@ -79,6 +80,31 @@ def test_each_trial_plays_its_foreperiod_of_one_possession_up_to_its_event() -> 
         shown.add((clip.event.episode, clip.event.cycle))
     assert len(shown) == 8
     assert make_clips(schedule) == clips
+
+
+def test_play_slides_from_cycle_to_cycle_reaches_the_last_at_the_event_and_shows_nothing_of_it() -> None:
+    n_before, foreperiod_s = 12, 1.13
+    clip = Clip(before=tuple(frame(k) for k in range(n_before)), event=frame(99), note="")
+    (config,) = configure(["feedback-lag"], n_trials=1, n_practice=0, game="keepaway")
+    trial = make_schedule(config, 4).trials[0]
+    plan = msgspec.structs.replace(trial, index=0, foreperiod_s=foreperiod_s, catch=False)
+    view = PitchView([clip], STANDARD)
+    shown: list[PitchFrame] = []
+    view.pitch.show = lambda picture, number=-1: shown.append(picture)  # type: ignore[method-assign]
+    assert view.tick_ns is not None
+    ticks = range(int(foreperiod_s * 1e9 / view.tick_ns) + 1)
+    for tick in ticks:
+        view.wait(plan, tick)
+    ball_x = [picture.ball[0] for picture in shown]
+    steps = [b - a for a, b in pairwise(ball_x)]
+    # Half a metre per cycle, three pictures per cycle; it stands still for the 30 ms that are no whole cycle.
+    assert steps[2:] == pytest.approx([0.5 / 3] * (len(steps) - 2))
+    last_x = clip.before[-1].ball[0]
+    assert last_x - 0.5 / 3 < ball_x[-1] <= last_x
+    view.wait(plan, 10 * len(ticks))
+    assert shown[-1] == clip.before[-1]
+    view.present(plan)
+    assert shown[-1] == clip.event
 
 
 async def made_by_hand(module: str, question: object) -> bytes:

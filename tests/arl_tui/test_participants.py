@@ -225,6 +225,27 @@ def test_the_protocol_chooses_whose_delay_gives_credit_and_the_command_line_over
     assert parse_delay(source["credit_rule"]) == rule
 
 
+def test_without_a_protocol_file_a_participant_has_its_own_delay_where_that_game_was_measured(
+    tmp_path: Path,
+) -> None:
+    def settle(game: str, option: str | None = None) -> tuple[Delay, str, str]:
+        protocol = load_protocol(None, game=game)
+        settled, source = settle_credit(protocol, option, tmp_path, "P01", own_if_measured=True)
+        return settled.agent.credit.delay, source["credit"], source["credit_asked_by"]
+
+    as_written = Protocol().agent.credit.delay
+    assert settle("tetris") == (as_written, "rule", "default")
+    keep_delay(tmp_path, "P01", task_delay("simple", SIMPLE))
+    assert settle("tetris") == (as_written, "rule", "default")
+    keep_delay(tmp_path, "P01", task_delay())
+    assert settle("tetris") == (LAG, "participant", "default")
+    assert settle("tetris", "paper") == (GammaDelay(), "paper", "command line")
+    assert settle("keepaway")[1:] == ("rule", "default")
+    delays_path(tmp_path, "P01").write_text("rubbish")
+    with pytest.raises(click.ClickException, match="not a participant's delays"):
+        settle("tetris")
+
+
 def test_a_protocol_that_needs_a_measured_delay_stops_where_there_is_none(tmp_path: Path) -> None:
     protocol = load_protocol(protocol_file(tmp_path, "feedback-lag"))
     with pytest.raises(click.ClickException, match="P01 has no fit of the task 'feedback lag'"):
