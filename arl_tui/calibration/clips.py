@@ -19,7 +19,10 @@ from studies.reaction_time.protocol import Schedule
 
 TICK_MS = round(1000 * CYCLE_S)
 """A cycle is shown for as long as it takes in the game."""
-MARK = "judge now"
+MARK = "NOW"
+"""Short: it has to fit beside the longest words about an event in the smallest pitch."""
+LONGEST_S = 99.0
+"""Later events are not taken: the time in their words would leave no room for the mark."""
 MOST_EPISODES = 20_000
 """Looking through more of them than this for possessions that are long enough means that there are none."""
 KEPT, LOST = "ball kept", "ball lost"
@@ -85,7 +88,7 @@ def make_clips(schedule: Schedule) -> list[Clip]:
 
 def _event_at(frames: list[PitchFrame], wanted: str, n_before: int) -> int | None:
     """Return the place of the first wanted event with enough pictures before it."""
-    places = range(n_before, len(frames))
+    places = (i for i in range(n_before, len(frames)) if frames[i].time_s <= LONGEST_S)
     return next((i for i in places if judged(frames[i - 1], frames[i]) == wanted), None)
 
 

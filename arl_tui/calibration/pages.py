@@ -282,4 +282,6 @@ def result_words(delay: TaskDelay) -> str:
         f"(95 % sure: {mean.low:.2f} to {mean.high:.2f} s; {delay.n_observed} answers"
     )
     told += f", {delay.n_censored} without one)." if delay.n_censored else ")."
-    return told + "".join(f"\n[$text-warning]Beware:[/] [dim]{warning}[/]" for warning in delay.warnings)
+    return told + "".join(
+        f"\n[$text-warning]For the experimenter:[/] [dim]{warning}[/]" for warning in delay.warnings
+    )

@@ -54,7 +54,7 @@ INSTRUCTIONS: dict[Task, str] = {
 }
 KEEPAWAY_INSTRUCTION = (
     "You watch a computer play: three keepers pass the ball among themselves, two takers try to get it. At one moment "
-    "the play stops, and [b]judge now[/] appears below it.\n\n"
+    "the play stops, and [b]NOW[/] appears below it.\n\n"
     f"The ball has reached a keeper:  press {cap(YES)}\nThe keepers have lost the ball: press {cap(NO)}\n\n"
     "Press as soon as you have made up your mind."
 )

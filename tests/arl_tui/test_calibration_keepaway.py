@@ -7,13 +7,14 @@ import msgspec
 import pytest
 from textual.geometry import Size
 
-from arl_tui.calibration.clips import KEPT, LOST, MARK, Clip, judged, make_clips
+from arl_tui.calibration.clips import KEPT, LONGEST_S, LOST, MARK, Clip, judged, make_clips
 from arl_tui.calibration.plan import configure, newest_complete
 from arl_tui.calibration.trial_screen import TrialScreen
 from arl_tui.calibration.views import PitchView
 from arl_tui.palette import STANDARD
 from arl_tui.participants import ParticipantError, choose_credit, keep_delay
-from core.keepaway.picture import PitchFrame, PlayerView
+from arl_tui.widgets.pitch_drawing import draw, fit, plain
+from core.keepaway.picture import END_REASONS, PitchFrame, PlayerView
 from core.keepaway.pitch import ONGOING, OUT, TAKEN
 from studies.reaction_time.schedule import make_schedule
 from tests.arl_tui.calibrating import (
@@ -134,6 +135,27 @@ async def test_a_participant_judges_a_marked_picture_of_the_pitch(tmp_path: Path
     assert path.name.startswith("P01-feedback-lag-keepaway-")
     assert list(newest_complete(tmp_path, "feedback lag", "keepaway")) == [path]
     assert list(newest_complete(tmp_path, "feedback lag")) == []
+
+
+@pytest.mark.parametrize("detail", ["ascii", "half", "braille"])
+@pytest.mark.parametrize(
+    "event",
+    [
+        *({"holder": -1, "ended": reason} for reason in range(len(END_REASONS)) if reason != ONGOING),
+        {"holder": -1, "target": 1, "decider": 0},
+        {"holder": 1},
+    ],
+    ids=str,
+)
+def test_the_mark_stands_beside_the_words_of_every_event_in_the_smallest_pitch(event, detail) -> None:
+    pitch = PitchView([Clip(before=(frame(1),), event=frame(2), note="")], STANDARD).pitch
+    assert pitch.styles.width is not None
+    assert pitch.styles.height is not None
+    shape = fit(20.0, 20.0, int(pitch.styles.width.value), int(pitch.styles.height.value))
+    assert shape is not None
+    picture = frame(990, time_s=LONGEST_S, **event)
+    assert picture.caption() in plain(draw(picture, shape, detail, MARK))[-1]
+    assert MARK in plain(draw(picture, shape, detail, MARK))[-1]
 
 
 def test_a_session_of_keepaway_takes_the_delay_that_was_measured_with_keepaway(tmp_path: Path) -> None:
