@@ -126,8 +126,10 @@ def csv_text(rows: Rows) -> str:
 
 
 def describe_settings(conditions: Sequence[Condition]) -> dict[str, Any]:
-    """Return the settings of each condition as plain JSON types, by name."""
-    return {condition.name: msgspec.to_builtins(condition.settings) for condition in conditions}
+    """Return the settings of each condition as they read back from JSON, by name."""
+    settings = {condition.name: condition.settings for condition in conditions}
+    plain: dict[str, Any] = msgspec.json.decode(msgspec.json.encode(settings))
+    return plain
 
 
 def _plain(value: float) -> str:

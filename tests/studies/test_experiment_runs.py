@@ -207,7 +207,13 @@ def test_the_record_names_settings_and_every_program_that_added_trials(tmp_path)
         run_sweep(EXPERIMENT, root_seeds(1), tmp_path, Inline(), software={"commit": commit})
     record = read_record(tmp_path)
     assert record is not None
-    assert record.conditions["high"] == {"mean": 3.0, "episodes": 6, "seconds": 0.05, "fails": False}
+    assert record.conditions["high"] == {
+        "mean": 3.0,
+        "places": [1, 2],
+        "episodes": 6,
+        "seconds": 0.05,
+        "fails": False,
+    }
     assert [versions["commit"] for versions in record.software] == ["a", "b"]
 
 

@@ -11,6 +11,7 @@ from studies.experiments.sweep import Condition, Experiment
 
 class Tiny(msgspec.Struct, frozen=True):
     mean: float
+    places: tuple[int, ...] = (1, 2)
     episodes: int = 6
     seconds: float = 0.0
     fails: bool = False
