@@ -35,6 +35,35 @@ RULES: dict[str, str] = {
 """Rules in the order of tables, with their labels."""
 
 
+WHY = """\
+## The rule
+
+    y_t        the t-th press, 1 or -1; its usual value so far: mean of y_1 .. y_(t-1)
+    h_t        what the human model foresaw of it, learned from presses 1 .. t-1; its usual value and spread likewise
+    g_t        = clip((h_t - usual h) / spread, -1, 1) (y_t - usual y)
+    score      = sum g_t / sqrt(sum g_t^2)
+    attitude   in {-1, 0, 1}; another one is tried in 30 % of the episodes while it is 0 and score > 2, and taken over when its
+               episodes among the last 200 rank above the present one's by 3 standard errors; 5 % controls while it is not 0
+    w_h        = attitude (Eq. 3 with w_r = 1, both sides standardised)
+
+**Why it works.** Somebody useless, somebody good and an adversary differ in two ways, and no single measure tells all three apart. Random
+presses cannot be foreseen, whatever is pressed more often: given the past, every g_t has mean 0, so the score is a martingale over the root
+of its quadratic variation and seldom leaves a few standard errors. Good people and adversaries are foreseen equally well; which they are is
+tried out, because a human model that helps shows at once in lines cleared, long before the search has found policies that could agree with it.
+Where nothing is tried, w_h is exactly 0 and the session is the environment's own.
+
+*Agreement* (Eq. 4, the signed match) has neither property. A human model learned from noise is one random policy in all episodes: its agreement
+with good policies is a fixed number other than 0, and an error bar over episodes cannot see that.
+
+**When it fails.** (1) Presses so unreliable that foreseeing them takes hundreds (30 % wrong at two presses per episode): they are heard when most
+of what they could give is gone. (2) Policies adapt to the human model they are played with, so controls without it flatter listening: a human
+model that helped at first and holds the search back later is not dropped. (3) A person who is consistent about what does not matter passes the
+first test, and is left to the second. (4) Somebody who changes sides is found out only by performance, since the human model keeps what it
+learned.
+"""
+"""What the page says of the rule whatever came out."""
+
+
 def robustness_page(results: Results) -> Page:
     """Return the page."""
     scores = {name: results.table(name, "lines").mean(axis=1) for name in results.conditions}
@@ -56,6 +85,7 @@ are {SCORE}; ratios are to the environment alone, the same learner without a per
 One rule, its constants fixed in advance on other seeds ([tried trust](../decisions/tried-trust.md)).
 
 {_goal_table(scores, against)}
+{WHY}
 ## Every rule at every rate
 
 Ratio to the environment alone, with 95 % interval.
