@@ -22,6 +22,11 @@ CHOICES = ("participant", "feedback-lag", "simple", "pooled", "paper")
 FEWEST_TRUSTED = 20
 """Fewer responses than this do not make a density of one's own (`docs/trusting-a-fit.md`)."""
 
+LATE_MS = 60
+"""A stimulus waits for the next frame, 33 ms at most, and for being drawn. Later says that the program was held up."""
+MOST_LATE = 0.1
+"""Share of late trials from which on the measurement should not be trusted."""
+
 
 class ParticipantError(ValueError):
     """There is no such fit, or its file cannot be used; the message says what to do."""
@@ -62,6 +67,8 @@ class TaskDelay(msgspec.Struct, frozen=True, kw_only=True):
     """Whether another family of densities fits better, in words."""
     connection: dict[str, str] = {}
     """What stood between keyboard and program: connection, multiplexer, hindrances."""
+    n_late: int = 0
+    """Scored trials whose stimulus left the program later than `LATE_MS` after it was due."""
     pooled: GammaDelay | None = None
     """Own data and the other participants' together (gamma, offset 0); None with fewer than five people."""
     pooled_people: int = 0
@@ -79,6 +86,12 @@ class TaskDelay(msgspec.Struct, frozen=True, kw_only=True):
             found.append(f"only {self.n_observed} responses: repeat the task, or use the pooled delay")
         elif not self.shape_identified:
             found.append(self.shape_reason)
+        n_trials = self.n_observed + self.n_censored
+        if self.n_late > MOST_LATE * n_trials:
+            found.append(
+                f"the computer was busy: in {self.n_late} trials the stimulus came more than {LATE_MS} ms late, and keys may "
+                "have been read late, too; close other programs and repeat the task"
+            )
         if self.connection.get("hindrances"):
             found.append(f"measured through {self.connection['hindrances']}: times may be too long")
         return found

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from arl_tui.calibration.plan import GameName, newest_complete
-from arl_tui.participants import Quantity, TaskDelay, keep_delay
-from core.clock import wall_time_utc
+from arl_tui.participants import LATE_MS, Quantity, TaskDelay, keep_delay
+from core.clock import seconds, wall_time_utc
 from core.feedback.delays import GammaDelay
-from studies.reaction_time.protocol import Task
+from studies.reaction_time.protocol import Task, TrialRecord
 from studies.reaction_time.trial_log import TrialFileError, read_trials
 
 if TYPE_CHECKING:
@@ -91,8 +91,8 @@ def fit_task(path: Path, others: "Mapping[str, Sample]", participant: str, task:
     fit = fit_participant(participant, sample, settings)
     better = _better_gamma(fit)
     pooled, people = _pooled(participant, sample, others)
-    header = read_trials(path).header
-    facts = header.facts
+    file = read_trials(path)
+    header, facts = file.header, file.header.facts
     return TaskDelay(
         task=task,
         game=header.schedule.config.game,
@@ -114,9 +114,18 @@ def fit_task(path: Path, others: "Mapping[str, Sample]", participant: str, task:
         shape_reason=better.reason,
         verdict=fit.verdict,
         connection={k: facts[k] for k in ("connection", "multiplexer", "hindrances") if k in facts},
+        n_late=sum(is_late(record) for record in file.trials if not record.practice),
         pooled=pooled,
         pooled_people=people,
     )
+
+
+def is_late(record: TrialRecord) -> bool:
+    """Return whether the stimulus left the program much later than the foreperiod ended: its loop was held up."""
+    if record.flushed_ns is None:
+        return False
+    late_s = seconds(record.flushed_ns - record.started_ns) - record.foreperiod_s
+    return 1000.0 * late_s > LATE_MS
 
 
 def _sample_of(path: Path, participant: str) -> "tuple[Sample, Selection]":

@@ -5,12 +5,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arl_tui.calibration.fitting import FitOrder, fit_files
+from arl_tui.calibration.fitting import FitOrder, fit_files, is_late
 from arl_tui.participants import choose_credit, read_delays
 from core.feedback.credit import GammaDelay
 from studies.reaction_time.schedule import make_schedule
 from tests.arl_tui.calibrating import quick
-from tests.arl_tui.trial_files import judgements, write_session
+from tests.arl_tui.trial_files import judgements, record_of, write_session
 
 
 def test_a_fit_is_kept_per_task_and_pooled_from_five_people_on(tmp_path: Path) -> None:
@@ -80,3 +80,12 @@ def test_somebody_elses_damaged_file_stops_the_pooling_only(tmp_path: Path) -> N
     fitted = fit_files(FitOrder(recordings=str(tmp_path), participant="P1", files=(str(own),)))
     assert "P2-simple" in fitted.failures["simple, pooled"]
     assert [delay.n_observed for delay in fitted.delays] == [8]
+
+
+def test_a_stimulus_is_late_when_it_came_long_after_its_foreperiod() -> None:
+    schedule = make_schedule(quick("simple"), 3)
+    due_ns = 5 * 10**9 + round(schedule.trials[0].foreperiod_s * 1e9)
+    times = {"started_ns": 5 * 10**9, "asked_ns": due_ns + 10**6}
+    assert not is_late(record_of(schedule, 0, 0.3, **times, flushed_ns=due_ns + 59 * 10**6))
+    assert is_late(record_of(schedule, 0, 0.3, **times, flushed_ns=due_ns + 61 * 10**6))
+    assert not is_late(record_of(schedule, 0, None, **times, flushed_ns=None))

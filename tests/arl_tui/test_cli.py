@@ -1,5 +1,7 @@
 """The commands that need no terminal."""
 
+import subprocess
+import sys
 import tomllib
 from pathlib import Path
 
@@ -64,6 +66,13 @@ def test_every_command_explains_itself(command: tuple[str, ...]) -> None:
     result = run(*command, "--help")
     assert result.exit_code == 0
     assert "Usage:" in result.output
+
+
+def test_the_package_can_be_run_as_a_module_under_the_commands_name() -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "arl_tui", "calibrate", "--help"], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.startswith("Usage: arl calibrate")
 
 
 @pytest.mark.parametrize("name", ["", "Anna Maria", "../x", "a" * 33])

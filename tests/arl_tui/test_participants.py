@@ -118,6 +118,14 @@ def test_few_answers_an_open_shape_and_a_network_are_warned_of() -> None:
     assert "SSH" in task_delay(connection={"hindrances": "SSH"}).warnings[0]
 
 
+@pytest.mark.parametrize(("n_late", "warned"), [(0, False), (3, False), (4, True)])
+def test_a_delay_measured_on_a_busy_computer_says_so(n_late: int, warned: bool) -> None:
+    found = task_delay(n_observed=36, n_censored=1, n_late=n_late).warnings
+    assert [f"in {n_late} trials the stimulus came more than 60 ms late" in words for words in found] == [
+        True
+    ] * warned
+
+
 @pytest.mark.parametrize("content", [b"{}", b"not json", b'{"format":"arl-participant-delays","version":1'])
 def test_a_damaged_file_is_an_error_that_names_it(tmp_path: Path, content: bytes) -> None:
     path = delays_path(tmp_path, "P01")

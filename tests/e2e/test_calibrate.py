@@ -9,6 +9,7 @@ from statistics import median
 
 import pytest
 
+from arl_tui.calibration.clips import KEPT, LOST, MARK
 from arl_tui.participants import read_delays
 from studies.reaction_time.protocol import TrialRecord
 from studies.reaction_time.trial_log import TrialFile, read_trials
@@ -19,7 +20,7 @@ GO_ON, LEAVE = "Enter  to go on", "Enter  to leave"
 DELAYS_S = (0.25, 0.45, 0.35, 0.55)
 
 
-def calibrate(tmp_path: Path, tasks: str, trials: int) -> Terminal:
+def calibrate(tmp_path: Path, tasks: str, trials: int, *more: str) -> Terminal:
     return Terminal(
         "calibrate",
         "--participant",
@@ -34,6 +35,7 @@ def calibrate(tmp_path: Path, tasks: str, trials: int) -> Terminal:
         "5",
         "--recordings",
         "r",
+        *more,
         cwd=tmp_path,
     )
 
@@ -125,6 +127,21 @@ def test_judgements_of_the_real_board_are_timed_from_the_drop(tmp_path: Path) ->
     assert {record.status for record in records if record.condition == "good placement"} == {"ok"}
     assert {record.status for record in records if record.condition == "bad placement"} == {"wrong key"}
     assert all(record.comment.startswith("piece ") for record in records)
+    errors = errors_ms(records, participant.delays_s)
+    assert abs(median(errors)) < 30.0, errors
+
+
+@pytest.mark.slow
+def test_events_of_keepaway_are_timed_from_the_picture_with_the_mark(tmp_path: Path) -> None:
+    with calibrate(tmp_path, "feedback-lag", 6, "--game", "keepaway") as terminal:
+        participant = Participant(terminal, lambda text: f" {MARK} " in text, "j")
+        participant.live()
+        terminal.press("\r")
+        terminal.wait_for_exit()
+    records = answered(the_file(tmp_path))
+    # Every event had a mark, and none was seen in a trial without one.
+    assert len(records) == len([record for record in the_file(tmp_path).trials if not record.catch])
+    assert {(record.condition, record.status) for record in records} == {(KEPT, "ok"), (LOST, "wrong key")}
     errors = errors_ms(records, participant.delays_s)
     assert abs(median(errors)) < 30.0, errors
 
