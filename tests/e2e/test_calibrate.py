@@ -143,7 +143,8 @@ def test_events_of_keepaway_are_timed_from_the_picture_with_the_mark(tmp_path: P
     assert len(records) == len([record for record in the_file(tmp_path).trials if not record.catch])
     assert {(record.condition, record.status) for record in records} == {(KEPT, "ok"), (LOST, "wrong key")}
     errors = errors_ms(records, participant.delays_s)
-    assert abs(median(errors)) < 30.0, errors
+    # The robot parses 30 pitches a second and falls behind, which makes its own delays seem short: never too long.
+    assert -10.0 < min(errors) < 30.0, errors
 
 
 def test_a_killed_calibration_keeps_every_finished_trial_and_goes_on(tmp_path: Path) -> None:
