@@ -449,6 +449,32 @@ class BootstrapConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
             )
 
 
+class AskingConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """When the agent poses a choice of candidate actions (`core.combination.asking`; `docs/decisions/asking.md`)."""
+
+    per_episode: int = 0
+    """Questions per watched episode at most. 0: the agent never asks, as in the paper's experiments."""
+    options: int = 3
+    """Candidate actions of a question at most, 2 or 3."""
+    share: float = 0.05
+    """It asks where its policies disagree more than in all but this share of recent decisions, in (0, 1). (Our choice.)"""
+    memory: int = 200
+    """How many recent decisions that share is of. (Our choice.)"""
+    minimum_decisions: int = 20
+    """It does not ask before it has seen this many. (Our choice.)"""
+
+    def __post_init__(self) -> None:
+        if self.per_episode < 0 or self.options not in (2, 3) or not 0 < self.share < 1:
+            raise ValueError(
+                "asking needs per_episode >= 0, 2 or 3 options and a share in (0, 1), got "
+                f"{self.per_episode}, {self.options}, {self.share}"
+            )
+        if not 1 <= self.minimum_decisions <= self.memory:
+            raise ValueError(
+                f"need 1 <= minimum_decisions <= memory, got {self.minimum_decisions} and {self.memory}"
+            )
+
+
 def _linear_form(scale: Scale) -> int:
     return LINEAR if scale == "standardised" else LINEAR_RAW
 
@@ -478,3 +504,5 @@ class AgentConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     """How presses become samples."""
     human_model: HumanModelConfig = RidgeModel()
     """How samples become H. (The paper does not say; least squares make most of a few presses.)"""
+    asking: AskingConfig = AskingConfig()
+    """Whether and when the agent asks."""
