@@ -19,15 +19,16 @@ from core.keepaway.pitch import KeepawayConfig
 from core.keys import KeyConfig
 from core.learners.cross_entropy_config import CrossEntropyConfig
 from core.learners.human_config import TileModel
+from core.learners.policy_gradient_config import PolicyGradientConfig
 from core.learners.sarsa_config import SarsaConfig
 from core.tetris.config import TetrisConfig
 
 DomainConfig = TetrisConfig | KeepawayConfig
 """What is played; msgspec decodes it by its tag, the field "type"."""
-LearnerConfig = CrossEntropyConfig | SarsaConfig
+LearnerConfig = CrossEntropyConfig | PolicyGradientConfig | SarsaConfig
 """How the environment's learner learns; decoded by its tag, too."""
 LEARNERS: dict[type[DomainConfig], tuple[type[LearnerConfig], ...]] = {
-    TetrisConfig: (CrossEntropyConfig,),
+    TetrisConfig: (CrossEntropyConfig, PolicyGradientConfig),
     KeepawayConfig: (SarsaConfig,),
 }
 """The learners that can learn each game."""

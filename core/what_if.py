@@ -124,7 +124,8 @@ def relearn(
                     count = session.unseen_between if relearned.w_h else session.unseen_before
                     _play_unseen(agent, play, protocol, root_seed, unseen_from + output.episode, count)
                     unseen_from += count
-                watched.begin(agent.begin_episode(output.episode + unseen_from, exploring=False))
+                proposed = session.watched == "proposed"
+                watched.begin(agent.begin_episode(output.episode + unseen_from, exploring=proposed))
             case StepTaken():
                 watched.take(agent, audience, output)
             case EpisodeEnded():

@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 
 from core.combination.bootstrap_learning import BootstrapLearning, EpisodeReport
 from core.combination.config import ENVIRONMENT_WEIGHTS, AgentConfig, EpisodeWeights, HumanOnly
-from core.combination.environment import Ending, environment_side
+from core.combination.environment import environment_side
 from core.combination.human_learner import HumanLearner
 from core.combination.schemes import best_action, choose, takes_control, worst_action
+from core.combination.sides import Ending, Heard
 from core.combination.trust import Comparison
 from core.combination.window import DecisionWindow, Values
 from core.domain import Choices
@@ -40,7 +41,7 @@ class EpisodePolicy:
     weights: EpisodeWeights
     """How the two are combined."""
     share_seed: int
-    """Seed of `takes_control` (control sharing), in [0, 2**62)."""
+    """Seed of the episode's draws: `takes_control` (control sharing) and `point_of` (softmax), in [0, 2**62)."""
     exploring: bool
     """The learner proposed this policy and waits for its performance."""
 
@@ -114,17 +115,21 @@ class ArlAgent:
         """
         environment_values = environment_values or exact_values
         self.config = config
+        self.learner = learner
+        """The environment's learner; what plays for it in compiled code lets it learn there."""
         self.human = HumanLearner(
             config.credit, config.human_model, n_feedback_features, tiles=feedback_tiles
         )
         human_values = human_values or (tile_values(feedback_tiles) if feedback_tiles else exact_values)
         self.window = DecisionWindow(config.bootstrap.window_decisions, environment_values, human_values)
         self.bootstrap = BootstrapLearning(config.bootstrap, self.window, root_seed=root_seed)
-        self._environment = environment_side(learner, environment_values)
+        self._environment = environment_side(learner, environment_values, config.scheme)
         self._root_seed = root_seed
         self._human_values = human_values
         # Comparison of the episode being watched: (decisions, agreed, agreed_worst).
         self._watched = (0, 0, 0)
+        # Of the decision last made: how the sides were combined, and H of each action.
+        self._decided: tuple[EpisodeWeights, NDArray[np.float64]] = (ENVIRONMENT_WEIGHTS, np.zeros(0))
 
     @property
     def w_h(self) -> float:
@@ -172,24 +177,20 @@ class ArlAgent:
         self.window.remember(choices)
         env_values = self._environment.values(choices, policy.theta)
         environment_action = best_action(env_values, choices.ruled_out, n)
-        if not self.human.knows_something:
-            preferred = self._prefer(env_values, np.zeros(n), choices, policy)
-            action = self._environment.act(env_values, choices, preferred)
-            return Decision(action, environment_action, -1, -1)
-        human_values = self._human_values(choices.feedback_features, self.human.weights)
-        human_action = best_action(human_values, choices.ruled_out, n)
-        human_worst_action = worst_action(human_values, choices.ruled_out, n)
-        decisions, agreed, agreed_worst = self._watched
-        self._watched = (
-            decisions + 1,
-            agreed + (environment_action == human_action),
-            agreed_worst + (environment_action == human_worst_action),
-        )
-        if takes_control(policy.share_seed, step, policy.weights.share):
-            preferred = human_action
-        else:
-            preferred = self._prefer(env_values, human_values, choices, policy)
-        action = self._environment.act(env_values, choices, preferred)
+        human_values, human_action, human_worst_action = np.zeros(n), -1, -1
+        handed_over = False
+        if self.human.knows_something:
+            human_values = self._human_values(choices.feedback_features, self.human.weights)
+            human_action = best_action(human_values, choices.ruled_out, n)
+            human_worst_action = worst_action(human_values, choices.ruled_out, n)
+            self.count_decisions(
+                1, environment_action == human_action, environment_action == human_worst_action
+            )
+            handed_over = takes_control(policy.share_seed, step, policy.weights.share)
+        preferred = human_action if handed_over else self._prefer(env_values, human_values, choices, policy)
+        heard = Heard(human_values, policy.weights, policy.share_seed, step, handed_over)
+        action = self._environment.act(env_values, choices, preferred, heard)
+        self._decided = (policy.weights, human_values)
         return Decision(action, environment_action, human_action, human_worst_action)
 
     def count_decisions(self, decisions: int, agreed: int, agreed_worst: int) -> None:
@@ -204,8 +205,19 @@ class ArlAgent:
         self._watched = (before[0] + decisions, before[1] + agreed, before[2] + agreed_worst)
 
     def learn_from_step(self, choices: Choices, action: int, reward: float) -> None:
-        """Take in what was done in the decision last made, whoever chose it, and the reward of its step."""
-        self._environment.took(choices, action, reward)
+        """Take in what was done in the decision last made, whoever chose it, and the reward of its step.
+
+        Reward shaping adds beta H(s, a) to the reward, H without its constant; Q augmentation tells the learner beta H.
+        """
+        weights, human_values = self._decided
+        heard = float(human_values[action])
+        self._environment.took(
+            choices,
+            action,
+            reward,
+            shaping=weights.shaping * heard,
+            augmentation=weights.augmentation * heard,
+        )
 
     def learn_from_domain(self, policy: EpisodePolicy, played: Outcome) -> None:
         """Take in how an episode went: the learner hears of its proposal, policies are ranked, w_h is revised.
@@ -242,7 +254,9 @@ class ArlAgent:
 
     def learn_from_press(self, press: int, time_ns: int, value: float) -> CreditGiven:
         """Learn from a press, value > 0 good, < 0 bad; return how it was shared out."""
-        return self.human.learn_from_press(press, time_ns, value)
+        given = self.human.learn_from_press(press, time_ns, value)
+        self._environment.press(given, value)
+        return given
 
     def retract(self, press: int) -> None:
         """Forget a press as if it had never been made."""

@@ -3,39 +3,18 @@
 `core.combination.agent` asks this side for values and actions and never knows which kind it has.
 """
 
-from collections.abc import Callable
-from typing import Literal, Protocol
+from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from core.combination.climbing import Climbing
+from core.combination.config import Coach, Scheme
 from core.combination.schemes import best_action
+from core.combination.sides import Drawn, Ending, Floats, Heard
 from core.combination.window import Values
 from core.domain import Choices
-from core.learners.contract import EnvironmentLearner, StepwiseLearner
-
-Floats = NDArray[np.float64]
-Drawn = Callable[[], tuple[int, Floats]]
-"""Draws one of the policies that have been ranked: its number and theta."""
-
-
-class Ending(Protocol):
-    """How an episode ended (`core.rollout.Played`)."""
-
-    @property
-    def performance(self) -> float:
-        """Performance measure, >= 0."""
-        ...
-
-    @property
-    def ended(self) -> Literal["termination", "truncation"]:
-        """Whether the episode came to its end."""
-        ...
-
-    @property
-    def time(self) -> int:
-        """The domain's own time at the end."""
-        ...
+from core.episode import CreditGiven
+from core.learners.contract import Actor, EnvironmentLearner, StepwiseLearner
 
 
 class EnvironmentSide(Protocol):
@@ -57,12 +36,18 @@ class EnvironmentSide(Protocol):
         """Return R of each action under the policy theta, shape (n,)."""
         ...
 
-    def act(self, values: Floats, choices: Choices, preferred: int) -> int:
+    def act(self, values: Floats, choices: Choices, preferred: int, heard: Heard) -> int:
         """Return the action to take; `preferred` is that of both sides together, -1 where this one decides alone."""
         ...
 
-    def took(self, choices: Choices, action: int, reward: float) -> None:
-        """Take in a step."""
+    def took(
+        self, choices: Choices, action: int, reward: float, *, shaping: float, augmentation: float
+    ) -> None:
+        """Take in a step, its reward, and what feedback adds to it, or to the value of what was done."""
+        ...
+
+    def press(self, credit: CreditGiven, value: float) -> None:
+        """Hear how a press was shared out among the steps: for those whom presses teach directly."""
         ...
 
     def end_episode(self, policy_id: int, played: Ending, *, proposed: bool) -> None:
@@ -102,12 +87,17 @@ class PolicySearch:
         """Return the features times theta."""
         return self._values(choices.features, theta)
 
-    def act(self, values: Floats, choices: Choices, preferred: int) -> int:
+    def act(self, values: Floats, choices: Choices, preferred: int, heard: Heard) -> int:
         """Return the preferred action; the best one where there is none."""
         return preferred if preferred >= 0 else best_action(values, choices.ruled_out, len(values))
 
-    def took(self, choices: Choices, action: int, reward: float) -> None:
+    def took(
+        self, choices: Choices, action: int, reward: float, *, shaping: float, augmentation: float
+    ) -> None:
         """Do nothing: this learner hears of whole episodes only."""
+
+    def press(self, credit: CreditGiven, value: float) -> None:
+        """Do nothing: presses reach this learner through the human model."""
 
     def end_episode(self, policy_id: int, played: Ending, *, proposed: bool) -> None:
         """Tell the learner how its proposal did."""
@@ -144,13 +134,18 @@ class StepByStep:
         """Return the learner's values of now."""
         return self._learner.values(choices)
 
-    def act(self, values: Floats, choices: Choices, preferred: int) -> int:
+    def act(self, values: Floats, choices: Choices, preferred: int, heard: Heard) -> int:
         """Return the preferred action unless the learner explores."""
         return self._learner.act(values, preferred)
 
-    def took(self, choices: Choices, action: int, reward: float) -> None:
+    def took(
+        self, choices: Choices, action: int, reward: float, *, shaping: float, augmentation: float
+    ) -> None:
         """Let the learner learn."""
-        self._learner.took(choices, action, reward)
+        self._learner.took(choices, action, reward, shaping=shaping, augmentation=augmentation)
+
+    def press(self, credit: CreditGiven, value: float) -> None:
+        """Do nothing: presses reach this learner through the human model."""
 
     def end_episode(self, policy_id: int, played: Ending, *, proposed: bool) -> None:
         """Let the learner learn from the end."""
@@ -169,8 +164,32 @@ class StepByStep:
         return self._learner.export()
 
 
-def environment_side(learner: EnvironmentLearner | StepwiseLearner, values: Values) -> EnvironmentSide:
-    """Return the interface of either kind of learner; `values` of action rows and theta is for those that search."""
+def environment_side(
+    learner: EnvironmentLearner | StepwiseLearner, values: Values, scheme: Scheme
+) -> EnvironmentSide:
+    """Return the interface of any kind of learner.
+
+    Args:
+        learner: of the environment.
+        values: R of action rows and theta, for policies that are played again.
+        scheme: how environment and human are combined.
+
+    Raises:
+        ValueError: the scheme acts on what the learner learns, and this learner cannot be acted on so.
+    """
+    name = scheme.__struct_config__.tag
+    coach = scheme if isinstance(scheme, Coach) else None
     if isinstance(learner, StepwiseLearner):
+        if coach is not None:
+            raise ValueError(f"scheme {name} needs a learner with a softmax policy: policy gradient")
         return StepByStep(learner)
+    if name == "q-augmentation":
+        raise ValueError(f"scheme {name} needs a learner of action values that learns at every step: Sarsa")
+    if isinstance(learner, Actor):
+        return Climbing(learner, values, coach)
+    if coach is not None or name == "reward-shaping":
+        raise ValueError(
+            f"scheme {name} acts on what the learner learns from each step; one that hears of whole episodes only, "
+            "such as cross-entropy, has nothing to act on"
+        )
     return PolicySearch(learner, values)

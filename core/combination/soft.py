@@ -8,9 +8,13 @@ from numpy.typing import NDArray
 from core.combination.config import ADVISE, EXPONENTIAL, LINEAR
 from core.combination.schemes import best_action, chance_of_right, mean_and_sd, worst_action
 from core.compiled import kernel
+from core.counters import uniform_at
 
 Values = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+
+# Draws of an episode's seed: `takes_control` takes those below.
+_FIRST_POINT = 1 << 32
 
 LEAST_CHANCE = 1e-300
 """A chance of being right below this counts as this: its logarithm is finite."""
@@ -47,12 +51,12 @@ def fill_logits(
         gains: written, shape (>= n,).
 
     Returns:
-        The action whose R counts as 0 in the derivative (any, where all gains are equal).
+        The action whose R counts as 0 in the derivative; -1 where all gains are equal, so that none has to.
     """
     exponential = form == EXPONENTIAL and w_h != 0.0
     centre = range_h = 0.0
     factor = w_h
-    reference = 0
+    reference = -1
     if exponential:
         reference = worst_action(env_values, ruled_out, n)
         centre = human_values[worst_action(human_values, ruled_out, n)]
@@ -75,3 +79,14 @@ def fill_logits(
                 said = math.log(max(chance_of_right(said), LEAST_CHANCE))
             logits[action] = w_r * env_values[action] + said
     return reference
+
+
+@kernel
+def point_of(seed: int, decision: int) -> float:
+    """Return the point in [0, 1) that decides a draw from the softmax.
+
+    Args:
+        seed: of the episode, in [0, 2**62), as for `takes_control`, whose draws are others.
+        decision: number of the decision in the episode, >= 0.
+    """
+    return uniform_at(seed, _FIRST_POINT + decision)

@@ -64,8 +64,24 @@ class StepwiseLearner(Protocol):
         """
         ...
 
-    def took(self, choices: Choices, action: int, reward: float) -> None:
-        """Learn from a decision: `action` was taken, whoever chose it, and its step brought `reward`."""
+    def took(
+        self,
+        choices: Choices,
+        action: int,
+        reward: float,
+        *,
+        shaping: float = 0.0,
+        augmentation: float = 0.0,
+    ) -> None:
+        """Learn from a decision: `action` was taken, whoever chose it, and its step brought `reward`.
+
+        Args:
+            choices: the decision.
+            action: what was done.
+            reward: of the environment.
+            shaping: what human feedback adds to that reward (reward shaping).
+            augmentation: what it adds to the action's value in learning (Q augmentation).
+        """
         ...
 
     def end_episode(self, time: int, *, terminated: bool) -> None:
@@ -83,4 +99,64 @@ class StepwiseLearner(Protocol):
 
     def export(self) -> dict[str, list[float]]:
         """Return everything learned, by name, for a recording's last line."""
+        ...
+
+
+@runtime_checkable
+class Actor(Protocol):
+    """An `EnvironmentLearner` whose policy is a softmax over actions, which it climbs while it is played.
+
+    An episode with its proposal is `begin_episode`, `took` for each decision, `end_episode`, then `report`.
+    """
+
+    def propose(self) -> Candidate:
+        """As `EnvironmentLearner`."""
+        ...
+
+    def report(self, policy_id: int, performance: float) -> None:
+        """As `EnvironmentLearner`."""
+        ...
+
+    def state_digest(self) -> bytes:
+        """As `EnvironmentLearner`."""
+        ...
+
+    def begin_episode(self) -> None:
+        """Prepare for an episode with the proposal."""
+        ...
+
+    def values(self, choices: Choices) -> NDArray[np.float64]:
+        """Return R, the logits of the policy of now, shape (n,)."""
+        ...
+
+    def score(
+        self,
+        choices: Choices,
+        action: int,
+        *,
+        gains: NDArray[np.float64],
+        probabilities: NDArray[np.float64],
+        reference: int,
+    ) -> NDArray[np.float64]:
+        """Return the gradient of log pi(action), for the softmax that was drawn from, shape (F,).
+
+        Args:
+            choices: the decision.
+            action: what was done.
+            gains: derivative of each action's logit by its R, shape (n,).
+            probabilities: shape (n,).
+            reference: action whose R is taken off every R before a gain is applied; -1 for none.
+        """
+        ...
+
+    def took(self, score: NDArray[np.float64] | None, reward: float) -> None:
+        """Learn from a decision and the reward of its step; None where the policy did not decide."""
+        ...
+
+    def push(self, direction: NDArray[np.float64]) -> None:
+        """Move the weights by `direction`, shape (F,), as scores count them: feedback on the policy itself."""
+        ...
+
+    def end_episode(self) -> None:
+        """Learn from the end of the episode."""
         ...

@@ -8,12 +8,24 @@ the running mean reward. The natural gradient premultiplies by the inverse Fishe
 import math
 import struct
 
+import msgspec
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from core.domain import Choices
 from core.learners.contract import Candidate
+from core.learners.linear import action_values
 from core.learners.policy_gradient_config import PolicyGradientConfig
-from core.learners.policy_gradient_kernels import STEPS, Memory, invert_positive
+from core.learners.policy_gradient_kernels import (
+    STEPS,
+    Memory,
+    fill_score,
+    invert_positive,
+    learn_from_reward,
+    remember_score,
+)
+
+Floats = NDArray[np.float64]
 
 __all__ = ["PolicyGradient", "PolicyGradientConfig", "PolicyGradientLearner"]
 
@@ -60,6 +72,12 @@ class PolicyGradient:
         """A copy of theta in the features' own units, shape (F,)."""
         return np.asarray(self.memory.weights / self.scales)
 
+    def at_rest(self) -> "PolicyGradient":
+        """Return a copy that plays the policy of now and leaves this one as it is."""
+        copy = PolicyGradient(msgspec.structs.replace(self.config, step_size=0.0), scales=self.scales)
+        copy.memory.weights[:] = self.memory.weights
+        return copy
+
     def begin_episode(self) -> None:
         """Forget the decisions of the episode before: no reward to come is due to them."""
         for array in (self.memory.trace, self.memory.gradient, self.memory.fisher):
@@ -96,9 +114,10 @@ class PolicyGradient:
 
 
 class PolicyGradientLearner:
-    """The method one episode at a time: a `core.learners.contract.EnvironmentLearner`.
+    """The method as an agent's learner: a `core.learners.contract.Actor`.
 
-    The policy proposed is the one at the start of the episode. It is learned from by whoever plays it (`gradient`).
+    The policy proposed is the one at the start of the episode. A compiled player may play it by itself and learn through
+    `gradient`; then `took` is not called.
     """
 
     def __init__(self, config: PolicyGradientConfig, *, scales: ArrayLike) -> None:
@@ -122,6 +141,36 @@ class PolicyGradientLearner:
     def state_digest(self) -> bytes:
         """Return bytes that differ whenever anything differs that decides about later proposals."""
         return struct.pack("<q", self._proposed.policy_id) + self.gradient.state_bytes()
+
+    def begin_episode(self) -> None:
+        """Prepare for an episode with the proposal."""
+        self.gradient.begin_episode()
+
+    def values(self, choices: Choices) -> Floats:
+        """Return R of each action under the weights of now, shape (n,)."""
+        return action_values(choices.features / self.gradient.scales, self.gradient.memory.weights)
+
+    def score(
+        self, choices: Choices, action: int, *, gains: Floats, probabilities: Floats, reference: int
+    ) -> Floats:
+        """Return the gradient of log pi(action) by the weights of the scaled features, shape (F,)."""
+        rows = choices.features / self.gradient.scales
+        out = np.empty(rows.shape[1])
+        fill_score(rows, gains, probabilities, len(rows), action, reference, out)
+        return out
+
+    def took(self, score: Floats | None, reward: float) -> None:
+        """Learn from a decision and the reward of its step."""
+        remember_score(self.gradient.memory, np.zeros(len(self.gradient.scales)) if score is None else score)
+        learn_from_reward(self.gradient.memory, reward)
+
+    def push(self, direction: Floats) -> None:
+        """Move the weights of the scaled features by `direction`, shape (F,)."""
+        self.gradient.memory.weights[:] += direction
+
+    def end_episode(self) -> None:
+        """Learn from the end of the episode."""
+        self.gradient.end_episode()
 
     def _frozen_weights(self) -> NDArray[np.float64]:
         weights = self.gradient.weights

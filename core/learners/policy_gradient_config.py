@@ -6,7 +6,9 @@ from typing import Literal
 import msgspec
 
 
-class PolicyGradientConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class PolicyGradientConfig(
+    msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag="policy-gradient"
+):
     """A softmax policy that climbs the gradient of its reward (Baxter & Bartlett 2001; the libPG family)."""
 
     step_size: float = 0.03

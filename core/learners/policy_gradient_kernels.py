@@ -47,15 +47,16 @@ def fill_score(
         probabilities: of the actions, shape (>= n,).
         n: number of actions.
         action: the one taken.
-        reference: action whose R is taken off every R before the gain is applied. (Plays no part where gains are equal.)
+        reference: action whose R is taken off every R before the gain is applied; -1 for none.
         out: written, shape (F,).
     """
     for i in range(len(out)):
         mean = 0.0
+        origin = rows[reference, i] if reference >= 0 else 0.0
         for other in range(n):
             if probabilities[other] > 0.0:
-                mean += probabilities[other] * gains[other] * (rows[other, i] - rows[reference, i])
-        out[i] = gains[action] * (rows[action, i] - rows[reference, i]) - mean
+                mean += probabilities[other] * gains[other] * (rows[other, i] - origin)
+        out[i] = gains[action] * (rows[action, i] - origin) - mean
 
 
 @kernel

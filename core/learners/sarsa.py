@@ -52,6 +52,8 @@ class Sarsa(NamedTuple):
     """Cycle of the last decision; NOT_YET at the start of an episode, shape (n,)."""
     values: Floats
     """Action values at each learner's last decision, before the update it caused, shape (n, a)."""
+    extra: Floats
+    """What feedback adds to the reward of each learner's last option (shaping; Q augmentation), shape (n,)."""
     coder: TileCoder
     step_size: float
     """alpha / number of active tiles."""
@@ -75,6 +77,7 @@ def new_sarsa(config: SarsaConfig, coder: TileCoder, n_learners: int, n_actions:
         last_action=np.zeros(n_learners, np.int64),
         last_time=np.full(n_learners, NOT_YET, np.int64),
         values=np.zeros((n_learners, n_actions)),
+        extra=np.zeros(n_learners),
         coder=coder,
         step_size=float(config.step_size) / n_active,
         discount=float(config.discount),
@@ -94,6 +97,7 @@ def frozen(sarsa: Sarsa, exploration: float = 0.0) -> Sarsa:
         last_action=sarsa.last_action.copy(),
         last_time=np.full_like(sarsa.last_time, NOT_YET),
         values=sarsa.values.copy(),
+        extra=np.zeros_like(sarsa.extra),
     )
 
 
@@ -167,9 +171,10 @@ def take_action(sarsa: Sarsa, k: int, windows: Ints, action: int, time: int, bef
     last = sarsa.last_time[k]
     if last != NOT_YET and sarsa.step_size > 0.0:
         passed = math.pow(sarsa.discount, float(time - last))
-        target = reward_of(time - last, sarsa.discount) + passed * sarsa.values[k, action]
+        target = reward_of(time - last, sarsa.discount) + sarsa.extra[k] + passed * sarsa.values[k, action]
         _learn(sarsa, k, target - before)
         _decay_traces(sarsa, k, passed * sarsa.trace_decay)
+    sarsa.extra[k] = 0.0
     sarsa.windows[k] = windows
     sarsa.last_action[k] = action
     sarsa.last_time[k] = time
@@ -201,8 +206,10 @@ def end_episode(sarsa: Sarsa, time: int) -> None:
     for k in range(len(sarsa.last_time)):
         last = sarsa.last_time[k]
         if last != NOT_YET and sarsa.step_size > 0.0:
-            _learn(sarsa, k, reward_of(time - last, sarsa.discount) - last_value(sarsa, k))
+            reward = reward_of(time - last, sarsa.discount) + sarsa.extra[k]
+            _learn(sarsa, k, reward - last_value(sarsa, k))
         sarsa.last_time[k] = NOT_YET
+        sarsa.extra[k] = 0.0
     if sarsa.step_size > 0.0:
         sarsa.traces[:] = 0.0
 
@@ -211,6 +218,7 @@ def end_episode(sarsa: Sarsa, time: int) -> None:
 def forget_episode(sarsa: Sarsa) -> None:
     """Forget traces and decisions of an episode that was broken off: nobody knows what came of its last options."""
     sarsa.last_time[:] = NOT_YET
+    sarsa.extra[:] = 0.0
     if sarsa.step_size > 0.0:
         sarsa.traces[:] = 0.0
 

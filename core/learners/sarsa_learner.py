@@ -51,9 +51,26 @@ class SarsaLearner:
         explore, pick = self._rng.random(), self._rng.random()
         return int(pick * len(values)) if explore < exploration else preferred
 
-    def took(self, choices: Choices, action: int, reward: float) -> None:
-        """Learn from the option that this decision ended; the reward is the time since, `reward` is not needed."""
-        observe_action(self.sarsa, choices.actor, _windows(choices), action, choices.time)
+    def took(
+        self,
+        choices: Choices,
+        action: int,
+        reward: float,
+        *,
+        shaping: float = 0.0,
+        augmentation: float = 0.0,
+    ) -> None:
+        """Learn from the option that this decision ended; the reward is the time since, `reward` is not needed.
+
+        Q augmentation learns the Q for which Q + beta H fits: gamma^t beta H(s', o') - beta H(s, o) is added to the reward
+        of option o.
+        """
+        sarsa, k = self.sarsa, choices.actor
+        if sarsa.last_time[k] != NOT_YET:
+            passed = float(sarsa.discount) ** int(choices.time - sarsa.last_time[k])
+            sarsa.extra[k] += passed * augmentation
+        observe_action(sarsa, k, _windows(choices), action, choices.time)
+        sarsa.extra[k] = shaping - augmentation
 
     def end_episode(self, time: int, *, terminated: bool) -> None:
         """Learn from each learner's last option; of an episode that was broken off nothing more is learned."""
@@ -70,6 +87,7 @@ class SarsaLearner:
             sarsa.weights,
             sarsa.traces,
             sarsa.last_time,
+            sarsa.extra,
             sarsa.last_action[still_open],
             sarsa.windows[still_open],
         )

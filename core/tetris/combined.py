@@ -282,7 +282,7 @@ def _play_combined(
         action = choose(env_values, human_values, ruled_out, n, form, w_r, w_h)
         if share > 0.0 and takes_control(share_seed, decision, share):
             action = human_best
-        ring[kept, MAX_COLUMNS] = _place_among_offered(ruled_out, action) if must_fit else action
+        ring[kept, MAX_COLUMNS] = place_among_offered(ruled_out, action) if must_fit else action
         full = put_down(work, NOW, action)
         if full != 0:
             lines += remove_rows(work, NOW, n_columns, full)
@@ -293,7 +293,7 @@ def _play_combined(
 
 
 @kernel
-def _place_among_offered(ruled_out: NDArray[np.bool_], action: int) -> int:
+def place_among_offered(ruled_out: NDArray[np.bool_], action: int) -> int:
     """Return which of the actions that are not ruled out this one is: where a piece must fit, others are not offered."""
     place = 0
     for other in range(action):

@@ -5,7 +5,6 @@ The policy is a softmax over placements (Kakade 2001), of f(R, H) where there is
 change between two pieces.
 """
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -13,7 +12,7 @@ from numpy.typing import NDArray
 
 from core.combination.config import ENVIRONMENT_WEIGHTS, EpisodeWeights
 from core.combination.schemes import best_action, choose, takes_control, worst_action
-from core.combination.soft import fill_logits
+from core.combination.soft import fill_logits, point_of
 from core.compiled import kernel
 from core.counters import uniform_at
 from core.learners.linear import action_values
@@ -43,7 +42,8 @@ from core.tetris.board import (
     scan_placements,
     wall_height,
 )
-from core.tetris.config import TetrisConfig
+from core.tetris.combined import place_among_offered
+from core.tetris.config import MAX_COLUMNS, TetrisConfig
 from core.tetris.evaluation import Floats, fill_values, linear_policy
 from core.tetris.features import feature_set, fill_after
 from core.tetris.pieces import MAX_SHAPE_SIZE
@@ -52,47 +52,34 @@ N_SCALE_GAMES = 20
 """Random games behind `placement_scales`."""
 
 # Places in a game's row of counters.
-PIECES, LINES, FINISHED, AGREED, AGREED_WORST, COMPARED, ACTION = range(7)
-
-
-@dataclass(frozen=True, slots=True)
-class PolicyGradientEpisode:
-    """What an episode came to."""
-
-    lines: int
-    """Lines cleared."""
-    n_decisions: int
-    """Pieces placed."""
-    n_compared: int
-    """Decisions at which there was a human policy to compare with."""
-    n_agree: int
-    """Those where the environment policy's best action is the human policy's best action."""
-    n_agree_worst: int
-    """Those where it is the human policy's worst action instead."""
-    finished: bool
-    """Whether the game ended; False where the piece cap stopped it."""
+PIECES, LINES, FINISHED, AGREED, AGREED_WORST, COMPARED = range(6)
 
 
 class PolicyGradientGame:
-    """One episode in which the learner plays and learns, piece by piece or all at once."""
+    """One episode in which the learner plays and learns; all placements are open, as in `CombinedGame`."""
 
     def __init__(
         self,
         learner: PolicyGradient,
+        human_weights: NDArray[np.float64],
         seed: int,
         config: TetrisConfig,
+        combination: EpisodeWeights = ENVIRONMENT_WEIGHTS,
         *,
-        chance_seed: int,
         share_seed: int = 0,
+        window: int = 1,
     ) -> None:
-        """Set up a game; the learner begins an episode.
+        """Set up a game; the learner begins an episode, and whoever asked for it ends it (`end_episode`).
 
         Args:
-            learner: with one weight per feature of `config.features`; learns in place.
+            learner: with one weight per feature of `config.features`; learns in place. The reward of a decision is the
+                number of lines it clears (and `combination.shaping` times H).
+            human_weights: v, under `config.feedback_features`, shape (G,); all 0 while there is no human policy.
             seed: of the piece stream, in [0, 2**63).
-            config: board and rules; `lines_in_value` must be off. All placements are open.
-            chance_seed: seed of the draws from the softmax, in [0, 2**62).
-            share_seed: seed that decides where control is shared, in [0, 2**62).
+            config: board and rules; `lines_in_value` must be off.
+            combination: form and weights of the combination in this game.
+            share_seed: seed of the draws from the softmax and of where control is shared, in [0, 2**62).
+            window: how many of the last decisions are kept, >= 1.
         """
         features = feature_set(config.features, config.columns)
         if learner.scales.shape != (len(features.names),):
@@ -102,19 +89,28 @@ class PolicyGradientGame:
             )
         if config.lines_in_value:
             raise ValueError("lines_in_value is for given policies only: play_greedy")
-        self.config = config
-        self._learner = learner
+        self._config = config
+        self._memory = learner.memory
         self._code = features.code
         self._units = features.denominators * learner.scales
-        self._seeds = np.array([seed, chance_seed, share_seed], dtype=np.int64)
+        self._seeds = np.array([seed, share_seed], dtype=np.int64)
+        self._combination = combination
         self._work = new_work()
-        self._counters = np.zeros(7, dtype=np.int64)
+        self._rules = rule_codes(config)
+        self._ring = np.zeros((window, MAX_COLUMNS + 1), dtype=np.int64)
+        self._counters = np.zeros(6, dtype=np.int64)
+        self.set_human_weights(human_weights)
         learner.begin_episode()
 
     @property
-    def columns(self) -> tuple[int, ...]:
-        """Bit masks of the board's columns."""
-        return tuple(int(column) for column in self._work[NOW, : self.config.columns])
+    def pieces(self) -> int:
+        """Pieces placed so far: the number of decisions."""
+        return int(self._counters[PIECES])
+
+    @property
+    def lines(self) -> int:
+        """Lines cleared so far."""
+        return int(self._counters[LINES])
 
     @property
     def finished(self) -> bool:
@@ -122,51 +118,55 @@ class PolicyGradientGame:
         return bool(self._counters[FINISHED])
 
     @property
-    def pieces(self) -> int:
-        """Pieces placed so far."""
-        return int(self._counters[PIECES])
+    def compared(self) -> int:
+        """Decisions so far at which there was a human policy."""
+        return int(self._counters[COMPARED])
 
     @property
-    def last_action(self) -> int:
-        """The placement chosen last, as an index into the actions that `Tetris.choices` offers on its board."""
-        return int(self._counters[ACTION])
+    def agreed(self) -> int:
+        """Those at which the environment policy's best action was the human policy's best."""
+        return int(self._counters[AGREED])
 
     @property
-    def episode(self) -> PolicyGradientEpisode:
-        """What it has come to so far."""
-        pieces, lines, finished, agreed, worst, compared, _ = (int(count) for count in self._counters)
-        return PolicyGradientEpisode(lines, pieces, compared, agreed, worst, bool(finished))
+    def agreed_worst(self) -> int:
+        """Those at which it was the human policy's worst action instead."""
+        return int(self._counters[AGREED_WORST])
 
-    def advance(
-        self,
-        piece_cap: int,
-        human_weights: NDArray[np.float64],
-        combination: EpisodeWeights = ENVIRONMENT_WEIGHTS,
-    ) -> None:
-        """Play on until the game ends or has `piece_cap` pieces.
-
-        Args:
-            piece_cap: >= 0.
-            human_weights: v under `config.feedback_features`, shape (G,); all 0 while there is no human policy.
-            combination: form and weights.
-        """
-        human = linear_policy(human_weights, self.config, self.config.feedback_features)
+    def advance(self, piece_cap: int) -> None:
+        """Play on until the game ends or has `piece_cap` pieces."""
+        combination = self._combination
         _play_on(
-            self._learner.memory,
+            self._memory,
             self._code,
             self._units,
-            *human,
-            bool(np.any(human_weights)),
+            *self._human,
+            self._human_known,
             self._work,
-            rule_codes(self.config),
+            self._rules,
             self._seeds,
             piece_cap,
             combination.form,
             float(combination.w_r),
             float(combination.w_h),
             float(combination.share),
+            float(combination.shaping),
+            self._ring,
             self._counters,
         )
+
+    def set_human_weights(self, human_weights: NDArray[np.float64]) -> None:
+        """Go on with another human model; what has been decided, learned and counted stays."""
+        self._human = linear_policy(human_weights, self._config, self._config.feedback_features)
+        self._human_known = bool(np.any(human_weights))
+
+    def kept(self, decision: int) -> tuple[tuple[int, ...], int]:
+        """Return the board before one of the last decisions, and the action taken, as `CombinedGame.kept`."""
+        if not max(0, self.pieces - len(self._ring)) <= decision < self.pieces:
+            raise ValueError(
+                f"decision {decision} is not one of the last {len(self._ring)} of {self.pieces} decisions"
+            )
+        row = self._ring[decision % len(self._ring)]
+        return tuple(row[: self._config.columns].tolist()), int(row[MAX_COLUMNS])
 
 
 def play_policy_gradient(
@@ -176,18 +176,14 @@ def play_policy_gradient(
     config: TetrisConfig,
     combination: EpisodeWeights = ENVIRONMENT_WEIGHTS,
     *,
-    chance_seed: int,
     share_seed: int = 0,
     piece_cap: int = PIECE_LIMIT,
-) -> PolicyGradientEpisode:
-    """Play one episode with a learner that learns from it; arguments as in `PolicyGradientGame`.
-
-    The reward of a decision is the number of lines it clears.
-    """
-    game = PolicyGradientGame(learner, seed, config, chance_seed=chance_seed, share_seed=share_seed)
-    game.advance(piece_cap, human_weights, combination)
+) -> PolicyGradientGame:
+    """Return the game after one episode in which the learner has learned; arguments as in `PolicyGradientGame`."""
+    game = PolicyGradientGame(learner, human_weights, seed, config, combination, share_seed=share_seed)
+    game.advance(piece_cap)
     learner.end_episode()
-    return game.episode
+    return game
 
 
 @lru_cache(maxsize=16)
@@ -224,15 +220,7 @@ def _fill_rows(code: int, units: Floats, work: Ints, rules: Ints, n: int, rows: 
             rows[action, i] = work[FEATURES, i] / units[i]
 
 
-@kernel
-def _offered_before(ruled_out: NDArray[np.bool_], action: int) -> int:
-    offered = 0
-    for other in range(action):
-        offered += not ruled_out[other]
-    return offered
-
-
-# One episode step by step: the loop is the algorithm, and splitting it would hand a dozen arrays around.
+# One episode step by step: the loop is the algorithm, and splitting it would hand a dozen arrays around (60 lines).
 @kernel
 def _play_on(
     memory: Memory,
@@ -250,8 +238,11 @@ def _play_on(
     w_r: float,
     w_h: float,
     share: float,
+    shaping: float,
+    ring: Ints,
     counters: Ints,
 ) -> None:
+    """Play on to the game's end or to `cap` pieces; memory, board, `ring` and `counters` are changed."""
     n_columns, must_fit = rules[COLUMNS], rules[OVERFLOW] == 0
     human_values, logits, gains = np.zeros(MAX_PLACEMENTS), np.empty(MAX_PLACEMENTS), np.empty(MAX_PLACEMENTS)
     probabilities, ruled_out = np.empty(MAX_PLACEMENTS), np.zeros(MAX_PLACEMENTS, dtype=np.bool_)
@@ -265,6 +256,9 @@ def _play_on(
         counters[FINISHED] = must_fit and n_open == 0
         if counters[FINISHED] != 0 or piece >= cap:
             break
+        kept = piece % len(ring)
+        for column in range(n_columns):
+            ring[kept, column] = work[NOW, column]
         _fill_rows(code, units, work, rules, n, rows)
         env_values = action_values(rows[:n], memory.weights)
         human_best = 0
@@ -275,7 +269,7 @@ def _play_on(
             counters[COMPARED] += 1
             counters[AGREED] += env_best == human_best
             counters[AGREED_WORST] += env_best == worst_action(human_values, ruled_out, n)
-        if share > 0.0 and takes_control(seeds[2], piece, share):
+        if share > 0.0 and takes_control(seeds[1], piece, share):
             action = human_best
             score[:] = 0.0
         elif w_r == 0.0:
@@ -284,13 +278,13 @@ def _play_on(
         else:
             reference = fill_logits(env_values, human_values, ruled_out, n, form, w_r, w_h, logits, gains)
             softmax(logits, ruled_out, n, probabilities)
-            action = drawn(probabilities, n, uniform_at(seeds[1], piece))
+            action = drawn(probabilities, n, point_of(seeds[1], piece))
             fill_score(rows, gains, probabilities, n, action, reference, score)
         remember_score(memory, score)
         full = put_down(work, NOW, action)
         lines = remove_rows(work, NOW, n_columns, full) if full != 0 else 0
-        learn_from_reward(memory, float(lines))
-        counters[ACTION] = _offered_before(ruled_out, action) if must_fit else action
+        learn_from_reward(memory, lines + shaping * human_values[action])
+        ring[kept, MAX_COLUMNS] = place_among_offered(ruled_out, action) if must_fit else action
         counters[LINES] += lines
         counters[PIECES] += 1
         counters[FINISHED] = crowded and not must_fit and wall_height(work, NOW, n_columns) > rules[ROWS]

@@ -1,4 +1,4 @@
-"""Tetris as sessions see it (`core.games.Game`): an agent over the cross-entropy method, whole games unseen."""
+"""Tetris as sessions see it (`core.games.Game`): an agent over cross-entropy or policy gradient, whole games unseen."""
 
 from collections.abc import Sequence
 
@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from core.clock import NS_PER_S
 from core.combination.agent import ArlAgent, EpisodePolicy
+from core.combination.config import Coach
 from core.combination.human_learner import HumanLearner
 from core.domain import Choices, Domain
 from core.episode import StepTaken
@@ -15,31 +16,33 @@ from core.games import Oracle, Player
 from core.keys import NS_PER_MS
 from core.learners.cross_entropy import CrossEntropyLearner
 from core.learners.cross_entropy_config import CrossEntropyConfig
+from core.learners.policy_gradient import PolicyGradientLearner
+from core.learners.policy_gradient_config import PolicyGradientConfig
 from core.protocol import Protocol
 from core.rollout import Played
 from core.tetris.afterstate import Tetris, TetrisState
-from core.tetris.combined import play_combined
+from core.tetris.combined import CombinedGame
 from core.tetris.config import TetrisConfig
+from core.tetris.features import feature_set
 from core.tetris.oracle import TetrisOracle
+from core.tetris.policy_gradient import PolicyGradientGame, placement_scales
 
 TICKS_PER_STEP = 14
 """How long a simulated step is on screen, in ticks: about what a shown piece takes."""
 
 
 class TetrisGame:
-    """The one game whose policies are searched for."""
+    """The game whose policies are weights of a board's features."""
 
     def domain(self, protocol: Protocol) -> Tetris:
         """Return the board under the protocol's rules."""
         return Tetris(tetris_rules(protocol))
 
     def agent(self, protocol: Protocol, root_seed: int) -> ArlAgent:
-        """Return an agent over the cross-entropy method."""
+        """Return an agent over the protocol's learner."""
         domain = self.domain(protocol)
-        learner = protocol.learner
-        assert isinstance(learner, CrossEntropyConfig), "a protocol checks that its learner suits its game"
         return ArlAgent(
-            CrossEntropyLearner(learner, n_weights=len(domain.feature_names), root_seed=root_seed),
+            _learner(protocol, root_seed),
             protocol.agent,
             n_feedback_features=len(domain.feedback_feature_names),
             root_seed=root_seed,
@@ -52,7 +55,7 @@ class TetrisGame:
 
     def player(self, protocol: Protocol, agent: ArlAgent) -> Player:
         """Return what plays unseen games: whole games in compiled code."""
-        return tetris_player(tetris_rules(protocol))
+        return tetris_player(tetris_rules(protocol), agent)
 
     def evaluate(
         self, protocol: Protocol, agent: ArlAgent, seeds: Sequence[int], *, max_steps: int, episode: int
@@ -86,29 +89,66 @@ class TetrisGame:
         return choices, domain.feedback_difference(before, tuple(after))
 
 
-def tetris_player(config: TetrisConfig) -> Player:
-    """Return what plays unseen games of Tetris: whole games in compiled code."""
+def tetris_player(config: TetrisConfig, agent: ArlAgent) -> Player:
+    """Return what plays unseen games of Tetris: whole games in compiled code, in which the agent's learner may learn."""
 
     def play(policy: EpisodePolicy, episode_seed: int, max_steps: int) -> Played:
-        episode = play_combined(
-            policy.theta,
-            policy.human_weights,
-            episode_seed,
-            config,
-            policy.weights,
-            share_seed=policy.share_seed,
-            piece_cap=max_steps,
-        )
+        game = open_game(agent, policy, episode_seed, config)
+        game.advance(max_steps)
         return Played(
-            performance=float(episode.lines),
-            steps=episode.n_decisions,
-            agreed=episode.n_agree,
-            agreed_worst=episode.n_agree_worst,
-            ended="termination" if episode.finished else "truncation",
-            time=episode.n_decisions,
+            performance=float(game.lines),
+            steps=game.pieces,
+            agreed=game.agreed,
+            agreed_worst=game.agreed_worst,
+            ended="termination" if game.finished else "truncation",
+            time=game.pieces,
         )
 
     return play
+
+
+def open_game(
+    agent: ArlAgent, policy: EpisodePolicy, seed: int, config: TetrisConfig, *, window: int = 1
+) -> CombinedGame | PolicyGradientGame:
+    """Return a game of one episode that is about to be played in compiled code, as `agent` would play it.
+
+    Args:
+        agent: whose learner learns in it where it learns while it plays.
+        policy: from the agent's `begin_episode` or `final_policy`.
+        seed: of the pieces.
+        config: board and rules.
+        window: how many of the last decisions are kept, >= 1.
+    """
+    learner, scheme = agent.learner, agent.config.scheme
+    if not (isinstance(learner, PolicyGradientLearner) and policy.exploring):
+        return CombinedGame(
+            policy.theta,
+            policy.human_weights,
+            seed,
+            config,
+            policy.weights,
+            share_seed=policy.share_seed,
+            window=window,
+        )
+    climbs = not isinstance(scheme, Coach) or scheme.environment_too
+    return PolicyGradientGame(
+        learner.gradient if climbs else learner.gradient.at_rest(),
+        policy.human_weights,
+        seed,
+        config,
+        policy.weights,
+        share_seed=policy.share_seed,
+        window=window,
+    )
+
+
+def _learner(protocol: Protocol, root_seed: int) -> CrossEntropyLearner | PolicyGradientLearner:
+    config = protocol.learner
+    if isinstance(config, PolicyGradientConfig):
+        return PolicyGradientLearner(config, scales=placement_scales(tetris_rules(protocol)))
+    assert isinstance(config, CrossEntropyConfig), "a protocol checks that its learner suits its game"
+    n_weights = len(feature_set(tetris_rules(protocol).features, tetris_rules(protocol).columns).names)
+    return CrossEntropyLearner(config, n_weights=n_weights, root_seed=root_seed)
 
 
 def tetris_rules(protocol: Protocol) -> TetrisConfig:

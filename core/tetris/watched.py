@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from core.clock import NS_PER_S
 from core.combination.agent import ArlAgent, EpisodePolicy
-from core.combination.config import Equation4
+from core.combination.config import Coach, Equation4
 from core.episode import KeyPressed
 from core.feedback.delays import CurrentStep, PreviousStep
 from core.feedback.source import Oracle
@@ -27,7 +27,7 @@ from core.rollout import Played
 from core.streams import stream_seed
 from core.tetris.afterstate import Tetris, TetrisState
 from core.tetris.combined import CombinedGame
-from core.tetris.sessions import tetris_rules
+from core.tetris.sessions import open_game, tetris_rules
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,12 +160,11 @@ class WatchedTetris:
         """Play the next episode and the pause after it."""
         policy = self.agent.begin_episode(self._episode, exploring=True)
         seed = stream_seed(self._root_seed, "episode", self._episode)
-        game = self._new_game(policy, seed, self._reach + 1)
+        game = open_game(self.agent, policy, seed, self._rules, window=self._reach + 1)
         showing = _Showing(game, seed, self._first_step, self._now_ns)
         self._trainer.begin_episode(self._episode)
         self._gate.episode_started()
         self._play_out(showing)
-        self._game_over()
         self.agent.count_decisions(showing.compared, showing.agreed, showing.agreed_worst)
         self.agent.learn_from_domain(
             policy,
@@ -181,21 +180,6 @@ class WatchedTetris:
         self._episode += 1
         self._first_step += game.pieces
         return WatchedEpisode(float(game.lines), game.pieces, showing.presses, policy.weights.w_h)
-
-    def _new_game(self, policy: EpisodePolicy, seed: int, window: int) -> Game:
-        """Return the game of the present episode; it keeps the last `window` decisions."""
-        return CombinedGame(
-            policy.theta,
-            policy.human_weights,
-            seed,
-            self._rules,
-            policy.weights,
-            share_seed=policy.share_seed,
-            window=window,
-        )
-
-    def _game_over(self) -> None:
-        """Let a learner that learns from steps take in the end of the game."""
 
     def finish(self) -> None:
         """End the session."""
@@ -305,6 +289,10 @@ def _check(protocol: SessionProtocol) -> None:
             "no unseen episodes",
         ),
         (protocol.agent.credit.scheme == "individual", 'agent.credit.scheme = "individual"'),
+        (
+            not isinstance(protocol.agent.scheme, Coach),
+            "a scheme whose presses teach the human model, not the learner itself",
+        ),
         (not window_needed, "a trust rule that needs no window of decisions (give it its chance level)"),
     ):
         if not fine:

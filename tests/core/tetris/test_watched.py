@@ -6,9 +6,11 @@ import pytest
 
 from core.clock import ManualClock
 from core.combination.config import (
+    Advise,
     AgentConfig,
     Annealed,
     BootstrapConfig,
+    Coach,
     ControlSharing,
     EnvironmentOnly,
     Equation4,
@@ -16,6 +18,7 @@ from core.combination.config import (
     Exponential,
     HumanOnly,
     Linear,
+    RewardShaping,
     Signed,
 )
 from core.compiled import JIT_DISABLED
@@ -27,6 +30,7 @@ from core.feedback.trainers import SimulatedTrainer, TrainerConfig
 from core.feedback.viewing import SteadyViewing
 from core.keys import NS_PER_MS, PressGate
 from core.learners.cross_entropy import CrossEntropyConfig
+from core.learners.policy_gradient_config import PolicyGradientConfig
 from core.protocol import Protocol, SessionConfig
 from core.session import build_session
 from core.tetris.config import TetrisConfig
@@ -36,10 +40,15 @@ from studies.experiments.tetris_trial import new_trial, step_ns
 EPISODES = 6 if JIT_DISABLED else 25
 
 
-def protocol(agent: AgentConfig | None = None, trainer: TrainerConfig | None = None, **domain) -> Protocol:
+def protocol(
+    agent: AgentConfig | None = None,
+    trainer: TrainerConfig | None = None,
+    learner: CrossEntropyConfig | PolicyGradientConfig | None = None,
+    **domain,
+) -> Protocol:
     return Protocol(
         domain=TetrisConfig(placements="all", **domain),
-        learner=CrossEntropyConfig(population=10),
+        learner=learner or CrossEntropyConfig(population=10),
         agent=agent or AgentConfig(),
         session=SessionConfig(episodes=EPISODES, unseen_between=0, watched="proposed", watched_steps=150),
         trainer=trainer or TrainerConfig(press_probability=0.05),
@@ -114,8 +123,14 @@ def in_compiled_code(settings: Protocol, root_seed: int):
                 delay=GammaDelay(shape=2.5, scale_s=1.5),
             )
         ),
+        protocol(AgentConfig(scheme=Advise())),
+        protocol(learner=PolicyGradientConfig(step_size=0.2)),
+        protocol(AgentConfig(scheme=Advise()), learner=PolicyGradientConfig(natural=True, step_size=0.02)),
+        protocol(AgentConfig(scheme=ControlSharing()), learner=PolicyGradientConfig(update="episode")),
+        protocol(AgentConfig(scheme=RewardShaping(beta_0=0.2)), learner=PolicyGradientConfig()),
+        protocol(AgentConfig(scheme=HumanOnly()), learner=PolicyGradientConfig()),
     ],
-    ids=range(13),
+    ids=range(19),
 )
 def test_trials_equal_sessions_bit_for_bit(settings: Protocol):
     for root_seed in (1,) if JIT_DISABLED else (1, 2):
@@ -137,6 +152,10 @@ def test_there_is_something_to_compare():
         ({"session": SessionConfig(watched="proposed")}, "unseen"),
         ({"agent": AgentConfig(credit=CreditConfig(scheme="aggregate"))}, "individual"),
         ({"agent": with_trust(Equation4(measured="window"))}, "window"),
+        (
+            {"agent": AgentConfig(scheme=Coach()), "learner": PolicyGradientConfig()},
+            "presses teach the human model",
+        ),
     ],
 )
 def test_what_would_need_every_step_is_refused(changes: dict, wanted: str):

@@ -1,0 +1,128 @@
+"""The environment's side of an agent whose learner is an actor: its softmax is drawn from together with the human's say.
+
+Where presses are to teach the actor itself (COACH, MacGlashan et al. 2017), this side keeps the trace that each watched
+step left: theta <- theta + alpha f e.
+"""
+
+from collections import deque
+
+import numpy as np
+
+from core.combination.config import Coach
+from core.combination.schemes import best_action
+from core.combination.sides import Drawn, Ending, Floats, Heard
+from core.combination.soft import fill_logits, point_of
+from core.combination.window import Values
+from core.domain import Choices
+from core.episode import CreditGiven
+from core.learners.contract import Actor
+from core.softmax import drawn, softmax
+
+KEPT_TRACES = 256
+"""Watched steps whose traces are kept: a press is never credited to one so long ago."""
+
+
+class Climbing:
+    """A learner whose proposal is a softmax policy that learns while it is played; good ones can be played again."""
+
+    def __init__(self, learner: Actor, values: Values, coach: Coach | None) -> None:
+        self._learner = learner
+        self._values = values
+        self._coach = coach
+        self._climbs = False
+        # Of the decision at hand: (gains, probabilities, reference), None where the policy did not decide.
+        self._softmax: tuple[Floats, Floats, int] | None = None
+        self._trace = np.zeros(0)
+        self._traces: deque[tuple[int, Floats]] = deque(maxlen=KEPT_TRACES)
+        self._steps = 0
+
+    def begin_episode(
+        self, episode: int, draw: Drawn | None, *, rng: np.random.Generator
+    ) -> tuple[int, Floats, bool]:
+        """Return a ranked policy where `draw` is given, else the learner's proposal, which then learns."""
+        self._climbs = draw is None
+        self._softmax = None
+        self._trace = np.zeros(0)
+        if draw is not None:
+            return *draw(), False
+        self._learner.begin_episode()
+        candidate = self._learner.propose()
+        return candidate.policy_id, candidate.weights, True
+
+    def values(self, choices: Choices, theta: Floats) -> Floats:
+        """Return the learner's values of now; of a ranked policy the features times theta."""
+        return self._learner.values(choices) if self._climbs else self._values(choices.features, theta)
+
+    def act(self, values: Floats, choices: Choices, preferred: int, heard: Heard) -> int:
+        """Draw from the softmax of f(R, H); a ranked policy, and a human who decides alone, take the best action."""
+        n = len(values)
+        self._softmax = None
+        weights = heard.weights
+        if heard.handed_over or not self._climbs or weights.w_r == 0.0:
+            return preferred if preferred >= 0 else best_action(values, choices.ruled_out, n)
+        logits, gains, probabilities = np.empty(n), np.empty(n), np.empty(n)
+        reference = fill_logits(
+            values,
+            heard.human_values,
+            choices.ruled_out,
+            n,
+            weights.form,
+            weights.w_r,
+            weights.w_h,
+            logits,
+            gains,
+        )
+        softmax(logits, choices.ruled_out, n, probabilities)
+        self._softmax = (gains, probabilities, reference)
+        return int(drawn(probabilities, n, point_of(heard.chance_seed, heard.step)))
+
+    def took(
+        self, choices: Choices, action: int, reward: float, *, shaping: float, augmentation: float
+    ) -> None:
+        """Let the learner learn; whoever chose the action."""
+        if not self._climbs:
+            return
+        score = None
+        if self._softmax is not None:
+            gains, probabilities, reference = self._softmax
+            score = self._learner.score(
+                choices, action, gains=gains, probabilities=probabilities, reference=reference
+            )
+        if self._coach is not None:
+            self._remember(self._coach, score, choices.features.shape[1])
+        if self._coach is None or self._coach.environment_too:
+            self._learner.took(score, reward + shaping)
+
+    def press(self, credit: CreditGiven, value: float) -> None:
+        """Move the policy toward what was praised, away from what was blamed, by each step's share (COACH)."""
+        if self._coach is None:
+            return
+        shares = dict(zip(credit.steps, credit.shares, strict=True))
+        for step, trace in self._traces:
+            if step in shares:
+                self._learner.push(self._coach.step_size * value * shares[step] * trace)
+
+    def end_episode(self, policy_id: int, played: Ending, *, proposed: bool) -> None:
+        """Let the learner learn from the end, and tell it how its proposal did."""
+        if proposed:
+            self._learner.end_episode()
+            self._learner.report(policy_id, played.performance)
+
+    def no_policy(self) -> Floats:
+        """Return zeros."""
+        return np.zeros_like(self._learner.propose().weights)
+
+    def state_digest(self) -> bytes:
+        """Return the learner's state and the traces that presses can still reach."""
+        return self._learner.state_digest() + b"".join(trace.tobytes() for _, trace in self._traces)
+
+    def export(self) -> dict[str, list[float]]:
+        """Return the policy as it is now."""
+        return {"actor": self._learner.propose().weights.tolist()}
+
+    def _remember(self, coach: Coach, score: Floats | None, n_features: int) -> None:
+        """Keep the trace of grad log pi after this step, the next of all watched ones."""
+        before = self._trace if len(self._trace) else np.zeros(n_features)
+        self._trace = coach.trace_decay * before + (np.zeros(n_features) if score is None else score)
+        self._traces.append((self._steps, self._trace))
+        self._steps += 1
