@@ -51,7 +51,9 @@ def naive_episode(pupil, human, seed, config, weights, share_seed):
     while not domain.terminal(state):
         choices = domain.choices(state)
         rows, out = choices.features / scales, choices.ruled_out
-        env = rows @ pupil.theta
+        env = np.zeros(len(rows))
+        for column, weight in zip(rows.T, pupil.theta, strict=True):  # in order: equal placements stay equal
+            env = env + column * weight
         heard = action_values(choices.feedback_features, exact_weights(human))
         n = len(rows)
         human_best = best_action(heard, out, n)
