@@ -41,9 +41,11 @@ class EpisodePolicy:
     weights: EpisodeWeights
     """How the two are combined."""
     share_seed: int
-    """Seed of the episode's draws: `takes_control` (control sharing) and `point_of` (softmax), in [0, 2**62)."""
+    """Seed of `takes_control` (control sharing), in [0, 2**62)."""
     exploring: bool
     """The learner proposed this policy and waits for its performance."""
+    chance_seed: int = 0
+    """Seed of the draws from a softmax policy, in [0, 2**62)."""
 
     @property
     def human_known(self) -> bool:
@@ -107,7 +109,7 @@ class ArlAgent:
             learner: proposes policies and hears how they did, or learns at every step.
             config: scheme, trust, credit, human model.
             n_feedback_features: G, length of psi(s, a).
-            root_seed: of the session; streams "policy", "explore", "share" and "chance".
+            root_seed: of the session; streams "policy", "explore", "share", "softmax" and "chance".
             feedback_tiles: what psi(s, a) means where it lists active tiles; None for plain features.
             environment_values: R of each action from feature rows (n, F) and theta (F,). Default: `exact_values`.
             human_values: H of each action from feature rows (n, G) and v (G,); a constant does not matter.
@@ -163,6 +165,7 @@ class ArlAgent:
             weights=self._weights(episode),
             share_seed=share_seed,
             exploring=proposed,
+            chance_seed=stream_seed(self._root_seed, "softmax", episode) >> 1,
         )
 
     def choose(self, choices: Choices, policy: EpisodePolicy, *, step: int) -> Decision:
@@ -188,7 +191,7 @@ class ArlAgent:
             )
             handed_over = takes_control(policy.share_seed, step, policy.weights.share)
         preferred = human_action if handed_over else self._prefer(env_values, human_values, choices, policy)
-        heard = Heard(human_values, policy.weights, policy.share_seed, step, handed_over)
+        heard = Heard(human_values, policy.weights, policy.chance_seed, step, handed_over)
         action = self._environment.act(env_values, choices, preferred, heard)
         self._decided = (policy.weights, human_values)
         return Decision(action, environment_action, human_action, human_worst_action)

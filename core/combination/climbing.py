@@ -11,8 +11,9 @@ import numpy as np
 from core.combination.config import Coach
 from core.combination.schemes import best_action
 from core.combination.sides import Drawn, Ending, Floats, Heard
-from core.combination.soft import fill_logits, point_of
+from core.combination.soft import fill_logits
 from core.combination.window import Values
+from core.counters import uniform_at
 from core.domain import Choices
 from core.episode import CreditGiven
 from core.learners.contract import Actor
@@ -74,7 +75,7 @@ class Climbing:
         )
         softmax(logits, choices.ruled_out, n, probabilities)
         self._softmax = (gains, probabilities, reference)
-        return int(drawn(probabilities, n, point_of(heard.chance_seed, heard.step)))
+        return int(drawn(probabilities, n, uniform_at(heard.chance_seed, heard.step)))
 
     def took(
         self, choices: Choices, action: int, reward: float, *, shaping: float, augmentation: float

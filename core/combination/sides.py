@@ -42,7 +42,7 @@ class Heard:
     weights: EpisodeWeights
     """How the two are combined."""
     chance_seed: int
-    """Of the episode's draws."""
+    """Of the episode's draws from a softmax."""
     step: int
     """Number of the decision in the episode, from 0."""
     handed_over: bool

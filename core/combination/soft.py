@@ -8,13 +8,9 @@ from numpy.typing import NDArray
 from core.combination.config import ADVISE, EXPONENTIAL, LINEAR
 from core.combination.schemes import best_action, chance_of_right, mean_and_sd, worst_action
 from core.compiled import kernel
-from core.counters import uniform_at
 
 Values = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-
-# Draws of an episode's seed: `takes_control` takes those below.
-_FIRST_POINT = 1 << 32
 
 LEAST_CHANCE = 1e-300
 """A chance of being right below this counts as this: its logarithm is finite."""
@@ -79,14 +75,3 @@ def fill_logits(
                 said = math.log(max(chance_of_right(said), LEAST_CHANCE))
             logits[action] = w_r * env_values[action] + said
     return reference
-
-
-@kernel
-def point_of(seed: int, decision: int) -> float:
-    """Return the point in [0, 1) that decides a draw from the softmax.
-
-    Args:
-        seed: of the episode, in [0, 2**62), as for `takes_control`, whose draws are others.
-        decision: number of the decision in the episode, >= 0.
-    """
-    return uniform_at(seed, _FIRST_POINT + decision)

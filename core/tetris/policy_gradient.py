@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from core.combination.config import ENVIRONMENT_WEIGHTS, EpisodeWeights
 from core.combination.schemes import best_action, choose, takes_control, worst_action
-from core.combination.soft import fill_logits, point_of
+from core.combination.soft import fill_logits
 from core.compiled import kernel
 from core.counters import uniform_at
 from core.learners.linear import action_values
@@ -66,6 +66,7 @@ class PolicyGradientGame:
         config: TetrisConfig,
         combination: EpisodeWeights = ENVIRONMENT_WEIGHTS,
         *,
+        chance_seed: int,
         share_seed: int = 0,
         window: int = 1,
     ) -> None:
@@ -78,7 +79,8 @@ class PolicyGradientGame:
             seed: of the piece stream, in [0, 2**63).
             config: board and rules; `lines_in_value` must be off.
             combination: form and weights of the combination in this game.
-            share_seed: seed of the draws from the softmax and of where control is shared, in [0, 2**62).
+            chance_seed: seed of the draws from the softmax, in [0, 2**62).
+            share_seed: seed that decides where control is shared, in [0, 2**62).
             window: how many of the last decisions are kept, >= 1.
         """
         features = feature_set(config.features, config.columns)
@@ -93,7 +95,7 @@ class PolicyGradientGame:
         self._memory = learner.memory
         self._code = features.code
         self._units = features.denominators * learner.scales
-        self._seeds = np.array([seed, share_seed], dtype=np.int64)
+        self._seeds = np.array([seed, share_seed, chance_seed], dtype=np.int64)
         self._combination = combination
         self._work = new_work()
         self._rules = rule_codes(config)
@@ -176,11 +178,14 @@ def play_policy_gradient(
     config: TetrisConfig,
     combination: EpisodeWeights = ENVIRONMENT_WEIGHTS,
     *,
+    chance_seed: int,
     share_seed: int = 0,
     piece_cap: int = PIECE_LIMIT,
 ) -> PolicyGradientGame:
     """Return the game after one episode in which the learner has learned; arguments as in `PolicyGradientGame`."""
-    game = PolicyGradientGame(learner, human_weights, seed, config, combination, share_seed=share_seed)
+    game = PolicyGradientGame(
+        learner, human_weights, seed, config, combination, chance_seed=chance_seed, share_seed=share_seed
+    )
     game.advance(piece_cap)
     learner.end_episode()
     return game
@@ -278,7 +283,7 @@ def _play_on(
         else:
             reference = fill_logits(env_values, human_values, ruled_out, n, form, w_r, w_h, logits, gains)
             softmax(logits, ruled_out, n, probabilities)
-            action = drawn(probabilities, n, point_of(seeds[1], piece))
+            action = drawn(probabilities, n, uniform_at(seeds[2], piece))
             fill_score(rows, gains, probabilities, n, action, reference, score)
         remember_score(memory, score)
         full = put_down(work, NOW, action)

@@ -137,6 +137,7 @@ def open_game(
         seed,
         config,
         policy.weights,
+        chance_seed=policy.chance_seed,
         share_seed=policy.share_seed,
         window=window,
     )

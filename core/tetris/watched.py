@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.clock import NS_PER_S
-from core.combination.agent import ArlAgent, EpisodePolicy
+from core.combination.agent import ArlAgent
 from core.combination.config import Coach, Equation4
 from core.episode import KeyPressed
 from core.feedback.delays import CurrentStep, PreviousStep
@@ -26,7 +26,6 @@ from core.protocol import Protocol as SessionProtocol
 from core.rollout import Played
 from core.streams import stream_seed
 from core.tetris.afterstate import Tetris, TetrisState
-from core.tetris.combined import CombinedGame
 from core.tetris.sessions import open_game, tetris_rules
 
 

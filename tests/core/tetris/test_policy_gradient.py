@@ -5,7 +5,6 @@ import pytest
 
 from core.combination.config import EXPONENTIAL, LINEAR, LINEAR_RAW, EpisodeWeights
 from core.combination.schemes import best_action, worst_action
-from core.combination.soft import point_of
 from core.compiled import JIT_DISABLED
 from core.counters import uniform_at
 from core.fixed_point import exact_weights
@@ -44,7 +43,7 @@ def likes(config):
     return np.array(base) + stream(1, "human").normal(size=len(names)) * 0.1
 
 
-def naive_episode(pupil, human, seed, config, weights, share_seed):
+def naive_episode(pupil, human, seed, config, weights, chance_seed, share_seed):
     """Lines, pieces, agreements with the human's best and worst: over the domain's own steps."""
     domain, scales = Tetris(config), placement_scales(config)
     state, agreed, worst = domain.initial(seed), 0, 0
@@ -65,7 +64,7 @@ def naive_episode(pupil, human, seed, config, weights, share_seed):
         else:
             shares = np.zeros(n)
             shares[open_] = probabilities(logits(env, heard, weights.w_h, weights.form, open_))
-            action = int(np.searchsorted(np.cumsum(shares), point_of(share_seed, state.k), side="right"))
+            action = int(np.searchsorted(np.cumsum(shares), uniform_at(chance_seed, state.k), side="right"))
             gains = np.ones(n)
             if weights.form == EXPONENTIAL:
                 low, high = heard[open_].min(), heard[open_].max()
@@ -89,10 +88,12 @@ def test_compiled_episodes_are_those_of_the_slow_twin(case, update):
     pupil = pupil_for(config, update=update, **rates)
     twin = NaiveLearner(len(pupil.scales), **rates, online=update == "step")
     for k in range(N_EPISODES):
-        seed, share_seed = (stream_seed(4, name, k) >> 1 for name in ("episode", "share"))
-        played = play_policy_gradient(pupil, human, seed, config, weights, share_seed=share_seed)
+        seed, chance, share = (stream_seed(4, name, k) >> 1 for name in ("episode", "softmax", "share"))
+        played = play_policy_gradient(
+            pupil, human, seed, config, weights, chance_seed=chance, share_seed=share
+        )
         twin.trace, twin.gradient = np.zeros(len(pupil.scales)), np.zeros(len(pupil.scales))
-        expected = naive_episode(twin, human, seed, config, weights, share_seed)
+        expected = naive_episode(twin, human, seed, config, weights, chance, share)
         if update == "episode":
             twin.theta = twin.theta + rates["step_size"] * twin.gradient
         assert (played.lines, played.pieces, played.agreed, played.agreed_worst) == expected
@@ -106,8 +107,8 @@ def test_a_game_can_be_stopped_and_continued():
     whole, halting = pupil_for(SMALL), pupil_for(SMALL)
     human, weights = likes(SMALL), EpisodeWeights(LINEAR, 1.0, 0.5)
     for k in range(3):
-        played = play_policy_gradient(whole, human, k, SMALL, weights, share_seed=k)
-        game = PolicyGradientGame(halting, human, k, SMALL, weights, share_seed=k)
+        played = play_policy_gradient(whole, human, k, SMALL, weights, chance_seed=k)
+        game = PolicyGradientGame(halting, human, k, SMALL, weights, chance_seed=k)
         while not game.finished:
             before = game.pieces
             game.advance(before + 1)
@@ -125,7 +126,7 @@ def nobody(config=SMALL):
 def test_decisions_kept_are_those_that_led_to_the_boards():
     domain = Tetris(SMALL)
     game, state = (
-        PolicyGradientGame(pupil_for(SMALL), nobody(), 9, SMALL, share_seed=3, window=3),
+        PolicyGradientGame(pupil_for(SMALL), nobody(), 9, SMALL, chance_seed=3, window=3),
         domain.initial(9),
     )
     while not domain.terminal(state):
@@ -141,7 +142,7 @@ def test_decisions_kept_are_those_that_led_to_the_boards():
 
 def test_the_human_model_may_change_between_two_pieces():
     early, late = (
-        PolicyGradientGame(pupil_for(SMALL), human, 5, SMALL, EpisodeWeights(LINEAR, 1.0, 5.0), share_seed=1)
+        PolicyGradientGame(pupil_for(SMALL), human, 5, SMALL, EpisodeWeights(LINEAR, 1.0, 5.0), chance_seed=1)
         for human in (likes(SMALL), nobody())
     )
     late.advance(3)
@@ -153,7 +154,7 @@ def test_the_human_model_may_change_between_two_pieces():
 
 
 def test_without_a_human_policy_nothing_is_compared():
-    played = play_policy_gradient(pupil_for(SMALL), nobody(), 1, SMALL)
+    played = play_policy_gradient(pupil_for(SMALL), nobody(), 1, SMALL, chance_seed=1)
     assert (played.compared, played.agreed, played.agreed_worst) == (0, 0, 0)
 
 
@@ -161,7 +162,7 @@ def test_the_human_alone_plays_greedily_and_teaches_the_learner_nothing():
     pupil = pupil_for(SMALL)
     alone = EpisodeWeights(LINEAR, 0.0, 1.0)
     played = [
-        play_policy_gradient(pupil, likes(SMALL), 2, SMALL, alone, share_seed=seed, piece_cap=60)
+        play_policy_gradient(pupil, likes(SMALL), 2, SMALL, alone, chance_seed=seed, piece_cap=60)
         for seed in (1, 2)
     ]
     assert played[0].lines == played[1].lines > 0
@@ -179,7 +180,7 @@ def test_scales_are_powers_of_two_near_the_spread_of_each_feature():
 
 def test_a_learner_of_another_width_is_refused():
     with pytest.raises(ValueError, match=r"13 features, the learner 21"):
-        play_policy_gradient(pupil_for(TetrisConfig()), np.zeros(13), 0, SMALL)
+        play_policy_gradient(pupil_for(TetrisConfig()), np.zeros(13), 0, SMALL, chance_seed=0)
 
 
 @pytest.mark.statistical
@@ -189,6 +190,6 @@ def test_the_learner_learns():
     config, lines = TetrisConfig(rows=10, columns=6), []
     pupil = pupil_for(config)
     for k in range(300):
-        lines.append(play_policy_gradient(pupil, nobody(), k, config, share_seed=k, piece_cap=500).lines)
+        lines.append(play_policy_gradient(pupil, nobody(), k, config, chance_seed=k, piece_cap=500).lines)
     assert np.mean(lines[:20]) < 2
     assert np.mean(lines[-50:]) > 10

@@ -13,6 +13,7 @@ from core.streams import stream_seed
 from core.tetris.afterstate import Tetris, TetrisState
 from core.tetris.config import TetrisConfig
 from core.tetris.policy_gradient import placement_scales, play_policy_gradient
+from core.tetris.sessions import open_game
 from studies.experiments.tetris_trial import GradientTrial, new_gradient_trial, run_gradient_trial
 
 EPISODES = 4 if JIT_DISABLED else 30
@@ -40,7 +41,7 @@ def test_without_a_word_the_learner_plays_and_learns_as_alone():
             chance_seed=stream_seed(4, "softmax", episode) >> 1,
             piece_cap=60,
         )
-        assert (played.lines, played.n_decisions) == (rows["lines"][episode], rows["pieces"][episode])
+        assert (played.lines, played.pieces) == (rows["lines"][episode], rows["pieces"][episode])
 
 
 def test_a_person_without_a_say_changes_nothing_but_the_presses():
@@ -63,7 +64,7 @@ def test_the_boards_that_are_judged_are_those_that_were_played():
     trial = new_gradient_trial(settings(), 4)
     domain = Tetris(RULES)
     policy = trial.agent.begin_episode(0, exploring=True)
-    game = trial._new_game(policy, 99, 60)
+    game = open_game(trial.agent, policy, 99, RULES, window=60)
     game.advance(60)
     assert game.pieces > 5
     state = domain.initial(99)
