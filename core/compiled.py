@@ -5,7 +5,7 @@ cached on disk, and keep IEEE arithmetic (no fast-math: sums are the same on eve
 
 Numba notices when the file of a compiled function changes, but not when a function it calls in another file does, or a
 table. A stale kernel would give results that no source explains. So the cache folder is named after a digest
-of all our sources: other sources, other kernels.
+of all sources that may hold or feed a kernel: other sources, other kernels.
 """
 
 import hashlib
@@ -23,12 +23,17 @@ KEPT_CACHES = 4
 
 
 def _sources_digest() -> str:
-    """Return a digest of every source file that may hold or feed a kernel."""
+    """Return a digest of every source file that may hold or feed a kernel.
+
+    All of `core`, and of `studies` the files with kernels: those take constants only from `core` and each other.
+    """
     root = Path(__file__).resolve().parents[1]
     digest = hashlib.sha256()
     for package in ("core", "studies"):
         for path in sorted((root / package).rglob("*.py")):
-            digest.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+            source = path.read_bytes()
+            if package == "core" or b"core.compiled" in source:
+                digest.update(path.relative_to(root).as_posix().encode() + b"\0" + source + b"\0")
     return digest.hexdigest()[:16]
 
 

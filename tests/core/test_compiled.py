@@ -1,6 +1,7 @@
 """The folder of compiled code follows the sources."""
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -34,8 +35,25 @@ def test_equal_sources_share_a_folder_and_other_sources_get_another(tmp_path):
         (changed / package / "__init__.py").write_text("")
     (changed / "core" / "compiled.py").write_text((REPOSITORY / "core" / "compiled.py").read_text())
     before = cache_folder(tmp_path, sources=changed)
-    (changed / "studies" / "table.py").write_text("STEPS = 3\n")
-    assert cache_folder(tmp_path, sources=changed) != before
+    (changed / "studies" / "page.py").write_text("TITLE = 'no kernel here'\n")
+    assert cache_folder(tmp_path, sources=changed) == before
+    (changed / "studies" / "kernels.py").write_text("from core.compiled import kernel\n")
+    with_kernel = cache_folder(tmp_path, sources=changed)
+    assert with_kernel != before
+    (changed / "core" / "table.py").write_text("STEPS = 3\n")
+    assert cache_folder(tmp_path, sources=changed) not in (before, with_kernel)
+
+
+def test_kernels_of_studies_are_fed_by_files_that_the_digest_covers():
+    sources = {path: path.read_text(encoding="utf-8") for path in (REPOSITORY / "studies").rglob("*.py")}
+    with_kernels = {path for path, source in sources.items() if "core.compiled" in source}
+    assert with_kernels
+    for path in with_kernels:
+        for module in re.findall(
+            r"^from (studies[\w.]+) import|^import (studies[\w.]+)", sources[path], re.MULTILINE
+        ):
+            fed_by = REPOSITORY / ("".join(module).replace(".", "/") + ".py")
+            assert fed_by in with_kernels, f"{path} takes from {fed_by}, which the digest does not see"
 
 
 def test_a_read_only_cache_is_replaced_by_a_temporary_folder(tmp_path):
