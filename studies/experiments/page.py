@@ -115,7 +115,7 @@ def verdict(treated: str, control: str, scores: Mapping[str, Floats]) -> Verdict
         paired_ratio(first, second, rng=_rng("ratio", treated, control), resamples=RESAMPLES),
         paired_difference(first, second, rng=_rng("difference", treated, control), resamples=RESAMPLES),
         probability_interval(first, second, rng=_rng("improvement", treated, control)),
-        paired_effect_size(logs),
+        paired_effect_size(logs) if len(logs) > 1 else float("nan"),
         p,
         p,
     )
@@ -164,6 +164,16 @@ def how_it_was_made(results: Results, command: str) -> str:
     differing = "\n".join(
         f"- `{name}`: `{msgspec.json.encode(value).decode()}`" for name, value in own.items()
     )
+    missing = [
+        f"{condition.name} ({results.left_out.get(condition.name, 0)})"
+        for condition in results.experiment.conditions
+        if condition.name not in results.trials
+    ]
+    unfinished = (
+        f"- Not reported, because too few of their trials were played: {', '.join(missing)}.\n"
+        if missing
+        else ""
+    )
     return f"""\
 ## How it was made
 
@@ -171,7 +181,7 @@ def how_it_was_made(results: Results, command: str) -> str:
 
 - Trials: {len(seeds)} per condition, root seeds {seeds[0]} to {seeds[-1]}.
 - Software: {"; ".join(versions)}.
-
+{unfinished}
 Departures from the paper, and what it leaves open:
 
 {departures}

@@ -1,7 +1,7 @@
 """Results of a sweep as they lie in its folder: reads files, never plays."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +22,8 @@ class Results:
     seeds: tuple[int, ...]
     trials: dict[str, tuple[dict[str, Floats], ...]]
     """By condition; one entry per seed, in their order: columns by name."""
+    left_out: dict[str, int] = field(default_factory=dict)
+    """Conditions of which less than half of the trials are there, with how many are."""
 
     @property
     def conditions(self) -> tuple[str, ...]:
@@ -46,12 +48,13 @@ class Results:
 def read_results(experiment: Experiment, folder: Path, only: Sequence[str] = ()) -> Results:
     """Read what a folder holds of an experiment.
 
-    Only trials that all conditions have are taken: comparisons are paired.
+    Only trials that all conditions have are taken: comparisons are paired. A condition with less than half the trials
+    of the fullest one is left out, or it would take the others' trials with it.
 
     Args:
         experiment: which.
         folder: where its results are.
-        only: conditions to read; where empty all that have any trial.
+        only: conditions to read, all of them; where empty those that have enough trials.
 
     Raises:
         SweepError: there is nothing, or no trial that all conditions have.
@@ -59,9 +62,15 @@ def read_results(experiment: Experiment, folder: Path, only: Sequence[str] = ())
     record = read_record(folder)
     if record is None:
         raise SweepError(f"{folder} holds no results: `arl experiment run {experiment.name}` plays them")
-    names = list(only) or [c.name for c in experiment.conditions if any((folder / c.name).glob("seed-*.csv"))]
-    found = [{_seed_of(path) for path in (folder / name).glob("seed-*.csv")} for name in names]
-    seeds = sorted(set.intersection(*found)) if found else []
+    found = {
+        condition.name: {_seed_of(path) for path in (folder / condition.name).glob("seed-*.csv")}
+        for condition in experiment.conditions
+        if not only or condition.name in only
+    }
+    fullest = max((len(seeds) for seeds in found.values()), default=0)
+    names = [name for name, seeds in found.items() if only or (seeds and 2 * len(seeds) >= fullest)]
+    left_out = {name: len(seeds) for name, seeds in found.items() if seeds and name not in names}
+    seeds = sorted(set.intersection(*(found[name] for name in names))) if names else []
     if not seeds:
         raise SweepError(
             f"{folder}: no trial was played under every condition ({', '.join(names) or 'none'})"
@@ -69,7 +78,7 @@ def read_results(experiment: Experiment, folder: Path, only: Sequence[str] = ())
     trials = {
         name: tuple(_read_rows(folder / name / f"seed-{seed:07d}.csv") for seed in seeds) for name in names
     }
-    return Results(experiment, record, tuple(seeds), trials)
+    return Results(experiment, record, tuple(seeds), trials, left_out)
 
 
 def _seed_of(path: Path) -> int:

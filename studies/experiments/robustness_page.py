@@ -143,6 +143,8 @@ def _rules_table(against: Mapping[str, Verdict]) -> str:
     rows = []
     for rule, label in RULES.items():
         conditions = by_rate(rule, against)
+        if not conditions:
+            continue
         rows.append(
             [
                 label,
@@ -159,6 +161,8 @@ def _weights_table(results: Results) -> str:
     rows = []
     for rule, label in RULES.items():
         conditions = by_rate(rule, results.trials)
+        if not conditions:
+            continue
         cells = [
             f"{results.table(conditions[rate], 'w_h')[:, -100:].mean():.2f}" if rate in conditions else ""
             for rate in RATES
@@ -172,6 +176,8 @@ def _scores_table(scores: Mapping[str, Floats]) -> str:
     rows = [["environment only", *(page.number(float(alone)) for _ in RATES)]]
     for rule, label in RULES.items():
         conditions = by_rate(rule, scores)
+        if not conditions:
+            continue
         rows.append(
             [
                 label,

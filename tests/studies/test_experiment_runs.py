@@ -224,6 +224,15 @@ def test_only_trials_that_all_conditions_have_are_compared(tmp_path):
     assert read_results(EXPERIMENT, tmp_path, only=["high"]).seeds == (0, 1, 2)
 
 
+def test_a_condition_that_has_hardly_begun_is_left_out_and_named(tmp_path):
+    run_sweep(EXPERIMENT, root_seeds(5), tmp_path, Inline(), only=["low"])
+    run_sweep(EXPERIMENT, root_seeds(2), tmp_path, Inline(), only=["high"])
+    results = read_results(EXPERIMENT, tmp_path)
+    assert (results.seeds, results.conditions, results.left_out) == ((0, 1, 2, 3, 4), ("low",), {"high": 2})
+    run_sweep(EXPERIMENT, root_seeds(3), tmp_path, Inline())
+    assert read_results(EXPERIMENT, tmp_path).seeds == (0, 1, 2)
+
+
 def test_an_empty_folder_says_what_to_do(tmp_path):
     with pytest.raises(SweepError, match="arl experiment run"):
         read_results(EXPERIMENT, tmp_path)
