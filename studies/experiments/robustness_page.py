@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -221,11 +221,11 @@ def _gradient_table(scores: Mapping[str, Floats]) -> str:
 
 
 def _figure(results: Results, scores: Mapping[str, Floats], against: Mapping[str, Verdict]) -> Figure:
-    """Draw ratio and final weight against the rate, for the rules that were played at every rate."""
+    """Draw ratio and final weight against the rate, for the rules that were played at two rates or more."""
     figure = page.new_figure(7.2, 3.6)
     left, right = figure.subplots(1, 2)
     left.axhline(1.0, color="0.4", linewidth=1.0)
-    shown = [rule for rule in RULES if len(by_rate(rule, against)) >= max(3, len(_rates(against)) - 1)]
+    shown = [rule for rule in RULES if len(by_rate(rule, against)) >= 2]
     for place, rule in enumerate(shown):
         conditions = by_rate(rule, against)
         rates = np.array(list(conditions), dtype=np.float64)
@@ -243,11 +243,12 @@ def _figure(results: Results, scores: Mapping[str, Floats], against: Mapping[str
         right.plot(rates, weights, **style)
     left.set(xlabel="wrong presses (%)", ylabel="score / environment only", yscale="log", xticks=RATES)
     right.set(xlabel="wrong presses (%)", ylabel="$w_h$, last 100 episodes", xticks=RATES)
+    ratios = (0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50)
+    low, high = left.get_ylim()
+    left.set_yticks([ratio for ratio in ratios if low <= ratio <= high])
+    left.set_yticklabels([f"{ratio:g}" for ratio in ratios if low <= ratio <= high])
+    left.set_yticks([], minor=True)
     for axes in (left, right):
         axes.grid(alpha=0.3)
     left.legend(frameon=False, fontsize="small")
     return figure
-
-
-def _rates(against: Iterable[str]) -> set[str]:
-    return {name[-3:] for name in against if name[-3:].isdigit()}
