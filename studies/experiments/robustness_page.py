@@ -76,7 +76,8 @@ def robustness_page(results: Results) -> Page:
 # {results.experiment.title}
 
 A person presses the wrong key in 0 to 100 % of the cases: from a perfect judge by way of pure noise (50 %) to a perfect adversary. Scores
-are {SCORE}; ratios are to the environment alone, the same learner without a person, over {len(results.seeds)} paired trials.
+are {SCORE}; ratios are to the environment alone, the same learner without a person, over {len(results.seeds)} paired trials. (The environment alone, Eq. 4
+and annealed at 10 % are the trials of [Fig. 5](fig5.md), byte for byte: equal settings, equal seeds.)
 
 ![Every rule at every rate](../figures/robustness.png)
 
