@@ -64,6 +64,8 @@ class KeyPressed(Record, frozen=True, kw_only=True, tag="key-pressed"):
     asked_wrong: bool = False
     """The participant had been asked to press the wrong key deliberately."""
     source: Literal["participant", "simulated"] = "participant"
+    person: int = 0
+    """Who pressed, where several do (simulated sessions): the protocol's trainer is 0, its others are 1, 2, ..."""
 
 
 class PressRetracted(Record, frozen=True, kw_only=True, tag="press-retracted"):

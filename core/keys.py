@@ -5,6 +5,7 @@ one every 25-40 ms. The rule here recognises such a run from its intervals and t
 """
 
 from collections.abc import Iterator
+from itertools import count
 from typing import Literal
 
 import msgspec
@@ -59,14 +60,22 @@ class PressGate:
     the caller tells it: which frame and step are shown, and whether they are covered.
     """
 
-    def __init__(self, config: KeyConfig) -> None:
+    def __init__(self, config: KeyConfig, *, person: int = 0, numbers: Iterator[int] | None = None) -> None:
+        """Set up the gate of one person.
+
+        Args:
+            config: keys and limits.
+            person: who presses, where several do.
+            numbers: gives out the numbers of presses; gates of one session share it. None: from 0.
+        """
         self.config = config
+        self._person = person
+        self._numbers = numbers or count()
         self.frame = -1
         self.step = -1
         self.covered = False
         self.playing = False
         self.wrong_asked = False
-        self._next_press = 0
         self._accepted: list[KeyPressed] = []
         self._last_of_key: dict[str, KeyPressed] = {}
         self._short_intervals = 0
@@ -87,7 +96,7 @@ class PressGate:
         """Yield the record of a press and, where it takes an earlier one back, that retraction."""
         value = self.config.value(key)
         record = KeyPressed(
-            press=self._next_press,
+            press=next(self._numbers),
             time_ns=time_ns,
             key=key,
             value=value,
@@ -96,8 +105,8 @@ class PressGate:
             verdict=self._verdict(key, time_ns, value),
             asked_wrong=self.wrong_asked and value is not None,
             source=source,
+            person=self._person,
         )
-        self._next_press += 1
         opener = self._opener_of_held_key(record)
         self._last_of_key[key] = record
         if record.verdict == "accepted":

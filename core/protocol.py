@@ -108,6 +108,9 @@ class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     screen: ScreenConfig = ScreenConfig()
     trainer: TrainerConfig = TrainerConfig()
     """The simulated participant of demonstrations and of simulated sessions."""
+    others: tuple[TrainerConfig, ...] = ()
+    """Further simulated participants of simulated sessions: persons 1, 2, ... The agent has a human model and a weight for
+    each. (Section 3.1: "one or more sources"; the paper's sessions have one, and so have live ones.)"""
 
     def __post_init__(self) -> None:
         known = [str(kind.__struct_config__.tag) for kind in LEARNERS[type(self.domain)]]

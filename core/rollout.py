@@ -87,8 +87,8 @@ class Listener(Protocol):
         """Note that the step on screen went off it."""
         ...
 
-    def learn_from_press(self, press: int, time_ns: int, value: float) -> CreditGiven:
-        """Learn from an accepted press; return how it was shared out."""
+    def learn_from_press(self, press: int, time_ns: int, value: float, person: int = 0) -> CreditGiven:
+        """Learn from an accepted press of a person; return how it was shared out."""
         ...
 
     def retract(self, press: int) -> None:
@@ -166,9 +166,9 @@ class Audience:
                 self._screen_shows(step, time_ns)
             case ScreenCleared(time_ns=time_ns):
                 self._screen_shows(-1, time_ns)
-            case KeyPressed(verdict="accepted", press=press, time_ns=time_ns, value=value):
+            case KeyPressed(verdict="accepted", press=press, time_ns=time_ns, value=value, person=person):
                 assert value is not None, "an accepted press means something"
-                yield self._listener.learn_from_press(press, time_ns, value)
+                yield self._listener.learn_from_press(press, time_ns, value, person)
             case PressRetracted(press=press):
                 self._listener.retract(press)
             case StopAsked():

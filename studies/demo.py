@@ -1,15 +1,17 @@
 """A simulated session from start to end: played, recorded, replayed, summarised. What `arl demo` does without a terminal."""
 
 from dataclasses import dataclass
+from itertools import count
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from core.clock import ManualClock, wall_time_utc
 from core.episode import EpisodeEnded, KeyPressed, UnseenPlayed
-from core.feedback.source import SimulatedParticipant
+from core.feedback.source import Seat, SimulatedParticipant
 from core.feedback.trainers import SimulatedTrainer
 from core.games import game_of
 from core.keys import PressGate
@@ -18,6 +20,7 @@ from core.recording.reader import Recording
 from core.recording.recorder import LineWriter
 from core.recording.schema import Header, to_plain
 from core.session import build_session
+from core.streams import stream_seed
 
 
 def simulate_session(protocol: Protocol, root_seed: int, target: Path, *, software: dict[str, str]) -> Path:
@@ -31,14 +34,23 @@ def simulate_session(protocol: Protocol, root_seed: int, target: Path, *, softwa
     """
     clock = ManualClock()
     session = build_session(protocol, root_seed)
-    game = game_of(protocol)
+    game, numbers = game_of(protocol), count()
+    others = [
+        Seat(
+            game.oracle(msgspec.structs.replace(protocol, trainer=other)),
+            SimulatedTrainer(other, root_seed=stream_seed(root_seed, "person", person)),
+            PressGate(protocol.keys, person=person, numbers=numbers),
+        )
+        for person, other in enumerate(protocol.others, 1)
+    ]
     participant = SimulatedParticipant[Any](
         session.domain,
         game.oracle(protocol),
         SimulatedTrainer(protocol.trainer, root_seed=root_seed),
-        PressGate(protocol.keys),
+        PressGate(protocol.keys, numbers=numbers),
         clock,
         game.viewing(protocol),
+        others=others,
     )
     header = Header(
         origin="simulated",

@@ -1,18 +1,18 @@
 """The agent of augmented reinforcement learning: an environment learner and a human model, and whom it trusts."""
 
 import hashlib
-from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from core.combination.asking import Asker, Question, samples_of
 from core.combination.bootstrap_learning import BootstrapLearning, EpisodeReport
 from core.combination.config import ENVIRONMENT_WEIGHTS, AgentConfig, EpisodeWeights, HumanOnly
+from core.combination.crowd import Crowd, CrowdTrust
 from core.combination.environment import environment_side
 from core.combination.human_learner import HumanLearner
 from core.combination.schemes import best_action, choose, takes_control, worst_action
-from core.combination.sides import Ending, Heard
+from core.combination.sides import Decision, EpisodePolicy, Heard, Outcome
 from core.combination.trust import Comparison
 from core.combination.window import DecisionWindow, Values
 from core.domain import Choices
@@ -23,65 +23,12 @@ from core.learners.linear import action_values
 from core.streams import stream, stream_seed
 from core.tile_coding import Tiling, tile_values
 
+__all__ = ["ArlAgent", "Decision", "EpisodePolicy", "Outcome", "exact_values"]
+
 
 def exact_values(rows: NDArray[np.float64], weights: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return rows (n, F) times weights (F,) on the grid of `core.fixed_point`: as a compiled player has them."""
     return action_values(rows, exact_weights(weights))
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class EpisodePolicy:
-    """What is played in one episode."""
-
-    policy_id: int
-    theta: NDArray[np.float64]
-    """Weights of the environment policy, shape (F,); empty where the learner changes at every step."""
-    human_weights: NDArray[np.float64]
-    """v of the human model when the episode began, shape (G,); zeros while nothing is known."""
-    weights: EpisodeWeights
-    """How the two are combined."""
-    share_seed: int
-    """Seed of `takes_control` (control sharing), in [0, 2**62)."""
-    exploring: bool
-    """The learner proposed this policy and waits for its performance."""
-    chance_seed: int = 0
-    """Seed of the draws from a softmax policy, in [0, 2**62)."""
-
-    @property
-    def human_known(self) -> bool:
-        """Whether there is a human policy: if not, nothing is compared with it."""
-        return bool(self.human_weights.any())
-
-
-@dataclass(frozen=True, slots=True)
-class Decision:
-    """What the agent decided, and what each of its sources would have."""
-
-    action: int
-    environment_action: int
-    human_action: int
-    """The human policy's best action; -1 while there is none."""
-    human_worst_action: int
-    """The human policy's worst action; -1 while there is none."""
-
-
-class Outcome(Ending, Protocol):
-    """How an episode went (`core.rollout.Played`)."""
-
-    @property
-    def steps(self) -> int:
-        """Number of decisions."""
-        ...
-
-    @property
-    def agreed(self) -> int:
-        """Decisions at which environment and human policy chose the same action."""
-        ...
-
-    @property
-    def agreed_worst(self) -> int:
-        """Decisions at which the environment policy chose the human policy's worst action."""
-        ...
 
 
 class ArlAgent:
@@ -100,6 +47,7 @@ class ArlAgent:
         n_feedback_features: int,
         root_seed: int,
         feedback_tiles: Tiling | None = None,
+        n_sources: int = 1,
         environment_values: Values | None = None,
         human_values: Values | None = None,
     ) -> None:
@@ -111,6 +59,7 @@ class ArlAgent:
             n_feedback_features: G, length of psi(s, a).
             root_seed: of the session; streams "policy", "explore", "share", "softmax" and "chance".
             feedback_tiles: what psi(s, a) means where it lists active tiles; None for plain features.
+            n_sources: people who may press, >= 1; each has a human model and a weight.
             environment_values: R of each action from feature rows (n, F) and theta (F,). Default: `exact_values`.
             human_values: H of each action from feature rows (n, G) and v (G,); a constant does not matter.
                 Default: `exact_values`.
@@ -119,15 +68,22 @@ class ArlAgent:
         self.config = config
         self.learner = learner
         """The environment's learner; what plays for it in compiled code lets it learn there."""
-        self.human = HumanLearner(
-            config.credit, config.human_model, n_feedback_features, tiles=feedback_tiles
-        )
+        self.human: HumanLearner | Crowd = self._listen(n_sources, n_feedback_features, feedback_tiles)
         human_values = human_values or (tile_values(feedback_tiles) if feedback_tiles else exact_values)
         self.window = DecisionWindow(config.bootstrap.window_decisions, environment_values, human_values)
-        self.bootstrap = BootstrapLearning(config.bootstrap, self.window, root_seed=root_seed)
+        self.bootstrap: BootstrapLearning | CrowdTrust
+        if isinstance(self.human, Crowd):
+            self.bootstrap = CrowdTrust(
+                config.bootstrap, self.window, self.human, human_values, root_seed=root_seed
+            )
+        else:
+            self.bootstrap = BootstrapLearning(config.bootstrap, self.window, root_seed=root_seed)
         self._environment = environment_side(learner, environment_values, config.scheme)
+        self._asker = Asker(config.asking)
+        self._answers = 0
         self._root_seed = root_seed
         self._human_values = human_values
+        self._policy_values = environment_values
         # Comparison of the episode being watched: (decisions, agreed, agreed_worst).
         self._watched = (0, 0, 0)
         # Of the decision last made: how the sides were combined, and H of each action.
@@ -135,8 +91,18 @@ class ArlAgent:
 
     @property
     def w_h(self) -> float:
-        """Weight of the human by bootstrap learning; 0 while the human model knows nothing."""
-        return self.bootstrap.w_h if self.human.knows_something else 0.0
+        """Weight of the human by bootstrap learning; 0 while the human model knows nothing.
+
+        Of several sources the mean; each one's is in `weights_of_sources`.
+        """
+        return sum(self.weights_of_sources) / len(self.weights_of_sources)
+
+    @property
+    def weights_of_sources(self) -> list[float]:
+        """Weight of each source of human feedback by bootstrap learning; 0 for one that has said nothing."""
+        if isinstance(self.bootstrap, CrowdTrust):
+            return self.bootstrap.w_h
+        return [self.bootstrap.w_h if self.human.knows_something else 0.0]
 
     def begin_episode(self, episode: int, *, exploring: bool) -> EpisodePolicy:
         """Return the policy of an episode.
@@ -147,10 +113,15 @@ class ArlAgent:
                 performance (and match), or a proposal while there is none.
         """
         self._watched = (0, 0, 0)
+        self._asker.begin_episode()
         share_seed = stream_seed(self._root_seed, "share", episode) >> 1
 
         def draw() -> tuple[int, NDArray[np.float64]]:
-            drawn = self.bootstrap.draw(self._known_weights(), rng=stream(self._root_seed, "policy", episode))
+            rng = stream(self._root_seed, "policy", episode)
+            if isinstance(self.bootstrap, CrowdTrust):
+                drawn = self.bootstrap.draw(rng=rng)
+            else:
+                drawn = self.bootstrap.draw(self._known_weights(), rng=rng)
             return drawn.policy_id, drawn.theta
 
         policy_id, theta, proposed = self._environment.begin_episode(
@@ -158,11 +129,12 @@ class ArlAgent:
             None if exploring or not self.bootstrap.ranked else draw,
             rng=stream(self._root_seed, "explore", episode),
         )
+        weights = self._weights(episode)
         return EpisodePolicy(
             policy_id=policy_id,
             theta=theta,
             human_weights=self.human.weights,
-            weights=self._weights(episode),
+            weights=weights,
             share_seed=share_seed,
             exploring=proposed,
             chance_seed=stream_seed(self._root_seed, "softmax", episode) >> 1,
@@ -189,6 +161,8 @@ class ArlAgent:
             self.count_decisions(
                 1, environment_action == human_action, environment_action == human_worst_action
             )
+            if isinstance(self.bootstrap, CrowdTrust):
+                self.bootstrap.count(environment_action, choices)
             handed_over = takes_control(policy.share_seed, step, policy.weights.share)
         preferred = human_action if handed_over else self._prefer(env_values, human_values, choices, policy)
         heard = Heard(human_values, policy.weights, policy.chance_seed, step, handed_over)
@@ -235,17 +209,18 @@ class ArlAgent:
             decisions, agreed, agreed_worst = played.steps, played.agreed, played.agreed_worst
         self._watched = (0, 0, 0)
         self._environment.end_episode(policy.policy_id, played, proposed=policy.exploring)
-        self.bootstrap.record(
-            EpisodeReport(
-                policy_id=policy.policy_id,
-                theta=policy.theta,
-                performance=played.performance,
-                truncated=played.ended == "truncation",
-                comparison=Comparison(decisions, agreed, agreed_worst) if decisions else None,
-                consistency=self.human.consistency,
-            ),
-            self._known_weights(),
+        report = EpisodeReport(
+            policy_id=policy.policy_id,
+            theta=policy.theta,
+            performance=played.performance,
+            truncated=played.ended == "truncation",
+            comparison=Comparison(decisions, agreed, agreed_worst) if decisions else None,
+            consistency=self.human.consistency,
         )
+        if isinstance(self.bootstrap, CrowdTrust):
+            self.bootstrap.record(report)
+        else:
+            self.bootstrap.record(report, self._known_weights())
 
     def step_shown(self, step: int, features: NDArray[np.float64], time_ns: int) -> None:
         """Note that a watched step with feedback features psi, shape (G,), came on screen."""
@@ -255,11 +230,36 @@ class ArlAgent:
         """Note that the step on screen went off it."""
         self.human.step_hidden(time_ns)
 
-    def learn_from_press(self, press: int, time_ns: int, value: float) -> CreditGiven:
-        """Learn from a press, value > 0 good, < 0 bad; return how it was shared out."""
-        given = self.human.learn_from_press(press, time_ns, value)
+    def learn_from_press(self, press: int, time_ns: int, value: float, person: int = 0) -> CreditGiven:
+        """Learn from a press of a person, value > 0 good, < 0 bad; return how it was shared out."""
+        given = self.human.learn_from_press(press, time_ns, value, person)
         self._environment.press(given, value)
         return given
+
+    def question(self, choices: Choices) -> Question | None:
+        """Return a choice to pose at this decision of a watched episode; None where there is nothing worth asking.
+
+        The committee are the top policies; a learner that changes at every step has none (`docs/decisions/asking.md`).
+        """
+        committee = [policy.theta for policy in self.bootstrap.ranked if len(policy.theta)]
+        if self.config.asking.per_episode == 0 or len(committee) < 2:
+            return None
+        if isinstance(self.bootstrap, CrowdTrust):
+            probabilities = self.bootstrap.probabilities()
+        else:
+            probabilities = self.bootstrap.probabilities(self._known_weights())
+        actions = [
+            best_action(
+                self._policy_values(choices.features, theta), choices.ruled_out, len(choices.ruled_out)
+            )
+            for theta in committee
+        ]
+        return self._asker.question(choices, actions, probabilities)
+
+    def learn_from_answer(self, question: Question, chosen: int, person: int = 0) -> None:
+        """Learn which of a question's options a person has chosen."""
+        self.human.learn_from_answer(samples_of(question, chosen, number=self._answers), person)
+        self._answers += 1
 
     def retract(self, press: int) -> None:
         """Forget a press as if it had never been made."""
@@ -277,18 +277,19 @@ class ArlAgent:
         """
         ranked = self.bootstrap.ranked
         best = ranked[0] if ranked else None
+        weights = self._weights(episode)
         return EpisodePolicy(
             policy_id=best.policy_id if best else -1,
             theta=best.theta if best else self._environment.no_policy(),
             human_weights=self.human.weights,
-            weights=self._weights(episode),
+            weights=weights,
             share_seed=stream_seed(self._root_seed, "share", episode) >> 1,
             exploring=False,
         )
 
     def export(self) -> dict[str, list[float]]:
         """Return the weight vectors by name: the human model's, and those of the top policies, best first."""
-        vectors = {**self.human.export(), "w_h": [self.w_h], **self._environment.export()}
+        vectors = {**self.human.export(), "w_h": self.weights_of_sources, **self._environment.export()}
         for place, policy in enumerate(self.bootstrap.ranked):
             if len(policy.theta):
                 vectors[f"policy-{place}"] = policy.theta.tolist()
@@ -303,12 +304,24 @@ class ArlAgent:
             digest.update(part)
         return digest.hexdigest()
 
+    def _listen(self, n_sources: int, n_features: int, tiles: Tiling | None) -> HumanLearner | Crowd:
+        """Return the human models of one source, or of several."""
+        if n_sources < 1:
+            raise ValueError(f"an agent listens to at least one source, got {n_sources}")
+        learners = [
+            HumanLearner(self.config.credit, self.config.human_model, n_features, tiles=tiles)
+            for _ in range(n_sources)
+        ]
+        return learners[0] if n_sources == 1 else Crowd(learners, tiles.n_weights if tiles else n_features)
+
     def _known_weights(self) -> NDArray[np.float64] | None:
         return self.human.weights if self.human.knows_something else None
 
     def _weights(self, episode: int) -> EpisodeWeights:
         if not self.human.knows_something and not isinstance(self.config.scheme, HumanOnly):
             return ENVIRONMENT_WEIGHTS
+        if isinstance(self.bootstrap, CrowdTrust):
+            return self.bootstrap.combine(self.config.scheme, episode)
         return self.config.scheme.weights(self.w_h, episode)
 
     def _prefer(

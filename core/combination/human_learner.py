@@ -33,6 +33,8 @@ class HumanLearner:
         self._model = human_model(model, n_features, tiles)
         self._consistency = Consistency()
         self._on_screen = -1
+        # What was learned from answers to questions, beside the assigner's samples.
+        self._answers: list[Sample] = []
 
     @property
     def consistency(self) -> float:
@@ -76,8 +78,8 @@ class HumanLearner:
             self._on_screen = -1
             self._learn()
 
-    def learn_from_press(self, press: int, time_ns: int, value: float) -> CreditGiven:
-        """Learn from a press, value > 0 good, < 0 bad; return how it was shared out."""
+    def learn_from_press(self, press: int, time_ns: int, value: float, person: int = 0) -> CreditGiven:
+        """Learn from a press, value > 0 good, < 0 bad, whoever made it; return how it was shared out."""
         given = self._assigner.press(press, time_ns, value)
         self._learn()
         return CreditGiven(
@@ -90,12 +92,18 @@ class HumanLearner:
             merged_into=given.merged_into,
         )
 
+    def learn_from_answer(self, samples: list[Sample], person: int = 0) -> None:
+        """Learn what an answer to a question says (`core.combination.asking.samples_of`), whoever gave it."""
+        self._answers.extend(samples)
+        for sample in samples:
+            self._learn_from(sample)
+
     def retract(self, press: int) -> None:
         """Make the model one that never saw the press."""
         self._assigner.retract(press)
         self._model.fit([])
         self._consistency = Consistency()
-        for sample in self._assigner.samples:
+        for sample in (*self._assigner.samples, *self._answers):
             self._learn_from(sample)
 
     def finish(self, time_ns: int) -> None:

@@ -1,4 +1,4 @@
-"""What passes between an agent and its environment's side (`core.combination.environment`)."""
+"""What passes between an agent, its environment's side (`core.combination.environment`), and who plays for it."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -47,3 +47,58 @@ class Heard:
     """Number of the decision in the episode, from 0."""
     handed_over: bool
     """Control has been handed to the human model: its choice is to be made."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class EpisodePolicy:
+    """What is played in one episode."""
+
+    policy_id: int
+    theta: NDArray[np.float64]
+    """Weights of the environment policy, shape (F,); empty where the learner changes at every step."""
+    human_weights: NDArray[np.float64]
+    """v of the human model when the episode began, shape (G,); zeros while nothing is known."""
+    weights: EpisodeWeights
+    """How the two are combined."""
+    share_seed: int
+    """Seed of `takes_control` (control sharing), in [0, 2**62)."""
+    exploring: bool
+    """The learner proposed this policy and waits for its performance."""
+    chance_seed: int = 0
+    """Seed of the draws from a softmax policy, in [0, 2**62)."""
+
+    @property
+    def human_known(self) -> bool:
+        """Whether there is a human policy: if not, nothing is compared with it."""
+        return bool(self.human_weights.any())
+
+
+@dataclass(frozen=True, slots=True)
+class Decision:
+    """What the agent decided, and what each of its sources would have."""
+
+    action: int
+    environment_action: int
+    human_action: int
+    """The human policy's best action; -1 while there is none."""
+    human_worst_action: int
+    """The human policy's worst action; -1 while there is none."""
+
+
+class Outcome(Ending, Protocol):
+    """How an episode went (`core.rollout.Played`)."""
+
+    @property
+    def steps(self) -> int:
+        """Number of decisions."""
+        ...
+
+    @property
+    def agreed(self) -> int:
+        """Decisions at which environment and human policy chose the same action."""
+        ...
+
+    @property
+    def agreed_worst(self) -> int:
+        """Decisions at which the environment policy chose the human policy's worst action."""
+        ...

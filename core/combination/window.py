@@ -1,12 +1,13 @@
 """Recent decisions, kept so that policies can be compared with the human policy of now."""
 
+import math
 from collections import deque
 from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
-from core.combination.schemes import best_action, worst_action
+from core.combination.schemes import best_action, mean_and_sd, worst_action
 from core.combination.trust import Comparison
 from core.compiled import kernel
 from core.domain import Choices
@@ -46,6 +47,19 @@ def count_agreement(
     return agreed, agreed_worst
 
 
+@kernel
+def mean_spread(
+    values: NDArray[np.float64], ruled_out: NDArray[np.bool_], starts: NDArray[np.int64]
+) -> float:
+    """Return the root mean square, over decisions, of the sd of the values among the actions; as `count_agreement`."""
+    total = 0.0
+    for decision in range(starts.shape[0] - 1):
+        low, high = starts[decision], starts[decision + 1]
+        spread = mean_and_sd(values[low:high], ruled_out[low:high], high - low)[1]
+        total += spread * spread
+    return math.sqrt(total / (starts.shape[0] - 1))
+
+
 class DecisionWindow:
     """The last decisions, whoever made them: a sample of states in which to compare policies."""
 
@@ -76,6 +90,11 @@ class DecisionWindow:
             starts,
         )
         return Comparison(len(self._decisions), agreed, agreed_worst)
+
+    def spread(self, human_weights: NDArray[np.float64]) -> float:
+        """Return how far H lies apart among the actions of a decision kept (root mean square of its sd)."""
+        _, feedback_rows, ruled_out, starts = self._rows()
+        return float(mean_spread(self._human_values(feedback_rows, human_weights), ruled_out, starts))
 
     def chance(self, human_weights: NDArray[np.float64], *, rng: np.random.Generator) -> float:
         """Return the mean agreement rate of policies with standard normal weights: unrelated ones."""

@@ -4,7 +4,8 @@ Inputs come through the same `PressGate` as real keys, so that budgets, repeats 
 """
 
 import heapq
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 import numpy as np
@@ -21,6 +22,18 @@ State = TypeVar("State")
 
 Oracle = Callable[[State], NDArray[np.float64]]
 """Values of all actions in a state, by somebody who knows the game; -inf for a fatal one."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Seat(Generic[State]):
+    """One more person before the same screen."""
+
+    oracle: Oracle[State]
+    """By which they judge."""
+    trainer: SimulatedTrainer
+    """Decides what they press and when."""
+    gate: PressGate
+    """Decides which of their presses count; has their number, and shares the numbers of presses."""
 
 
 class SimulatedParticipant(Generic[State]):
@@ -42,6 +55,8 @@ class SimulatedParticipant(Generic[State]):
         gate: PressGate,
         clock: ManualClock,
         viewing: Viewing,
+        *,
+        others: Sequence[Seat[State]] = (),
     ) -> None:
         """Sit down.
 
@@ -52,18 +67,17 @@ class SimulatedParticipant(Generic[State]):
             gate: decides which presses count.
             clock: the session's clock; it is moved on while steps are on screen.
             viewing: how long everything stays on screen.
+            others: further people who watch and press.
         """
         self._domain = domain
-        self._oracle = oracle
-        self._trainer = trainer
-        self._gate = gate
+        self._seats = (Seat(oracle, trainer, gate), *others)
         self._clock = clock
         self._viewing = viewing
         self._state: State | None = None
         self._frame = -1
         self._arrived: list[Input] = []
         # Presses to come; the counter keeps those of equal times in order.
-        self._due: list[tuple[int, int, IntendedPress]] = []
+        self._due: list[tuple[int, int, IntendedPress, PressGate]] = []
         self._planned = 0
 
     def during(self, step: int) -> list[Input]:
@@ -77,8 +91,9 @@ class SimulatedParticipant(Generic[State]):
         match output:
             case EpisodeStarted(episode=episode, episode_seed=episode_seed):
                 self._state = self._domain.initial(episode_seed)
-                self._trainer.begin_episode(episode)
-                self._gate.episode_started()
+                for seat in self._seats:
+                    seat.trainer.begin_episode(episode)
+                    seat.gate.episode_started()
                 opening_ns = self._viewing.opening_ns(self._state)
                 if opening_ns > 0:
                     self._show(-1)
@@ -95,7 +110,8 @@ class SimulatedParticipant(Generic[State]):
 
     def _show(self, step: int) -> None:
         self._frame += 1
-        self._gate.frame, self._gate.step = self._frame, step
+        for seat in self._seats:
+            seat.gate.frame, seat.gate.step = self._frame, step
         self._arrived.append(FrameShown(frame=self._frame, step=step, flushed_ns=self._clock.now_ns()))
 
     def _plan(self, step: int, action: int) -> int:
@@ -104,17 +120,18 @@ class SimulatedParticipant(Generic[State]):
         now_ns = self._clock.now_ns()
         following = self._domain.transition(self._state, action).next_state
         seen = self._viewing.watched(self._state, action, following)
-        presses = self._trainer.watch(
-            step,
-            self._oracle(self._state),
-            action,
-            shown_ns=now_ns,
-            hidden_ns=now_ns + seen.judged_after_ns,
-            attention=seen.attention,
-        )
-        for press in presses:
-            heapq.heappush(self._due, (press.time_ns, self._planned, press))
-            self._planned += 1
+        for seat in self._seats:
+            presses = seat.trainer.watch(
+                step,
+                seat.oracle(self._state),
+                action,
+                shown_ns=now_ns,
+                hidden_ns=now_ns + seen.judged_after_ns,
+                attention=seen.attention,
+            )
+            for press in presses:
+                heapq.heappush(self._due, (press.time_ns, self._planned, press, seat.gate))
+                self._planned += 1
         self._state = following
         return seen.duration_ns
 
@@ -122,10 +139,10 @@ class SimulatedParticipant(Generic[State]):
         """Let time go by, and press what is due."""
         until_ns = self._clock.now_ns() + duration_ns
         while self._due and self._due[0][0] <= until_ns:
-            time_ns, _, press = heapq.heappop(self._due)
+            time_ns, _, press, gate = heapq.heappop(self._due)
             self._clock.advance_to_ns(time_ns)
-            key = self._gate.config.good if press.value > 0 else self._gate.config.bad
-            self._gate.wrong_asked = press.deliberate
-            self._arrived.extend(self._gate.press(key, self._clock.now_ns(), source="simulated"))
-            self._gate.wrong_asked = False
+            key = gate.config.good if press.value > 0 else gate.config.bad
+            gate.wrong_asked = press.deliberate
+            self._arrived.extend(gate.press(key, self._clock.now_ns(), source="simulated"))
+            gate.wrong_asked = False
         self._clock.advance_to_ns(until_ns)

@@ -45,6 +45,7 @@ class TetrisGame:
             _learner(protocol, root_seed),
             protocol.agent,
             n_feedback_features=len(domain.feedback_feature_names),
+            n_sources=1 + len(protocol.others),
             root_seed=root_seed,
         )
 

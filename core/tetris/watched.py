@@ -292,6 +292,7 @@ def _check(protocol: SessionProtocol) -> None:
             not isinstance(protocol.agent.scheme, Coach),
             "a scheme whose presses teach the human model, not the learner itself",
         ),
+        (not protocol.others, "one participant: no others"),
         (not window_needed, "a trust rule that needs no window of decisions (give it its chance level)"),
     ):
         if not fine:

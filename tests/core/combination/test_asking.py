@@ -3,9 +3,15 @@
 import numpy as np
 import pytest
 
+from core.combination.agent import ArlAgent
 from core.combination.asking import Asker, Question, disagreement_of, samples_of, votes
-from core.combination.config import AskingConfig
+from core.combination.config import AgentConfig, AskingConfig
+from core.combination.human_learner import HumanLearner
 from core.domain import Choices
+from core.feedback.config import CreditConfig
+from core.feedback.delays import CurrentStep
+from core.learners.human_config import RidgeModel
+from tests.core.combination.test_agent import CountingLearner, Outcome
 
 
 def decision(n: int = 6) -> Choices:
@@ -90,3 +96,47 @@ def test_an_answer_must_be_one_of_the_options():
 def test_settings_out_of_range_are_refused(wrong):
     with pytest.raises(ValueError, match=r"asking needs|minimum_decisions <= memory"):
         AskingConfig(**wrong)
+
+
+@pytest.mark.parametrize("n_sources", [1, 2])
+def test_an_agent_asks_its_top_policies_and_learns_from_the_answer(n_sources):
+    who = ArlAgent(
+        CountingLearner(),
+        AgentConfig(asking=AskingConfig(per_episode=1, share=0.5, minimum_decisions=1)),
+        n_feedback_features=2,
+        n_sources=n_sources,
+        root_seed=1,
+    )
+    for episode in range(3):  # theta = (0, 1), (1, 1), (2, 1), equally good
+        who.learn_from_domain(who.begin_episode(episode, exploring=True), Outcome(performance=1.0))
+    alike = Choices(np.array([[1.0, 1.0], [0.0, 0.0]]), np.eye(2), np.zeros(2, dtype=bool))
+    split = Choices(np.array([[0.0, 1.0], [0.6, 0.0]]), np.eye(2), np.zeros(2, dtype=bool))
+    who.begin_episode(3, exploring=False)
+    assert who.question(alike) is None
+    question = who.question(split)  # theta_0 and theta_1 want action 0, theta_2 action 1: 1.2 to 1
+    assert question is not None
+    assert question.options == (0, 1)
+    assert question.disagreement == pytest.approx(1 - 4 / 9 - 1 / 9)
+    before = who.digest()
+    who.learn_from_answer(question, 1)
+    assert who.human.knows_something
+    assert who.digest() != before
+    first = who.human.learners[0] if n_sources == 2 else who.human
+    assert first.weights[1] > first.weights[0]
+
+
+def test_an_answer_outlives_a_press_that_is_taken_back():
+    learner = HumanLearner(CreditConfig(delay=CurrentStep()), RidgeModel(), 2)
+    learner.learn_from_answer(samples_of(Question((0, 1), np.eye(2), 0.5), 0, number=0))
+    weights = learner.weights.tolist()
+    learner.step_shown(0, np.array([0.0, 1.0]), 0)
+    learner.learn_from_press(0, 1, 1.0)
+    learner.step_hidden(5)
+    assert learner.weights.tolist() != weights
+    learner.retract(0)
+    assert learner.weights.tolist() == weights
+
+
+def test_the_papers_agent_does_not_ask():
+    who = ArlAgent(CountingLearner(), AgentConfig(), n_feedback_features=2, root_seed=1)
+    assert who.question(decision(2)) is None

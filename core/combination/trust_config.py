@@ -1,0 +1,189 @@
+"""Settings of trust (Eqs. 4, 5 and others), of bootstrap learning, and of asking. No compiled code is imported."""
+
+import math
+from typing import Literal
+
+import msgspec
+
+MatchKind = Literal["rate", "chance-corrected", "signed"]
+"""Degree of match: fraction of equal choices; the same above chance; best minus worst (`docs/decisions`)."""
+
+
+class Equation4(msgspec.Struct, frozen=True, tag="equation-4"):
+    """w_h is the performance-weighted mean match of the top policies (Eq. 4)."""
+
+    match: MatchKind = "rate"
+    """m_i: the paper counts equal choices; a rate keeps w_h in [0, 1]."""
+    measured: Literal["as-played", "window"] = "as-played"
+    """m_i from the last episode in which policy i was played, or anew from recent decisions."""
+    chance: float | None = None
+    """Agreement of unrelated policies, in [0, 1), where `match` is chance-corrected; None: estimated from
+    recent decisions by random policies."""
+
+    def __post_init__(self) -> None:
+        if self.chance is not None and not 0 <= self.chance < 1:
+            raise ValueError(f"chance is an agreement rate in [0, 1), got {self.chance}")
+
+
+class Equation5(msgspec.Struct, frozen=True, tag="equation-5"):
+    """w_h moves from episode to episode, weighted by performance (Eq. 5)."""
+
+    match: Literal["rate", "signed"] = "rate"
+    """m^k of the episode's policy, as in `Equation4`."""
+    cumulative: bool = False
+    """Weigh the past by the performance of all compared episodes so far; as printed, by the last one's."""
+
+
+class Signed(msgspec.Struct, frozen=True, tag="signed"):
+    """Eq. 4 over recent episodes with the signed match, less its standard errors (ours; `docs/decisions`).
+
+    w = sum pm_i a_i / sum pm_i, se = sd(a) sqrt(sum pm_i^2) / sum pm_i, w_h = gain sign(w) max(0, |w| - c se).
+    """
+
+    episodes: int = 200
+    """How many recent compared episodes count."""
+    gain: float = 2.0
+    """Factor that brings a good participant near the environment's weight."""
+    standard_errors: float = 2.0
+    """c: what is not this many standard errors from 0 is taken for 0."""
+    minimum_episodes: int = 10
+    """With fewer episodes w_h = 0: their standard deviation says nothing."""
+    consistent_above: float | None = None
+    """w_h = 0 unless the presses so far follow the human model better than chance by so many standard errors
+    (`core.learners.consistency`); None: not looked at."""
+
+    def __post_init__(self) -> None:
+        if self.consistent_above is not None and not self.consistent_above >= 0:
+            raise ValueError(f"consistent_above is >= 0 standard errors or None, got {self.consistent_above}")
+        if not 2 <= self.minimum_episodes <= self.episodes:
+            raise ValueError(
+                f"need 2 <= minimum_episodes <= episodes, got {self.minimum_episodes} and {self.episodes}"
+            )
+        if not (math.isfinite(self.gain) and self.gain > 0 and self.standard_errors >= 0):
+            raise ValueError(f"need gain > 0 and standard_errors >= 0: {self.gain}, {self.standard_errors}")
+
+
+class RankCorrelation(msgspec.Struct, frozen=True, tag="rank-correlation"):
+    """Trust somebody if policies that agree with them do better (ours; `docs/decisions/signed-match.md`).
+
+    r = Spearman's correlation between performance and agreement over recent episodes, less its standard error
+    1 / sqrt(n - 1); w_h = gain r.
+    """
+
+    episodes: int = 200
+    """How many recent compared episodes count."""
+    gain: float = 1.5
+    """Factor that brings a good participant near the environment's weight."""
+    standard_errors: float = 1.0
+    """What is not this many standard errors from 0 is taken for 0."""
+    signed: bool = False
+    """A negative correlation gives a negative weight; otherwise 0."""
+    minimum_episodes: int = 10
+    """With fewer episodes w_h = 0."""
+
+    def __post_init__(self) -> None:
+        if not 3 <= self.minimum_episodes <= self.episodes:
+            raise ValueError(
+                f"need 3 <= minimum_episodes <= episodes, got {self.minimum_episodes} and {self.episodes}"
+            )
+        if not (math.isfinite(self.gain) and self.gain > 0 and self.standard_errors >= 0):
+            raise ValueError(f"need gain > 0 and standard_errors >= 0: {self.gain}, {self.standard_errors}")
+
+
+class Tried(msgspec.Struct, frozen=True, tag="tried"):
+    """The human's word is tried out, and performance says what to make of it (ours; `docs/decisions/tried-trust.md`).
+
+    w_h = attitude * weight. The attitude is 1 (believe), 0, or -1 (believe the opposite), whichever went with the better
+    episodes. Others are tried in a share of the episodes, but only while there is something to try: while the presses
+    can be foreseen from what they are about (`core.learners.consistency`), as random ones cannot.
+    """
+
+    weight: float = 1.0
+    """|w_h| of somebody who is believed: as much say as the environment, both being standardised."""
+    consistent_above: float = 2.0
+    """Standard errors by which presses must be foreseen better than chance for an attitude to be tried."""
+    trial_share: float = 0.3
+    """Share of episodes in which 1 or -1 is tried while the attitude is 0."""
+    control_share: float = 0.05
+    """Share of episodes played without the human while it is 1 or -1."""
+    better_by: float = 3.0
+    """Standard errors of the rank test (Mann & Whitney) by which another attitude must do better to be taken over."""
+    minimum_episodes: int = 5
+    """Episodes under an attitude before it is compared."""
+    episodes: int = 200
+    """How many recent compared episodes count."""
+
+    def __post_init__(self) -> None:
+        if not (0 <= self.trial_share <= 1 and 0 <= self.control_share <= 1):
+            raise ValueError(f"shares are in [0, 1], got {self.trial_share} and {self.control_share}")
+        if not (math.isfinite(self.weight) and self.weight > 0):
+            raise ValueError(f"need weight > 0, got {self.weight}")
+        if not min(self.better_by, self.consistent_above) >= 0:
+            raise ValueError(
+                f"need better_by >= 0 and consistent_above >= 0: {self.better_by}, {self.consistent_above}"
+            )
+        if not 2 <= self.minimum_episodes <= self.episodes:
+            raise ValueError(
+                f"need 2 <= minimum_episodes <= episodes, got {self.minimum_episodes} and {self.episodes}"
+            )
+
+
+class FixedWeight(msgspec.Struct, frozen=True, tag="fixed"):
+    """Trust that no evidence changes: takes bootstrap learning out, for comparisons."""
+
+    w_h: float = 1.0
+    """As much say as the environment, both being standardised. (Our choice.)"""
+
+    def __post_init__(self) -> None:
+        if not math.isfinite(self.w_h):
+            raise ValueError(f"w_h is finite, got {self.w_h}")
+
+
+TrustRule = Equation4 | Equation5 | Signed | RankCorrelation | Tried | FixedWeight
+"""How w_h follows from performance and match; msgspec decodes it by its tag, the field "type"."""
+
+
+class BootstrapConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Bootstrap learning (section 3.1)."""
+
+    trust: TrustRule = Equation4()
+    """How w_h follows from performance and match (the paper's first equation for it)."""
+    top_policies: int = 10
+    """N, the number of policies kept. (The paper does not say; as many as the elite of one CE iteration.)"""
+    symmetric: bool = True
+    """A policy's selection probability rises with its match to the human policy, scaled by w_h: the agent
+    "alternately assumes the policy based on each feedback mechanism to be ground truth"."""
+    window_decisions: int = 200
+    """Recent decisions kept for measuring matches anew. (Our choice.)"""
+
+    def __post_init__(self) -> None:
+        if self.top_policies < 1 or self.window_decisions < 1:
+            raise ValueError(
+                f"top_policies and window_decisions are >= 1: {self.top_policies}, {self.window_decisions}"
+            )
+
+
+class AskingConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """When the agent poses a choice of candidate actions (`core.combination.asking`; `docs/decisions/asking.md`)."""
+
+    per_episode: int = 0
+    """Questions per watched episode at most. 0: the agent never asks, as in the paper's experiments."""
+    options: int = 3
+    """Candidate actions of a question at most, 2 or 3."""
+    share: float = 0.05
+    """It asks where its policies disagree more than in all but this share of recent decisions, in (0, 1). (Our choice.)"""
+    memory: int = 200
+    """How many recent decisions that share is of. (Our choice.)"""
+    minimum_decisions: int = 20
+    """It does not ask before it has seen this many. (Our choice.)"""
+
+    def __post_init__(self) -> None:
+        if self.per_episode < 0 or self.options not in (2, 3) or not 0 < self.share < 1:
+            raise ValueError(
+                "asking needs per_episode >= 0, 2 or 3 options and a share in (0, 1), got "
+                f"{self.per_episode}, {self.options}, {self.share}"
+            )
+        if not 1 <= self.minimum_decisions <= self.memory:
+            raise ValueError(
+                f"need 1 <= minimum_decisions <= memory, got {self.minimum_decisions} and {self.memory}"
+            )
