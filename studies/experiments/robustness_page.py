@@ -85,7 +85,7 @@ and annealed at 10 % are the trials of [Fig. 5](fig5.md), byte for byte: equal s
 
 One rule, its constants fixed in advance on other seeds ([tried trust](../decisions/tried-trust.md)).
 
-{_goal_table(scores, against)}
+{_goal(scores, against)}
 {WHY}
 ## Every rule at every rate
 
@@ -113,13 +113,16 @@ The rule with people by name (`core.feedback.persons`), 1 press in 10 wrong unle
     return Page("robustness", text, {"robustness": _figure(results, scores, against)})
 
 
-def _goal_table(scores: Mapping[str, Floats], against: Mapping[str, Verdict]) -> str:
+def _goal(scores: Mapping[str, Floats], against: Mapping[str, Verdict]) -> str:
     """Return each demand of the goal with what was found."""
     rows = []
+    reached: list[str] = []
+    missed: list[str] = []
     for rate, name in by_rate("tried", against).items():
         found = against[name]
         mean_ratio = float(scores[name].mean() / scores[ENVIRONMENT].mean())
-        harmless = not (found.p < 0.05 and found.ratio.estimate < 1)
+        # By either measure: the interval and the test need not agree.
+        harmless = not (found.ratio.high < 1 or (found.p < 0.05 and found.ratio.estimate < 1))
         near = found.ratio.estimate >= 0.9
         demands = [("never significantly below", harmless), ("nor 10 % below", near)]
         if rate in (10, 30):
@@ -133,6 +136,7 @@ def _goal_table(scores: Mapping[str, Floats], against: Mapping[str, Verdict]) ->
         if rate >= 80:
             demands.append(("better than the environment", found.ratio.estimate > 1))
             demands.append(("at 95 %", found.ratio.low > 1))
+        (reached if all(met for _, met in demands) else missed).append(f"{rate} %")
         said = "; ".join(f"{what}: {'yes' if met else '**no**'}" for what, met in demands)
         rows.append(
             [f"{rate} %", page.interval(found.ratio), f"{mean_ratio:.2f}", page.p_value(found.p), said]
