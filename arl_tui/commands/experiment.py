@@ -89,7 +89,13 @@ def run(
     type=click.Path(file_okay=False, path_type=Path),
     help="The page goes into results/ below this folder, its figures into figures/; by default below the results.",
 )
-def report(name: str, out: Path, quick: bool, into: Path | None) -> None:
+@click.option(
+    "--only",
+    multiple=True,
+    metavar="CONDITION",
+    help="Only this condition, however few trials it has; given several times, the trials that all of them have.",
+)
+def report(name: str, out: Path, quick: bool, into: Path | None, only: tuple[str, ...]) -> None:
     """Write the page of experiment NAME with its figures, from the files of its trials. Plays nothing."""
     from studies.experiments.page import write_page
     from studies.experiments.results import read_results
@@ -102,7 +108,7 @@ def report(name: str, out: Path, quick: bool, into: Path | None) -> None:
         raise click.ClickException(f"{module.__name__} has no report(results)")
     folder = out / (f"{name}-quick" if quick else name)
     try:
-        written = write_page(module.report(read_results(sweep, folder)), into or folder / "report")
+        written = write_page(module.report(read_results(sweep, folder, only)), into or folder / "report")
     except SweepError as error:
         raise click.ClickException(str(error)) from error
     for path in written:

@@ -141,7 +141,11 @@ def _goal(scores: Mapping[str, Floats], against: Mapping[str, Verdict]) -> str:
         rows.append(
             [f"{rate} %", page.interval(found.ratio), f"{mean_ratio:.2f}", page.p_value(found.p), said]
         )
-    return page.table(["wrong", "ratio to the environment", "ratio of plain means", "p", "demands"], rows)
+    columns = ["wrong", "ratio to the environment", "ratio of plain means", "p", "demands"]
+    summary = f"Every demand is met at {', '.join(reached) or 'no rate'}"
+    if missed:
+        summary += f"; **not all at {', '.join(missed)}**, so the goal as a whole is not reached"
+    return f"{summary}.\n\n{page.table(columns, rows)}"
 
 
 def _rules_table(against: Mapping[str, Verdict]) -> str:
