@@ -148,7 +148,9 @@ for all rows of the table.
 
 
 def held(found: Verdict) -> str:
-    """Say whether a claim "treated is better than control" held, by its interval."""
+    """Say whether a claim "treated is better than control" held: by its interval, and by its test (few trials)."""
+    if found.p >= 0.05:
+        return "not shown"
     if found.ratio.low > 1.0:
         return "yes"
     return "no, the opposite" if found.ratio.high < 1.0 else "not shown"
