@@ -81,8 +81,7 @@ def finish_cycle(match: Match, rules: Rules, streams: Streams) -> bool:
         players = match.players if rules.exact_state else match.seen_players[i]
         row, known, meet, command = match.options[i], match.known[i], match.meet[i], match.commands[i]
         if i < rules.n_keepers:
-            arrival = match.runner[i, 1]
-            command_keeper(i, row, ball, players, known, arrival, meet, cycle, rules, command)
+            command_keeper(i, row, ball, players, known, match.runner[i, 0], meet, cycle, rules, command)
         else:
             sure = rules.exact_state or match.ball_age[i] <= FORGET_BALL
             match.started[i] = command_taker(i, row, ball, players, known, sure, meet, cycle, rules, command)

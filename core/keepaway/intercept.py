@@ -118,6 +118,25 @@ def cycles_to_point(player: Floats, tx: float, ty: float, limit: int) -> int:
 
 
 @kernel
+def cycles_to_ball(player: Floats, ball: Floats) -> int:
+    """Return about how many cycles a player needs to have the ball in reach; LONGEST_INTERCEPT where it cannot.
+
+    The cycles to the first point of the ball's way which the player reaches *before* the ball does: fewer than the ball
+    takes where it comes towards the player, many where it rolls away, even out of its own reach.
+    """
+    for n in range(1, LONGEST_INTERCEPT + 1):
+        bx = ball[X] + BALL_ROLL[n] * ball[VX]
+        by = ball[Y] + BALL_ROLL[n] * ball[VY]
+        reach = n * PLAYER_SPEED_MAX + SLACK
+        dx, dy = bx - player[X], by - player[Y]
+        if dx * dx + dy * dy < reach * reach:
+            cycles = cycles_to_point(player, bx, by, n)
+            if cycles < n:
+                return cycles
+    return LONGEST_INTERCEPT
+
+
+@kernel
 def fastest_to_ball(ball: Floats, players: Floats, known: Bools, first: int, last: int) -> tuple[int, int]:
     """Return (player, cycles): which known player of [first, last) reaches the ball first; (-1, 30) for none."""
     for n in range(LONGEST_INTERCEPT + 1):
@@ -178,40 +197,82 @@ def gap_after(me: Floats, ball: Floats, n: int) -> float:
 def close_intercept(me: Floats, ball: Floats, rival_distance: float, facing: float, command: Floats) -> bool:
     """Have the ball in reach within two cycles: by a turn where it comes by itself, else by one dash.
 
+    With time, in this order: turn where the ball comes by itself; run into the ball on purpose, which stops it; stop
+    and wait for it. Hurried, dash.
+
     Returns:
-        False where neither works; `command` is untouched then.
+        False where nothing works; `command` is untouched then.
     """
     speed = length(me[VX], me[VY])
     off = wrap_deg(facing - me[BODY])
-    next_gap, later_gap = gap_after(me, ball, 1), gap_after(me, ball, 2)
-    comes = later_gap < SAFE_DISTANCE
+    next_gap, comes = gap_after(me, ball, 1), gap_after(me, ball, 2) < SAFE_DISTANCE
+    done = False
     if rival_distance > QUIET_DISTANCE:
         turned = abs(off) - 180.0 / (1.0 + INERTIA * speed) < NEARLY_TURNED
-        # Unhurried, a player also lets the ball run into its body.
         if comes or next_gap < TOUCH_DISTANCE or (next_gap < SAFE_DISTANCE and turned):
             send_turn(off, speed, command)
             return True
-    if _one_dash(me, ball, command):
-        return True
-    if comes:
+        done = _run_into(me, ball, command) or _stop_for(me, ball, command)
+        comes = next_gap < SAFE_DISTANCE
+        if not done and comes:
+            send_turn(off, speed, command)
+            return True
+    done = done or _one_dash(me, ball, command)
+    if not done and comes:
         send_turn(off, speed, command)
-    return comes
+    return done or comes
+
+
+@kernel
+def _axial(me: Floats, ball: Floats, n: int) -> tuple[float, float, float]:
+    """Return where the ball will be after n cycles, along the body's axis and across it, and the axial speed."""
+    dx, dy = ball[X] + BALL_ROLL[n] * ball[VX] - me[X], ball[Y] + BALL_ROLL[n] * ball[VY] - me[Y]
+    cos_body, sin_body = math.cos(me[BODY] * RADIANS), math.sin(me[BODY] * RADIANS)
+    axial_speed = cos_body * me[VX] + sin_body * me[VY]
+    return cos_body * dx + sin_body * dy, cos_body * dy - sin_body * dx, axial_speed
+
+
+@kernel
+def _gap_after_dash(me: Floats, ball: Floats, power: float) -> float:
+    accel = DASH_RATE * power
+    dx = ball[X] + ball[VX] - me[X] - me[VX] - accel * math.cos(me[BODY] * RADIANS)
+    dy = ball[Y] + ball[VY] - me[Y] - me[VY] - accel * math.sin(me[BODY] * RADIANS)
+    return length(dx, dy)
+
+
+@kernel
+def _run_into(me: Floats, ball: Floats, command: Floats) -> bool:
+    """Dash so that the ball hits the body in the next cycle, where one dash can do that."""
+    reach = length(ball[VX], ball[VY]) + PLAYER_SPEED_MAX
+    if length(ball[X] - me[X], ball[Y] - me[Y]) > reach:
+        return False
+    forward, _, axial_speed = _axial(me, ball, 1)
+    power = dash_power(forward, axial_speed, 1)
+    if _gap_after_dash(me, ball, power) >= TOUCH_DISTANCE:
+        return False
+    send_dash(power, command)
+    return True
+
+
+@kernel
+def _stop_for(me: Floats, ball: Floats, command: Floats) -> bool:
+    """Stop where the ball will come near enough in two cycles."""
+    dx, dy = ball[X] + BALL_ROLL[2] * ball[VX] - me[X], ball[Y] + BALL_ROLL[2] * ball[VY] - me[Y]
+    if length(dx, dy) >= SAFE_DISTANCE:
+        return False
+    send_dash(dash_power(0.0, _axial(me, ball, 1)[2], 1), command)
+    return True
 
 
 @kernel
 def _one_dash(me: Floats, ball: Floats, command: Floats) -> bool:
-    bx, by = ball[X] + ball[VX], ball[Y] + ball[VY]
-    cos_body, sin_body = math.cos(me[BODY] * RADIANS), math.sin(me[BODY] * RADIANS)
-    forward = cos_body * (bx - me[X]) + sin_body * (by - me[Y])
-    offset = abs(cos_body * (by - me[Y]) - sin_body * (bx - me[X]))
+    forward, offset, axial_speed = _axial(me, ball, 1)
     radius = TOUCH_DISTANCE + KICK_MARGIN / 6.0
-    if offset < radius:
+    if abs(offset) < radius:
         half = math.sqrt(radius * radius - offset * offset)
         forward = forward - half if forward > 0.0 else forward + half
-    power = dash_power(forward, cos_body * me[VX] + sin_body * me[VY], 1)
-    x = me[X] + me[VX] + DASH_RATE * power * cos_body
-    y = me[Y] + me[VY] + DASH_RATE * power * sin_body
-    if length(bx - x, by - y) >= 0.95 * KICK_DISTANCE:
+    power = dash_power(forward, axial_speed, 1)
+    if _gap_after_dash(me, ball, power) >= 0.95 * KICK_DISTANCE:
         return False
     send_dash(power, command)
     return True

@@ -40,7 +40,7 @@ Bools = NDArray[np.bool_]
 CYCLE: Final = 0
 """Cycles since the episode started."""
 CLOCK: Final = 1
-"""Cycles since the match started; its remainder by 3 is the phase of the visual messages."""
+"""Cycles since the match started."""
 TAKE_COUNT: Final = 2
 END: Final = 3
 """ONGOING, OUT or TAKEN."""
@@ -81,6 +81,13 @@ OPTION_NAMES: Final = (
 )
 
 NEVER_SEEN: Final = 1 << 30
+SEE_PERIOD: Final = 3
+"""Visual messages come every 150 ms: in two of three cycles of 100 ms."""
+SHARED_PHASE: Final = 0.5
+"""Chance that a player gets its visual messages in the same cycles as the one before it because they joined together.
+
+In the reference every player's messages run from the moment it joined. In three logged matches 8 of 12 neighbours share
+their phase (K1..T2: 22211, 11012, 00000); 1/2 joined together and 1/3 of the rest by chance make 2 of 3."""
 
 
 class Match(NamedTuple):
@@ -118,6 +125,8 @@ class Match(NamedTuple):
     """Cycles since each player last saw the ball, shape (n,)."""
     player_age: Ints
     """Cycles since each player last saw each player, shape (n, n)."""
+    phase: Ints
+    """Of each player's visual messages: none where (clock + phase) % 3 is 2, shape (n,)."""
     sight: Floats
     """Scratch of the visual messages, shape (5,)."""
     known: Bools
@@ -156,7 +165,7 @@ def n_variables(n_keepers: int, n_takers: int) -> int:
 def new_match(config: KeepawayConfig, streams: Streams) -> Match:
     """Return a match whose first episode has been set up.
 
-    Body directions and the phase of the visual messages are drawn once: resets keep them, as in the reference.
+    Body directions are drawn once: resets keep them, as in the reference.
     """
     n, keepers = config.n_players, config.n_keepers
     match = Match(
@@ -176,6 +185,7 @@ def new_match(config: KeepawayConfig, streams: Streams) -> Match:
         seen_players=np.zeros((n, n, PLAYER_COLUMNS)),
         ball_age=np.zeros(n, np.int64),
         player_age=np.zeros((n, n), np.int64),
+        phase=np.array(config.see_phases or (0,) * n, np.int64),
         sight=np.zeros(5),
         known=np.zeros((n, n), np.bool_),
         stuck=np.full(3, np.inf),
@@ -184,7 +194,6 @@ def new_match(config: KeepawayConfig, streams: Streams) -> Match:
         hit=np.zeros(n + 1, np.bool_),
     )
     match.players[:, BODY] = streams.placement.uniform(-180.0, 180.0, n)
-    match.status[CLOCK] = streams.placement.integers(3)
     start_episode(match, config.rules(), streams.placement)
     return match
 
@@ -197,6 +206,8 @@ def start_episode(match: Match, rules: Rules, rng: np.random.Generator) -> None:
     corner; the ball lies at rest in the first keeper corner. Body and neck directions stay.
     """
     _place(match.ball, match.players, rules, rng)
+    if not rules.fixed_phases:
+        _draw_phases(match.phase, rng)
     match.status[CYCLE] = 0
     match.status[TAKE_COUNT] = 0
     match.status[END] = ONGOING
@@ -234,6 +245,17 @@ def _place(ball: Floats, players: Floats, rules: Rules, rng: np.random.Generator
         players[i, VX], players[i, VY] = 0.0, 0.0
     ball[X], ball[Y] = BALL_INSET - half_length, BALL_INSET - half_width
     ball[VX], ball[VY] = 0.0, 0.0
+
+
+@kernel
+def _draw_phases(phase: Ints, rng: np.random.Generator) -> None:
+    """Draw when each player's visual messages come: often as the one before it, else in any phase."""
+    shared = 0
+    for i in range(len(phase)):
+        anew, drawn = rng.random() >= SHARED_PHASE, int(SEE_PERIOD * rng.random())
+        if i == 0 or anew:
+            shared = drawn
+        phase[i] = shared
 
 
 @kernel

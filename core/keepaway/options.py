@@ -8,7 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.compiled import kernel
-from core.keepaway.intercept import fastest_to_ball, go_to_ball
+from core.keepaway.intercept import (
+    LONGEST_INTERCEPT,
+    cycles_to_ball,
+    fastest_to_ball,
+    go_to_ball,
+)
 from core.keepaway.kicking import KEEPER_HOLD_RATIO, hold_ball, nearest_to, pass_ball
 from core.keepaway.match import (
     ACTION,
@@ -124,7 +129,7 @@ def command_keeper(
     ball: Floats,
     players: Floats,
     known: Bools,
-    arrival: int,
+    runner: int,
     meet: Floats,
     cycle: int,
     rules: Rules,
@@ -138,7 +143,7 @@ def command_keeper(
         ball: as keeper i believes.
         players: as keeper i believes.
         known: which players it knows the place of.
-        arrival: cycles until somebody is believed to reach the ball.
+        runner: the keeper it believes fastest to the ball, -1 for nobody.
         meet: its memory of the last meeting point, in place.
         cycle: of the episode.
         rules: size of the game.
@@ -155,6 +160,7 @@ def command_keeper(
         rival = nearest_to(me[X], me[Y], players, known, n_keepers, n)[1]
         go_to_ball(me, ball, meet, cycle, rival, KEEPERS_FACE, command)
     elif option == GET_OPEN:
+        arrival = LONGEST_INTERCEPT if runner < 0 else cycles_to_ball(players[runner], ball)
         from_x = ball[X] + BALL_ROLL[arrival] * ball[VX]
         from_y = ball[Y] + BALL_ROLL[arrival] * ball[VY]
         get_open(

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from core.compiled import kernel
 from core.keepaway.intercept import fastest_to_ball
-from core.keepaway.match import CLOCK, NEVER_SEEN, Match
+from core.keepaway.match import CLOCK, NEVER_SEEN, SEE_PERIOD, Match
 from core.keepaway.motion import DEGREES, RADIANS, direction_deg, kick_rate, length, wrap_deg
 from core.keepaway.pitch import (
     ANGLE,
@@ -38,8 +38,6 @@ from core.keepaway.pitch import (
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
-SEE_PERIOD = 3
-"""Visual messages come every 150 ms: in the first two of three cycles of 100 ms."""
 FORGET_PLAYER = 12
 """Cycles after which a player not seen is unknown (confidence 0.88)."""
 FORGET_BALL = 10
@@ -93,14 +91,13 @@ def perceive(match: Match, rules: Rules, rng: np.random.Generator) -> None:
     if rules.exact_state:
         match.known[:] = True
         return
-    sees = match.status[CLOCK] % SEE_PERIOD != SEE_PERIOD - 1
     if rules.view_angle < 360.0:
         for i in range(n):  # what is heard now was said, and seen, a cycle ago
             first, last = (0, rules.n_keepers) if i < rules.n_keepers else (rules.n_keepers, n)
             listen(match, i, first, last, rng)
-    # With eyes all round, whoever is near is about to be seen: no need to reckon where he went.
-    sure_to_see = NUMBER_SEEN if sees and rules.view_angle >= 360.0 else -1.0
     for i in range(n):
+        # With eyes all round, whoever is near is about to be seen: no need to reckon where he went.
+        sure_to_see = NUMBER_SEEN if sees(match, i) and rules.view_angle >= 360.0 else -1.0
         first, last = (rules.n_keepers, n) if i < rules.n_keepers else (0, rules.n_keepers)
         ages, beliefs, known = match.player_age[i], match.seen_players[i], match.known[i]
         _feel_myself(match.players[i], beliefs[i], match.commands[i], match.hit[1 + i])
@@ -126,11 +123,16 @@ def perceive(match: Match, rules: Rules, rng: np.random.Generator) -> None:
             forward,
             sure_to_see,
         )
-    if sees:
-        look(match, rules, rng)
+    look(match, rules, rng)
     for i in range(n):
         for j in range(n):
             match.known[i, j] = match.player_age[i, j] <= FORGET_PLAYER
+
+
+@kernel
+def sees(match: Match, i: int) -> bool:
+    """Return whether player i gets a visual message in this cycle."""
+    return bool((match.status[CLOCK] + match.phase[i]) % SEE_PERIOD != SEE_PERIOD - 1)
 
 
 @kernel
@@ -287,17 +289,21 @@ def measure(a: Floats, b: Floats, quantise: bool, out: Floats) -> None:
 
 @kernel
 def look(match: Match, rules: Rules, rng: np.random.Generator) -> None:
-    """Let everybody take in a visual message: rounded distances, directions and their changes."""
+    """Let those who get a visual message take it in: rounded distances, directions and their changes."""
     n = rules.n_keepers + rules.n_takers
     sight = match.sight
     for i in range(n):
-        # Flags are seen finely enough to know one's own place and direction.
-        match.seen_players[i, i] = match.players[i]
-        match.player_age[i, i] = 0
+        if sees(match, i):  # flags are seen finely enough to know one's own place and direction
+            match.seen_players[i, i] = match.players[i]
+            match.player_age[i, i] = 0
     for i in range(n):
         for j in range(i + 1, n):
+            if not (sees(match, i) or sees(match, j)):
+                continue
             measure(match.players[i], match.players[j], rules.quantise, sight)
             for me, other in ((i, j), (j, i)):
+                if not sees(match, me):
+                    continue
                 # Far away the shirt number gets lost.
                 far = sight[DISTANCE] - NUMBER_SEEN
                 named = far <= 0.0 or NUMBER_SEEN * rng.random() > far
@@ -313,6 +319,8 @@ def look(match: Match, rules: Rules, rng: np.random.Generator) -> None:
                 ):
                     match.player_age[me, other] = 0
     for i in range(n):
+        if not sees(match, i):
+            continue
         measure(match.players[i], match.ball, rules.quantise, sight)
         expected = match.ball_age[i] < NEVER_SEEN
         if _look_at_ball(match.players[i], sight, expected, rules, match.seen_ball[i]):

@@ -99,6 +99,8 @@ class Rules(NamedTuple):
     """Width of the field of view in degrees; 360 sees all round."""
     quantise: bool
     """Seen distances, directions and their changes are rounded as the server does."""
+    fixed_phases: bool
+    """When players see does not change from episode to episode."""
 
 
 class KeepawayConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="keepaway"):
@@ -116,6 +118,8 @@ class KeepawayConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, ta
     """Field of view when the state is not exact: 360 (the reference's default) or 90 (the server's)."""
     quantise: bool = True
     """False: what is seen is seen exactly, but still only in two of three cycles."""
+    see_phases: tuple[int, ...] | None = None
+    """Of each player's visual messages (0, 1 or 2, keepers first), kept over episodes; None draws them per episode."""
 
     def __post_init__(self) -> None:
         if not 2 <= self.n_keepers <= 11 or not 1 <= self.n_takers <= 11:
@@ -128,6 +132,9 @@ class KeepawayConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, ta
             )
         if not 0 < self.view_angle_deg <= 360:
             raise ValueError(f"a field of view is in (0, 360] degrees, got {self.view_angle_deg}")
+        phases = self.see_phases
+        if phases is not None and (len(phases) != self.n_players or not set(phases) <= {0, 1, 2}):
+            raise ValueError(f"need {self.n_players} phases of 0, 1 or 2, got {phases}")
 
     @property
     def n_players(self) -> int:
@@ -149,4 +156,5 @@ class KeepawayConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, ta
             bool(self.exact_state),
             float(self.view_angle_deg),
             bool(self.quantise),
+            self.see_phases is not None,
         )

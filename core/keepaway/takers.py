@@ -17,7 +17,7 @@ from core.keepaway.match import (
 )
 from core.keepaway.motion import length
 from core.keepaway.options import SEARCH_TURN, begin_option, can_kick
-from core.keepaway.pitch import VX, VY, Rules, X, Y
+from core.keepaway.pitch import KICK_DISTANCE, VX, VY, Rules, X, Y
 from core.keepaway.positioning import CONE, move_to
 from core.keepaway.prediction import send_turn, turn_body_to
 
@@ -127,7 +127,7 @@ def command_taker(
 
 @kernel
 def _mate_has_ball(i: int, ball: Floats, players: Floats, known: Bools, n_keepers: int) -> bool:
-    mate_has_it = False
-    for j in range(n_keepers, players.shape[0]):
-        mate_has_it |= j != i and known[j] and can_kick(players[j], ball)
-    return mate_has_it
+    """Return whether the player nearest to the ball is a team mate of taker i who can kick it."""
+    n = players.shape[0]
+    nearest, distance = nearest_to(ball[X], ball[Y], players, known, 0, n)
+    return nearest >= n_keepers and nearest != i and distance < KICK_DISTANCE
