@@ -55,7 +55,16 @@ def begin_cycle(match: Match, rules: Rules, streams: Streams) -> bool:
         elif sure:
             find_runner(match.runner[i], ball, players, match.known[i], rules)
         decides, starts = assign_keeper(
-            i, match.options[i], ball, players, match.known[i], sure, match.runner[i, 0], cycle
+            i,
+            match.options[i],
+            ball,
+            players,
+            match.known[i],
+            sure,
+            match.runner[i, 0],
+            rules.n_keepers,
+            match.order[i],
+            cycle,
         )
         if decides:
             observe(i, players, rules.n_keepers, match.order[i], match.variables[i])

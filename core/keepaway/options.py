@@ -46,6 +46,7 @@ from core.keepaway.pitch import (
 )
 from core.keepaway.positioning import get_open
 from core.keepaway.prediction import BALL_ROLL, cut, send_turn
+from core.keepaway.variables import sort_by_distance
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -75,15 +76,21 @@ def can_kick(me: Floats, ball: Floats) -> bool:
 
 
 @kernel
-def open_decision(row: Ints, cycle: int, known: Bools) -> tuple[bool, bool]:
-    """Find what a keeper that can kick does: returns (whether it decides, whether its option starts now).
+def open_decision(
+    i: int, row: Ints, players: Floats, known: Bools, n_keepers: int, order: Ints, cycle: int
+) -> tuple[bool, bool]:
+    """Find what keeper i, who can kick, does: returns (whether it decides, whether its option starts now).
 
     No decision while its pass is still being carried out, nor while some player is out of its knowledge: then it
-    holds, and nothing is learned.
+    holds, and nothing is learned. What is carried out is "pass to the a-th nearest": whoever that is in this cycle, so
+    that a pass takes a new aim, and time, when two receivers change places in the order.
     """
-    if row[ACTION] > 0 and row[ACTION_CYCLE] == cycle - 1 and known[row[TARGET]]:
-        row[ACTION_CYCLE] = cycle
-        return False, begin_option(row, PASS_BALL, row[TARGET], False, cycle)
+    if row[ACTION] > 0 and row[ACTION_CYCLE] == cycle - 1:
+        sort_by_distance(i, players, 0, n_keepers, order)
+        target = order[row[ACTION]]
+        if known[target]:
+            row[ACTION_CYCLE], row[TARGET] = cycle, target
+            return False, begin_option(row, PASS_BALL, target, False, cycle)
     if not np.all(known):
         return False, begin_option(row, HOLD_BALL, -1, False, cycle)
     return True, False
@@ -100,7 +107,16 @@ def take_decision(row: Ints, action: int, order: Ints, cycle: int) -> bool:
 
 @kernel
 def assign_keeper(
-    i: int, row: Ints, ball: Floats, players: Floats, known: Bools, knows_ball: bool, runner: int, cycle: int
+    i: int,
+    row: Ints,
+    ball: Floats,
+    players: Floats,
+    known: Bools,
+    knows_ball: bool,
+    runner: int,
+    n_keepers: int,
+    order: Ints,
+    cycle: int,
 ) -> tuple[bool, bool]:
     """Find the option of keeper i: returns (whether it decides, whether its option starts now).
 
@@ -112,12 +128,14 @@ def assign_keeper(
         known: which players it knows the place of.
         knows_ball: whether it knows where the ball is.
         runner: the keeper it believes fastest to the ball.
+        n_keepers: keepers have the first indices.
+        order: the keepers by distance from keeper i, filled in where its pass goes on, (n,).
         cycle: of the episode.
     """
     if not knows_ball:
         return False, begin_option(row, SEARCH_BALL, -1, False, cycle)
     if can_kick(players[i], ball):
-        return open_decision(row, cycle, known)
+        return open_decision(i, row, players, known, n_keepers, order, cycle)
     option = GO_TO_BALL if runner == i else GET_OPEN
     return False, begin_option(row, option, -1, False, cycle)
 

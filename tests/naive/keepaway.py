@@ -104,7 +104,6 @@ class Mind:
     action: int = -1
     action_cycle: int = -1
     runner: int = -1
-    arrival: int = 30
     decides: bool = False
     order: list[int] = field(default_factory=list)
     variables: list[float] = field(default_factory=list)
@@ -265,6 +264,10 @@ def meeting(me: Thing, ball: Thing, mind: Mind, now: int) -> int:
     return first
 
 
+def gap_after_dash(me: Thing, ball: Thing, power: float) -> float:
+    return size(ball.at + ball.v - me.at - me.v - 0.006 * power * unit(me.body))
+
+
 def one_dash(me: Thing, ball: Thing) -> Command | None:
     axis, gap = unit(me.body), ball.at + ball.v - me.at
     forward, offset, radius = dot(axis, gap), abs(cross(axis, gap)), TOUCH + 0.7 / 6
@@ -272,24 +275,35 @@ def one_dash(me: Thing, ball: Thing) -> Command | None:
         half = math.sqrt(radius * radius - offset * offset)
         forward = forward - half if forward > 0 else forward + half
     power = power_for(forward, dot(axis, me.v), 1)
-    if size(ball.at + ball.v - me.at - me.v - 0.006 * power * axis) >= 0.95 * REACH:
-        return None
-    return dash(power)
+    return None if gap_after_dash(me, ball, power) >= 0.95 * REACH else dash(power)
+
+
+def run_into(me: Thing, ball: Thing) -> Command | None:
+    axis = unit(me.body)
+    power = power_for(dot(axis, ball.at + ball.v - me.at), dot(axis, me.v), 1)
+    near = size(ball.at - me.at) <= size(ball.v) + 1.05
+    return dash(power) if near and gap_after_dash(me, ball, power) < TOUCH else None
+
+
+def stop_for(me: Thing, ball: Thing) -> Command | None:
+    waits = size(ball.later(2) - me.at) < 0.8 * REACH
+    return dash(power_for(0, dot(unit(me.body), me.v), 1)) if waits else None
 
 
 def close_intercept(me: Thing, ball: Thing, rival_distance: float, facing: float) -> Command | None:
     def gap(n: int) -> float:
         return size(ball.later(n) - me.at - roll(0.4, n) * me.v)
 
-    off = wrap(facing - me.body)
-    if rival_distance > 3:
-        turned = abs(off) - 180 / (1 + 5 * size(me.v)) < 30
-        if gap(2) < 0.8 * REACH or gap(1) < TOUCH or (gap(1) < 0.8 * REACH and turned):
-            return turn(me, off)
-    command = one_dash(me, ball)
-    if command is None and gap(2) < 0.8 * REACH:
-        command = turn(me, off)
-    return command
+    face = turn(me, facing - me.body)
+    if rival_distance <= 3:
+        return one_dash(me, ball) or (face if gap(2) < 0.8 * REACH else None)
+    turned = abs(wrap(facing - me.body)) - 180 / (1 + 5 * size(me.v)) < 30
+    if gap(2) < 0.8 * REACH or gap(1) < TOUCH or (gap(1) < 0.8 * REACH and turned):
+        return face
+    command = run_into(me, ball) or stop_for(me, ball)
+    if command is None and gap(1) < 0.8 * REACH:
+        command = face
+    return command or one_dash(me, ball)
 
 
 def go_to_ball(me: Thing, ball: Thing, mind: Mind, now: int, rival_distance: float, facing: float) -> Command:
@@ -339,6 +353,16 @@ def fastest(ball: Thing, things: list[Thing], known: list[bool], team: range) ->
     return -1, 30
 
 
+def cycles_to_ball(player: Thing, ball: Thing) -> int:
+    """Cycles to the first point of the ball's way that the player reaches before the ball."""
+    for n in range(1, 31):
+        if size(ball.later(n) - player.at) < n * 1.05 + REACH:
+            cycles = cycles_needed(player, ball.later(n), n)
+            if cycles < n:
+                return cycles
+    return 30
+
+
 def cone(frm: complex, to: complex, things: list[Thing], known: list[bool], takers: range) -> list[complex]:
     """Return the positions, relative to `frm`, of takers in the cone of a pass."""
     way, inside = to - frm, []
@@ -372,7 +396,8 @@ class NaiveMatch:
         self.everybody = range(config.n_players)
         bodies = streams.placement.uniform(-180, 180, config.n_players)
         self.players = [Thing(body=float(b)) for b in bodies]
-        self.clock = int(streams.placement.integers(3))
+        self.clock = 0
+        self.phases = list(config.see_phases or [0] * config.n_players)
         self.ball = Thing()
         self.stuck_at, self.stuck_since = complex(math.inf, 0), 0
         self.start_episode()
@@ -392,6 +417,8 @@ class NaiveMatch:
                 )
             player.v = 0j
         self.ball.at, self.ball.v = complex(4 - w, 4 - h), 0j
+        if self.config.see_phases is None:
+            self.draw_phases()
         self.cycle, self.takes, self.end = 0, 0, ""
         minds = []
         for i in self.everybody:
@@ -405,6 +432,15 @@ class NaiveMatch:
         self.minds = minds
         self.commands = [Command() for _ in self.everybody]
         self.ball_hit, self.hit = False, [False for _ in self.everybody]
+
+    def draw_phases(self) -> None:
+        rng, phases = self.streams.placement, self.phases
+        for i in self.everybody:
+            joined_alone, phase = rng.random() >= 0.5, int(3 * rng.random())
+            phases[i] = phase if joined_alone or i == 0 else phases[i - 1]
+
+    def sees(self, i: int) -> bool:
+        return (self.clock + self.phases[i]) % 3 != 2
 
     def rivals(self, i: int) -> range:
         return self.takers if i in self.keepers else self.keepers
@@ -426,16 +462,15 @@ class NaiveMatch:
                 self.listen(i)
         for i in self.everybody:
             self.reckon(i)
-        if self.clock % 3 != 2:
-            for i in self.everybody:
-                myself = self.players[i].copy()
-                myself.age = 0
-                self.minds[i].players[i] = myself
-            for i in self.everybody:
-                for j in range(i + 1, self.config.n_players):
-                    self.look_at_player(i, j, self.players[i], self.players[j])
-            for i in self.everybody:
-                self.look_at_ball(i)
+        for i in filter(self.sees, self.everybody):
+            myself = self.players[i].copy()
+            myself.age = 0
+            self.minds[i].players[i] = myself
+        for i in self.everybody:
+            for j in range(i + 1, self.config.n_players):
+                self.look_at_player(i, j, self.players[i], self.players[j])
+        for i in filter(self.sees, self.everybody):
+            self.look_at_ball(i)
         for mind in self.minds:
             mind.known = [thing.age <= 12 for thing in mind.players]
 
@@ -521,6 +556,8 @@ class NaiveMatch:
     def look_at_player(self, i: int, j: int, a: Thing, b: Thing) -> None:
         report = self.report(a, b)
         for me, other, direction in ((i, j, report[1]), (j, i, wrap(report[1] + 180))):
+            if not self.sees(me):
+                continue
             named = report[0] <= 20 or 20 * self.streams.perception.random() > report[0] - 20
             seen = named and self.in_view(me, direction)
             if seen or (report[0] < 3 and self.minds[me].known[other]):
@@ -577,7 +614,7 @@ class NaiveMatch:
             if mind.ball.age > 10:
                 self.enter(i, "SearchBall")
                 continue
-            mind.runner, mind.arrival = fastest(mind.ball, mind.players, mind.known, self.keepers)
+            mind.runner = fastest(mind.ball, mind.players, mind.known, self.keepers)[0]
             if size(mind.ball.at - me.at) < REACH:
                 self.open_decision(i)
             else:
@@ -586,9 +623,11 @@ class NaiveMatch:
 
     def open_decision(self, i: int) -> None:
         mind = self.minds[i]
-        if mind.action > 0 and mind.action_cycle == self.cycle - 1 and mind.known[mind.target]:
-            mind.action_cycle = self.cycle
-            self.enter(i, "PassBall", mind.target)
+        at = [thing.at for thing in mind.players]
+        aim = sorted(self.keepers, key=lambda j: dot(at[j] - at[i], at[j] - at[i]))[max(mind.action, 0)]
+        if mind.action > 0 and mind.action_cycle == self.cycle - 1 and mind.known[aim]:
+            mind.action_cycle, mind.target = self.cycle, aim
+            self.enter(i, "PassBall", aim)
         elif not all(mind.known):
             self.enter(i, "HoldBall")
         else:
@@ -660,7 +699,8 @@ class NaiveMatch:
 
     def get_open(self, i: int) -> Command:
         mind, me = self.minds[i], self.minds[i].players[i]
-        frm = mind.ball.later(mind.arrival)
+        arrival = 30 if mind.runner < 0 else cycles_to_ball(mind.players[mind.runner], mind.ball)
+        frm = mind.ball.later(arrival)
         best, least = 0j, math.inf
         for column in range(5):
             for row in range(5):
@@ -694,7 +734,8 @@ class NaiveMatch:
         if mark >= 0:
             self.enter(i, "BlockPass", mark)
             return self.block(i, mark)
-        if any(size(mind.players[j].at - ball.at) < REACH for j in mates):
+        first, distance = nearest(ball.at, mind.players, mind.known, self.everybody)
+        if first in mates and distance < REACH:
             self.enter(i, "WatchBall")
             return turn_towards(me, ball.at + ball.v)
         self.enter(i, "GoToBall")

@@ -1,5 +1,7 @@
 """What players see and believe, by hand."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -15,7 +17,7 @@ SEES, BLIND = 0, 2
 
 def scene(config=None):
     """Return a match in its middle: everybody has just seen everything; the ball is at the origin."""
-    config = config or KeepawayConfig(quantise=False)
+    config = replace(config or KeepawayConfig(quantise=False), see_phases=(0,) * 5)
     match = new_match(config, open_streams(1, "scene"))
     match.players[:, :4] = 0.0
     match.players[:, X] = [-2, 8, 8, 4, 6]
