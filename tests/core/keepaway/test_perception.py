@@ -1,9 +1,8 @@
 """What players see and believe, by hand."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from core.keepaway import match as m
 from core.keepaway.match import new_match, open_streams
