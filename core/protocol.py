@@ -169,6 +169,10 @@ class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
             found.append(f"the game is shown at {self.screen.speed:g} times its own speed")
         if self.domain.exact_state:
             found.append("players know the exact state instead of noisy perceptions")
+        elif self.domain.see_phases is None:
+            found.append(
+                "which two of three cycles each player sees in is drawn anew in every episode (the reference: once per match)"
+            )
         return found
 
     def _shares_human_model(self) -> str:

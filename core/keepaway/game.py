@@ -9,10 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.compiled import kernel
+from core.keepaway.intercept import LONGEST_INTERCEPT, cycles_to_ball
 from core.keepaway.match import (
     CLOCK,
     CYCLE,
     END,
+    GET_OPEN,
     OPTION,
     Match,
     Streams,
@@ -23,6 +25,7 @@ from core.keepaway.match import (
 from core.keepaway.motion import apply_commands, collide, move_all
 from core.keepaway.options import (
     assign_keeper,
+    can_kick,
     command_keeper,
     find_runner,
     take_decision,
@@ -52,7 +55,7 @@ def begin_cycle(match: Match, rules: Rules, streams: Streams) -> bool:
         sure = exact or match.ball_age[i] <= FORGET_BALL
         if exact and i > 0:  # all know the same
             match.runner[i] = match.runner[0]
-        elif sure:
+        elif exact or (sure and not can_kick(players[i], ball)):
             find_runner(match.runner[i], ball, players, match.known[i], rules)
         decides, starts = assign_keeper(
             i,
@@ -90,7 +93,8 @@ def finish_cycle(match: Match, rules: Rules, streams: Streams) -> bool:
         players = match.players if rules.exact_state else match.seen_players[i]
         row, known, meet, command = match.options[i], match.known[i], match.meet[i], match.commands[i]
         if i < rules.n_keepers:
-            command_keeper(i, row, ball, players, known, match.runner[i, 0], meet, cycle, rules, command)
+            arrival = _arrival(match, i, ball, players, rules.exact_state) if row[OPTION] == GET_OPEN else 0
+            command_keeper(i, row, ball, players, known, arrival, meet, cycle, rules, command)
         else:
             sure = rules.exact_state or match.ball_age[i] <= FORGET_BALL
             match.started[i] = command_taker(i, row, ball, players, known, sure, meet, cycle, rules, command)
@@ -106,6 +110,15 @@ def finish_cycle(match: Match, rules: Rules, streams: Streams) -> bool:
         return True
     drop_stuck_ball(match)
     return False
+
+
+@kernel
+def _arrival(match: Match, i: int, ball: Floats, players: Floats, exact: bool) -> int:
+    """Return in how many cycles the keeper that keeper i believes fastest has the ball; with exact state reckoned once."""
+    row = match.runner[0 if exact else i]
+    if row[1] < 0:
+        row[1] = LONGEST_INTERCEPT if row[0] < 0 else cycles_to_ball(players[row[0]], ball)
+    return int(row[1])
 
 
 @kernel

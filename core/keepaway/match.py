@@ -114,7 +114,8 @@ class Match(NamedTuple):
     order: Ints
     """Players by distance as the deciding keeper sees them: keepers (itself first), takers; (n_keepers, n)."""
     runner: Ints
-    """The keeper each keeper believes fastest to the ball (-1: nobody), and its cycles, shape (n_keepers, 2)."""
+    """The keeper each keeper without the ball believes fastest to it (-1: nobody), and its cycles to the ball (-1: not
+    yet reckoned), shape (n_keepers, 2)."""
     meet: Floats
     """Where each player last meant to meet the ball: x, y, cycle, shape (n, 3)."""
     seen_ball: Floats

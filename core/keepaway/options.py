@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 
 from core.compiled import kernel
 from core.keepaway.intercept import (
-    LONGEST_INTERCEPT,
-    cycles_to_ball,
     fastest_to_ball,
     go_to_ball,
 )
@@ -147,7 +145,7 @@ def command_keeper(
     ball: Floats,
     players: Floats,
     known: Bools,
-    runner: int,
+    arrival: int,
     meet: Floats,
     cycle: int,
     rules: Rules,
@@ -161,7 +159,7 @@ def command_keeper(
         ball: as keeper i believes.
         players: as keeper i believes.
         known: which players it knows the place of.
-        runner: the keeper it believes fastest to the ball, -1 for nobody.
+        arrival: cycles until somebody is believed to reach the ball; used while it gets open.
         meet: its memory of the last meeting point, in place.
         cycle: of the episode.
         rules: size of the game.
@@ -178,7 +176,6 @@ def command_keeper(
         rival = nearest_to(me[X], me[Y], players, known, n_keepers, n)[1]
         go_to_ball(me, ball, meet, cycle, rival, KEEPERS_FACE, command)
     elif option == GET_OPEN:
-        arrival = LONGEST_INTERCEPT if runner < 0 else cycles_to_ball(players[runner], ball)
         from_x = ball[X] + BALL_ROLL[arrival] * ball[VX]
         from_y = ball[Y] + BALL_ROLL[arrival] * ball[VY]
         get_open(
@@ -190,13 +187,18 @@ def command_keeper(
 
 @kernel
 def find_runner(runner: Ints, ball: Floats, players: Floats, known: Bools, rules: Rules) -> None:
-    """Write which keeper is believed to be fastest to the ball, and its cycles, to `runner`, shape (2,)."""
-    runner[0], runner[1] = fastest_to_ball(ball, players, known, 0, rules.n_keepers)
+    """Write which keeper is believed to be fastest to the ball, and -1 for not yet reckoned, to `runner`, shape (2,)."""
+    runner[0], runner[1] = fastest_to_ball(ball, players, known, 0, rules.n_keepers)[0], -1
 
 
 @kernel
 def turn_neck(command: Floats, option: int, ball: Floats, me: Floats) -> None:
-    """Look at the ball; while getting open, at the centre of the region; while searching, straight ahead."""
+    """Look at the ball; while getting open, at the centre of the region; while searching, straight ahead.
+
+    Who holds or passes the ball leaves its neck alone: in the reference's logs no neck of a kicking player moves.
+    """
+    if option in (HOLD_BALL, PASS_BALL):
+        return
     x, y = ball[X], ball[Y]
     if option == GET_OPEN:
         x, y = 0.0, 0.0

@@ -390,7 +390,8 @@ def _note(me: Floats, sight: Floats, direction: float, quantise: bool, moving: b
 def listen(match: Match, i: int, first: int, last: int, rng: np.random.Generator) -> None:
     """Hear one team mate of [first, last): its own place, the ball, and the opponent it saw nearest.
 
-    Who has seen nothing in this episode yet says nothing. What is heard replaces only what oneself knows less well: an unseen mate, a ball older than 3 cycles.
+    Who has seen nothing in this episode yet says nothing. What is heard replaces only what oneself knows less well: an
+    unseen mate, a ball older than 3 cycles.
     """
     mates = last - first - 1
     if mates < 1:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
+from core.compiled import specialised
 from core.keepaway.autoplay import Autoplay
 from core.keepaway.game import step_cycle
 from core.keepaway.match import start_episode
@@ -24,7 +25,7 @@ Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 RELEASE_SPEED = 0.7
 """Speed, metres per cycle, above which a ball that leaves a keeper's reach counts as passed."""
-TRACED_EPISODES = 300
+TRACED_EPISODES = 1000
 FINE_NAMES = ("passes per episode", "release speed", "flight cycles", "first kick cycle")
 TABLE_HEAD = (
     "setting",
@@ -56,14 +57,20 @@ class Setting:
 
 
 _POLICY_FILES = (("random", "rand"), ("hold", "hold"), ("hand", "hand"))
+_LOGGED_PHASES = {"random": (2, 2, 2, 1, 1), "hold": (1, 1, 0, 1, 2), "hand": (0, 0, 0, 0, 0)}
+"""In which cycles each player sees, K1..K3, T1, T2: as the players of the logged matches joined, kept for the whole match.
+
+Read from the logs' commands; an initial condition of those runs, not of the game."""
 SETTINGS = tuple(
     Setting(name, policy, config, short)
+    for policy, short in _POLICY_FILES
     for name, config in (
         ("v15_full", KeepawayConfig(exact_state=True)),
-        ("v15_360", KeepawayConfig()),
+        ("v15_360", KeepawayConfig(see_phases=_LOGGED_PHASES[policy])),
     )
-    for policy, short in _POLICY_FILES
 )
+DRAWN_PHASES = tuple(Setting("v15_360", policy, KeepawayConfig(), short) for policy, short in _POLICY_FILES)
+"""The settings with beliefs as sessions and experiments play them: phases drawn in each episode."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -160,14 +167,15 @@ def play_traces(setting: Setting, n_episodes: int, root_seed: int) -> list[Trace
     """Play episodes cycle by cycle and keep what the reference's logs keep: all rows but the last."""
     game = Autoplay(setting.config, root_seed, "fidelity traces", setting.label)
     match, rules, streams = game.match, game.rules, game.streams
-    k = setting.config.n_keepers
+    k, policy = setting.config.n_keepers, POLICIES[setting.policy]
+    step = specialised(step_cycle, match, rules, policy, streams)
     traces = []
     for episode in range(n_episodes):
         if episode:
             start_episode(match, rules, streams.placement)
         balls, places = [match.ball.copy()], [match.players[:k, :2].copy()]
         kicked = [np.zeros(k, np.bool_)]
-        while not step_cycle(match, rules, POLICIES[setting.policy], streams):
+        while not step(match, rules, policy, streams):
             balls.append(match.ball.copy())
             places.append(match.players[:k, :2].copy())
             kicked.append(match.commands[:k, KIND] == KICK)
@@ -251,6 +259,15 @@ def table_row(comparison: Comparison) -> tuple[str, ...]:
         f"{comparison.ks_distance:.3f}",
         f"{ours.out.mean():.2f} / {reference.out.mean():.2f}",
     )
+
+
+def fine_row(setting: Setting, ours: dict[str, float], reference: dict[str, float]) -> tuple[str, ...]:
+    """Return one row of fine statistics, under setting, policy and FINE_NAMES."""
+    cells = (
+        f"{ours[name]:.2f} / {reference[name]:.2f} ({100 * (ours[name] / reference[name] - 1):+.0f} %)"
+        for name in FINE_NAMES
+    )
+    return (setting.name, setting.policy, *cells)
 
 
 def write_figure(comparison: Comparison, path: Path) -> None:

@@ -762,6 +762,8 @@ class NaiveMatch:
 
     def turn_neck(self, i: int) -> None:
         mind, me, command = self.minds[i], self.minds[i].players[i], self.commands[i]
+        if mind.option in ("HoldBall", "PassBall"):
+            return
         point = 0j if mind.option == "GetOpen" else mind.ball.at
         wanted = wrap(angle_of(point - me.at) - me.body)
         if command.kind == "turn":

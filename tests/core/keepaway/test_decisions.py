@@ -7,7 +7,7 @@ from core.keepaway.autoplay import CYCLE_LIMIT as AUTOPLAY_LIMIT
 from core.keepaway.decisions import NOBODY, DecisionPlay
 from core.keepaway.domain import HOLD, Keepaway, KeepawayState
 from core.keepaway.game import play_on
-from core.keepaway.match import CYCLE, END, OPTION, PASS_BALL, TARGET, new_match, open_streams
+from core.keepaway.match import CYCLE, END, HOLD_BALL, OPTION, PASS_BALL, TARGET, new_match, open_streams
 from core.keepaway.pitch import KICK_DISTANCE, ONGOING, OUT, TAKEN, KeepawayConfig, X, Y
 from core.keepaway.policies import HAND_CODED, hand_coded
 
@@ -135,9 +135,11 @@ def test_two_keepers_with_the_ball_decide_one_after_the_other_in_the_same_moment
     passing = DecisionPlay(EXACT, 0)
     passing.restore(between.next_state.saved)
     seen = []
-    passing.decide(1, lambda match: seen.append(match.options[second].copy()))
-    assert seen[0][OPTION] == PASS_BALL
-    assert seen[0][TARGET] == domain.detail(between.next_state, 1)["target"]
+    passing.decide(1, lambda match: seen.append(match.options.copy()))
+    # Both options have begun: the first keeper holds, the second one passes.
+    assert seen[0][first, OPTION] == HOLD_BALL
+    assert seen[0][second, OPTION] == PASS_BALL
+    assert seen[0][second, TARGET] == domain.detail(between.next_state, 1)["target"]
 
 
 def test_an_old_state_can_be_gone_back_to():
