@@ -11,13 +11,12 @@ from studies.experiments.keepaway_fidelity import (
 )
 from tests.data_folder import data_folder
 
-N_EPISODES = 1000
+N_EPISODES = 2000
 FINE_TOLERANCE = 0.10
-# Targets that are missed, see docs/results/keepaway_fidelity.md: with beliefs our keepers lose the ball a little less
-# often when they receive or hold it. These limits only keep the gaps from growing.
-KNOWN_GAPS = {("v15_360_hold", "passes per episode"): 0.30, ("v15_360_hand", "passes per episode"): 0.20}
-MEAN_LIMITS = {"v15_360_hand": 0.22}
-KS_LIMITS = {"v15_360_hand": 0.15, "v15_360_hold": 0.14, "v15_full_hand": 0.12}
+# Targets that are missed, with what is suspected in docs/results/keepaway_fidelity.md. These limits only keep the gaps from growing.
+MEAN_LIMITS = {"v15_full_hand": 0.18}
+KS_LIMITS = {"v15_360_hold": 0.16, "v15_full_hand": 0.12}
+KNOWN_GAPS = {("v15_360_hold", "passes per episode"): 0.30}
 
 
 @pytest.mark.slow
@@ -37,7 +36,7 @@ def test_passes_flights_and_first_kicks_follow_the_reference(setting):
     if both is None:
         pytest.skip(f"the reference logged no trajectories for {setting.label}")
     ours, reference = both
-    assert TRACED_EPISODES >= 250
+    assert TRACED_EPISODES >= 1000
     for name in FINE_NAMES:
         tolerance = KNOWN_GAPS.get((setting.label, name), FINE_TOLERANCE)
         assert ours[name] == pytest.approx(reference[name], rel=tolerance), name
