@@ -264,7 +264,11 @@ def test_the_human_is_trusted_after_an_episode_in_which_both_could_be_compared(r
 
 def test_a_person_who_is_obeyed_changes_what_is_done(tmp_path):
     (tmp_path / "alone").mkdir()
-    obeyed = simulated(tmp_path, keepaway(scheme=Constant(w_h=50.0)))
+    # One model for all keepers: what is said of one guides whoever decides last.
+    listens = msgspec.structs.replace(
+        KEEPAWAY.agent, scheme=Constant(w_h=50.0), human_model=TileModel(shared=True)
+    )
+    obeyed = simulated(tmp_path, keepaway(agent=listens))
     alone = simulated(tmp_path / "alone", keepaway(scheme=EnvironmentOnly()))
     of_both = [[(s.detail["cycle"], s.action) for s in of(StepTaken, r)] for r in (obeyed, alone)]
     assert of_both[0] != of_both[1]
