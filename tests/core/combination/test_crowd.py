@@ -22,6 +22,7 @@ from core.domain import Choices
 from core.episode import KeyPressed, UnseenPlayed
 from core.feedback.config import CreditConfig, TrainerConfig
 from core.feedback.delays import CurrentStep
+from core.learners.cross_entropy_config import CrossEntropyConfig
 from core.learners.human_config import SgdModel
 from core.protocol import SessionConfig, protocol_from
 from core.replay import replay_exactly
@@ -136,13 +137,11 @@ GOOD = msgspec.structs.replace(TALKATIVE, press_probability=0.15, max_presses=5,
 ADVERSARY = msgspec.structs.replace(GOOD, mistake_rate=1.0)
 
 
-def session_of(*others: TrainerConfig, trust=None, episodes: int = 3):
-    agent_config = AgentConfig() if trust is None else AgentConfig(bootstrap=BootstrapConfig(trust=trust))
+def session_of(*others: TrainerConfig):
     return small_protocol(
         trainer=GOOD,
         others=others,
-        agent=agent_config,
-        session=SessionConfig(episodes=episodes, unseen_between=20, watched_steps=20, unseen_steps=300),
+        session=SessionConfig(episodes=3, unseen_between=20, watched_steps=20, unseen_steps=300),
     )
 
 
@@ -165,13 +164,19 @@ def test_a_session_of_one_records_no_person(tmp_path: Path):
     assert b'"person"' not in recording.path.read_bytes()
 
 
-def final_weights_and_unseen_lines(tmp_path: Path, *others: TrainerConfig, seeds: range):
-    """Weights at the end, and mean lines of the last unseen episodes, of each session; signed trust."""
+def final_weights_and_unseen_lines(folder: Path, *others: TrainerConfig, seeds: range):
+    """Weights at the end (signed agreement), and mean lines of the last unseen episodes, of each session."""
     weights, lines = [], []
+    folder.mkdir()
     for seed in seeds:
-        protocol = session_of(*others, trust=Signed(minimum_episodes=10), episodes=12)
-        (tmp_path / str(len(others))).mkdir(exist_ok=True)
-        recording = simulated(tmp_path / str(len(others)), protocol, root_seed=seed)
+        protocol = small_protocol(
+            trainer=GOOD,
+            others=others,
+            learner=CrossEntropyConfig(population=30, elite_fraction=0.2),
+            agent=AgentConfig(bootstrap=BootstrapConfig(trust=Signed(minimum_episodes=10))),
+            session=SessionConfig(episodes=12, unseen_between=60, watched_steps=60, unseen_steps=500),
+        )
+        recording = simulated(folder, protocol, root_seed=seed)
         weights.append(recording.outputs[-1].weights["w_h"])
         unseen = [event for event in recording.outputs if isinstance(event, UnseenPlayed)]
         lines.append(np.mean([line for event in unseen[-4:] for line in event.performances]))
@@ -182,11 +187,11 @@ def final_weights_and_unseen_lines(tmp_path: Path, *others: TrainerConfig, seeds
 @pytest.mark.statistical
 @pytest.mark.jit
 def test_an_adversary_among_two_good_people_is_not_trusted_and_does_no_harm(tmp_path: Path):
-    """Sixteen seeds, 12 watched and 220 unseen episodes: the same seeds with and without the adversary."""
+    """Sixteen seeds, 12 watched and 660 unseen episodes: the same seeds with and without the adversary."""
     seeds = range(900, 916)
-    three, with_adversary = final_weights_and_unseen_lines(tmp_path, GOOD, ADVERSARY, seeds=seeds)
-    _, without = final_weights_and_unseen_lines(tmp_path, GOOD, seeds=seeds)
-    assert three[:, :2].mean() > 0.1
-    assert three[:, 2].mean() < 0.05
+    three, with_adversary = final_weights_and_unseen_lines(tmp_path / "3", GOOD, ADVERSARY, seeds=seeds)
+    _, without = final_weights_and_unseen_lines(tmp_path / "2", GOOD, seeds=seeds)
+    assert three[:, :2].mean() > 0.05
+    assert three[:, 2].mean() < 0
     standard_error = without.std(ddof=1) / np.sqrt(len(without))
     assert with_adversary.mean() > without.mean() - 2 * standard_error
