@@ -110,11 +110,15 @@ def measure(scenes: tuple[str, ...], n_trials: int, longest_ms: int, seed: int) 
     from arl_tui.commands.play import FRAMES_PER_S
     from arl_tui.timing.kept import machine_code, this_terminal
     from arl_tui.timing.plan import SCENES, make_plan
-    from arl_tui.timing.result import TimingResult
+    from arl_tui.timing.result import TimingResult, summarise
+    from arl_tui.timing.waking import lateness_ms
     from core.clock import wall_time_utc
 
     plans = [make_plan(s, n_trials, root_seed=seed, longest_ms=longest_ms) for s in SCENES if s in scenes]
-    results = tuple(measure_scene(plan) for plan in plans)
+    late_ms, results = [], []
+    for plan in plans:
+        late_ms += lateness_ms()
+        results.append(measure_scene(plan))
     return TimingResult(
         created_utc=wall_time_utc(),
         root_seed=seed,
@@ -123,7 +127,8 @@ def measure(scenes: tuple[str, ...], n_trials: int, longest_ms: int, seed: int) 
         software=facts.software(),
         machine=machine_code(),
         terminal=this_terminal(facts.terminal(0, 0, stamps="flush", frames_per_s=int(FRAMES_PER_S))),
-        scenes=results,
+        waking=summarise(late_ms),
+        scenes=tuple(results),
     )
 
 
@@ -144,6 +149,7 @@ def report_lines(result: "TimingResult") -> Iterator[str]:
     """Yield what is printed."""
     from arl_tui.timing.published import published_lines
     from arl_tui.timing.result import LATE_MS, TABLE_HEAD, scene_lines
+    from arl_tui.timing.waking import waking_line
 
     yield "Measured minus true reaction time, milliseconds:"
     yield ""
@@ -160,6 +166,8 @@ def report_lines(result: "TimingResult") -> Iterator[str]:
         "Bare reader: a few lines without a screen, in the same pseudo-terminal. What it has, the machine does; the rest "
         "is this program's."
     )
+    if result.waking is not None:
+        yield waking_line(result.waking)
     if result.load > BUSY * result.cores:
         yield (
             f"This machine is busy (load {result.load:.1f} on {result.cores} cores): only the medians say something "

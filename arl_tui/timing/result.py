@@ -79,6 +79,8 @@ class TimingResult(msgspec.Struct, frozen=True, kw_only=True):
     """See `arl_tui.timing.kept.machine_code`."""
     terminal: dict[str, str] = {}
     """Where the command was run; see `arl_tui.facts.terminal`."""
+    waking: Summary | None = None
+    """By how much plain sleeps ended late beside the scenes; see `arl_tui.timing.waking`."""
     scenes: tuple[SceneResult, ...]
 
 
@@ -138,6 +140,8 @@ def read_timing(path: Path) -> TimingResult:
 def header_facts(result: TimingResult) -> dict[str, str]:
     """Return the result as facts for the header of a session (`TrialHeader.facts`)."""
     facts = {"timing_utc": result.created_utc, "timing_load": f"{result.load:.1f} on {result.cores} cores"}
+    if result.waking is not None:
+        facts["timing_waking"] = _short(result.waking)
     for scene in result.scenes:
         name = f"timing_{scene.scene.replace(' ', '_')}"
         facts[name] = "no usable trial" if scene.on_time is None else _short(scene.on_time)

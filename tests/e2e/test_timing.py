@@ -21,9 +21,10 @@ from arl_tui.link import Begin, Crashed, Picture, Ready
 from arl_tui.timing import bare
 from arl_tui.timing.kept import NONE, keep_timing, machine_code, timing_facts
 from arl_tui.timing.plan import MARKER, SCENES, Answered, Plan, PlannedTrial, Seen, make_plan, marker
-from arl_tui.timing.result import TimingResult, compare, header_facts, read_timing, summarise
+from arl_tui.timing.result import Summary, TimingResult, compare, header_facts, read_timing, summarise
 from arl_tui.timing.robot import Robot, RobotTrial, TimingError, run_plan
 from arl_tui.timing.subject import SubjectApp
+from arl_tui.timing.waking import lateness_ms
 from core.episode import FrameShown
 from core.tetris.picture import Counts, Wall, snapshot
 from tests.arl_tui.fakes import FakeLink
@@ -272,6 +273,22 @@ def test_late_trials_missed_trials_and_a_busy_machine_are_named() -> None:
     assert "2 of 4 trials without an answer" in text
     assert "only the medians" in text
     assert "only the medians" not in "\n".join(report_lines(result_by_hand(load=0.1)))
+
+
+def test_a_machine_that_wakes_late_is_called_so() -> None:
+    waking = Summary(n=100, bias=0.4, sd=0.5, median=0.2, p95=2.1, p99=5.0)
+    late = msgspec.structs.replace(result_by_hand(load=0.1), waking=waking)
+    assert "not a quiet machine" in "\n".join(report_lines(late))
+    assert header_facts(late)["timing_waking"].startswith("n 100, error ms: bias 0.40")
+    quiet = msgspec.structs.replace(late, waking=msgspec.structs.replace(waking, p95=0.3))
+    assert "p95 0.30" in "\n".join(report_lines(quiet))
+    assert "not a quiet machine" not in "\n".join(report_lines(quiet))
+
+
+def test_a_sleep_never_ends_early() -> None:
+    late = lateness_ms(sleeps=5)
+    assert len(late) == 5
+    assert min(late) >= 0
 
 
 def test_the_result_fits_into_a_sessions_header() -> None:
