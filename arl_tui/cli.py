@@ -87,16 +87,22 @@ def play(
 
 @main.command()
 @click.argument("game", type=GAMES, default="tetris")
+@click.option(
+    "--person",
+    metavar="NAME",
+    help="Who presses: expert (the default), lay, myopic, hesitant, noisy, useless, adversary, instructed, bursty, hasty, "
+    "slow, tiring or leaves.",
+)
 @seed_option
 @recordings_option
-def demo(game: str, seed: int | None, recordings: Path) -> None:
+def demo(game: str, person: str | None, seed: int | None, recordings: Path) -> None:
     """Show the whole path in about a minute: watch, press, record, replay, summary.
 
     A simulated participant presses keys; you may press, too. Without a terminal the same happens unseen.
     """
     from arl_tui.commands.demo import run_demo
 
-    run_demo(game, seed=seed, recordings=recordings)
+    run_demo(game, somebody=person, seed=seed, recordings=recordings)
 
 
 @main.command()

@@ -13,32 +13,48 @@ from arl_tui.commands.play import run_live
 from arl_tui.recordings import new_path
 from arl_tui.words import words_of
 from core.clock import wall_time_utc
-from core.feedback.trainers import TrainerConfig
+from core.feedback.config import TrainerConfig
+from core.feedback.persons import person
 from core.protocol import KEEPAWAY, Protocol, ScreenConfig, SessionConfig
 
 PARTICIPANT = "demo"
 
 
-def demo_protocol(game: str) -> Protocol:
-    """Return a session of about a minute with somebody who speaks often."""
+def demo_protocol(game: str, somebody: TrainerConfig | None = None) -> Protocol:
+    """Return a session of about a minute with somebody who speaks often.
+
+    Args:
+        game: tetris or keepaway.
+        somebody: who presses; by default whoever the game's own protocol has.
+    """
     if game == "keepaway":
         return msgspec.structs.replace(
             KEEPAWAY,
             name="demo",
             session=SessionConfig(episodes=5, unseen_between=100, watched_steps=300, unseen_steps=3000),
-            trainer=msgspec.structs.replace(KEEPAWAY.trainer, press_probability=0.8),
+            trainer=msgspec.structs.replace(
+                somebody or KEEPAWAY.trainer,
+                press_probability=0.8,
+                max_presses=KEEPAWAY.trainer.max_presses,
+                mean_presses=KEEPAWAY.trainer.mean_presses,
+            ),
         )
     return Protocol(
         name="demo",
         session=SessionConfig(episodes=3, unseen_between=500, watched_steps=15),
         screen=ScreenConfig(tick_ms=110, pause_between_episodes_s=2.0),
-        trainer=TrainerConfig(press_probability=0.35),
+        trainer=msgspec.structs.replace(
+            somebody or TrainerConfig(), press_probability=0.35, mean_presses=None
+        ),
     )
 
 
-def run_demo(game: str, *, seed: int | None, recordings: Path) -> None:
+def run_demo(game: str, *, somebody: str | None, seed: int | None, recordings: Path) -> None:
     """Show the whole path; in a terminal on screen, elsewhere as fast as the machine can."""
-    protocol = demo_protocol(game)
+    try:
+        protocol = demo_protocol(game, person(somebody) if somebody else None)
+    except ValueError as error:
+        raise click.BadParameter(str(error), param_hint="--person") from error
     root_seed = secrets.randbits(63) if seed is None else seed
     if sys.stdin.isatty() and sys.stdout.isatty():
         outcome = run_live(

@@ -9,9 +9,11 @@ import pytest
 from click.testing import CliRunner, Result
 
 from arl_tui.cli import main
+from arl_tui.commands.demo import demo_protocol
 from arl_tui.commands.protocol import toml_lines
 from arl_tui.recordings import new_path
 from core.episode import KeyPressed
+from core.feedback.persons import person, persons
 from core.protocol import Protocol, load_protocol
 from core.recording.recorder import LineWriter
 from core.recording.schema import Header, to_plain
@@ -66,6 +68,21 @@ def test_every_command_explains_itself(command: tuple[str, ...]) -> None:
     result = run(*command, "--help")
     assert result.exit_code == 0
     assert "Usage:" in result.output
+
+
+def test_the_demo_names_everybody_who_can_press_and_refuses_anybody_else() -> None:
+    help_text = " ".join(run("demo", "--help").output.split())
+    assert all(name in help_text for name in persons())
+    result = run("demo", "--person", "nobody")
+    assert result.exit_code == 2
+    assert "known are expert" in result.output
+
+
+@pytest.mark.parametrize("game", ["tetris", "keepaway"])
+def test_a_named_person_keeps_what_makes_them_who_they_are(game: str) -> None:
+    adversary = demo_protocol(game, person("adversary")).trainer
+    assert adversary.mistake_rate == person("adversary").mistake_rate
+    assert adversary.max_presses == demo_protocol(game).trainer.max_presses
 
 
 def test_the_package_can_be_run_as_a_module_under_the_commands_name() -> None:
