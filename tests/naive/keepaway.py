@@ -264,6 +264,14 @@ def meeting(me: Thing, ball: Thing, mind: Mind, now: int) -> int:
     return first
 
 
+def step_meant(me: Thing, command: Command) -> complex:
+    """How far a command takes a player whom nothing stops, without noise."""
+    if command.kind != "dash":
+        return me.v
+    step = me.v + 0.006 * command.value * unit(me.body)
+    return step * min(1, 1.05 / size(step)) if step else step
+
+
 def gap_after_dash(me: Thing, ball: Thing, power: float) -> float:
     return size(ball.at + ball.v - me.at - me.v - 0.006 * power * unit(me.body))
 
@@ -479,8 +487,7 @@ class NaiveMatch:
         body, command = self.players[i], self.commands[i]
         if command.kind == "turn":
             me.body = wrap(me.body + command.angle / (1 + 5 * size(me.v)))
-        if not self.hit[i]:
-            me.at += body.v / 0.4
+        me.at += step_meant(me, command) if self.hit[i] else body.v / 0.4
         me.v, me.neck = body.v, body.neck
         if me.age < UNKNOWN:
             me.age = 0
@@ -577,7 +584,7 @@ class NaiveMatch:
         slack, surprise = 0.1 * size(expected), mind.ball.v - expected
         if seen and age < UNKNOWN and abs(surprise.real) < slack and abs(surprise.imag) < slack:
             mind.ball.v = 0.5 * (mind.ball.v + expected)
-        if report[0] > REACH:
+        if report[2] > REACH:
             self.still_near_rival(i)
 
     def listen(self, i: int) -> None:
