@@ -43,7 +43,7 @@ from core.keepaway.pitch import (
     Y,
 )
 from core.keepaway.positioning import get_open
-from core.keepaway.prediction import BALL_ROLL, cut, send_turn
+from core.keepaway.prediction import BALL_ROLL, cut, send_turn, step_meant
 from core.keepaway.variables import sort_by_distance
 
 Floats = NDArray[np.float64]
@@ -195,14 +195,16 @@ def find_runner(runner: Ints, ball: Floats, players: Floats, known: Bools, rules
 def turn_neck(command: Floats, option: int, ball: Floats, me: Floats) -> None:
     """Look at the ball; while getting open, at the centre of the region; while searching, straight ahead.
 
-    Who holds or passes the ball leaves its neck alone: in the reference's logs no neck of a kicking player moves.
+    Aims from where this cycle's command takes the player to where the ball will be then. Who holds or passes the ball
+    leaves its neck alone: in the reference's logs no neck of a kicking player moves.
     """
     if option in (HOLD_BALL, PASS_BALL):
         return
-    x, y = ball[X], ball[Y]
+    x, y = ball[X] + ball[VX], ball[Y] + ball[VY]
     if option == GET_OPEN:
         x, y = 0.0, 0.0
-    wanted = wrap_deg(direction_deg(x - me[X], y - me[Y]) - me[BODY])
+    step_x, step_y = step_meant(me, command)
+    wanted = wrap_deg(direction_deg(x - me[X] - step_x, y - me[Y] - step_y) - me[BODY])
     if command[KIND] == TURN:  # the body's turn takes the head along
         wanted = wrap_deg(wanted - command[ANGLE] / (1.0 + INERTIA * length(me[VX], me[VY])))
     if option == SEARCH_BALL:

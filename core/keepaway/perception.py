@@ -20,15 +20,12 @@ from core.keepaway.pitch import (
     BALL_NOISE,
     BALL_SPEED_MAX,
     BODY,
-    DASH,
-    DASH_RATE,
     INERTIA,
     KICK,
     KICK_DISTANCE,
     KIND,
     NECK,
     PLAYER_DECAY,
-    PLAYER_SPEED_MAX,
     POWER,
     TURN,
     VX,
@@ -37,6 +34,7 @@ from core.keepaway.pitch import (
     X,
     Y,
 )
+from core.keepaway.prediction import step_meant
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -63,6 +61,10 @@ BUMPED_DISTANCE = 0.2
 NOT_FOUND = -2
 STALE_BALL = 3
 """Age in cycles beyond which what a team mate says about the ball is believed."""
+CONTRADICTION = 0.3
+"""Difference of velocities, metres per cycle, beyond which fresher news of the ball is believed at once."""
+TOLD_DISTANCE = 20.0
+"""A player speaks of a ball nearer than this."""
 
 # Entries of `Match.sight`.
 DISTANCE = 0
@@ -198,26 +200,11 @@ def _feel_myself(body: Floats, belief: Floats, command: Floats, collided: bool) 
         belief[BODY] = wrap_deg(belief[BODY] + turned)
     step_x, step_y = body[VX] / PLAYER_DECAY, body[VY] / PLAYER_DECAY
     if collided:
-        step_x, step_y = _step_meant(belief, command)
+        step_x, step_y = step_meant(belief, command)
     belief[X] += step_x
     belief[Y] += step_y
     belief[VX], belief[VY] = body[VX], body[VY]
     belief[NECK] = body[NECK]
-
-
-@kernel
-def _step_meant(me: Floats, command: Floats) -> tuple[float, float]:
-    """Return how far a command takes a player where nobody stands in its way, without noise, metres along x and y."""
-    step_x, step_y = me[VX], me[VY]
-    if command[KIND] == DASH:
-        accel = DASH_RATE * command[POWER]
-        step_x += accel * math.cos(me[BODY] * RADIANS)
-        step_y += accel * math.sin(me[BODY] * RADIANS)
-        speed = length(step_x, step_y)
-        if speed > PLAYER_SPEED_MAX:
-            step_x *= PLAYER_SPEED_MAX / speed
-            step_y *= PLAYER_SPEED_MAX / speed
-    return step_x, step_y
 
 
 @kernel
@@ -413,7 +400,7 @@ def listen(match: Match, i: int, first: int, last: int, rng: np.random.Generator
     """Hear one team mate of [first, last): its own place, the ball, and the opponent it saw nearest.
 
     Who has seen nothing in this episode yet says nothing. What is heard replaces only what oneself knows less well: an
-    unseen mate, a ball older than 3 cycles.
+    unseen mate, a ball older than 3 cycles, or one that moves otherwise by fresher news.
     """
     mates = last - first - 1
     if mates < 1:
@@ -427,7 +414,9 @@ def listen(match: Match, i: int, first: int, last: int, rng: np.random.Generator
     if match.player_age[i, speaker] > 0:
         _copy_place(told[speaker], match.seen_players[i, speaker])
         match.player_age[i, speaker] = 0
-    if match.ball_age[speaker] == 0 and match.ball_age[i] > STALE_BALL:
+    if match.ball_age[speaker] == 0 and _is_news(
+        match.seen_ball[speaker], told[speaker], match.seen_ball[i], match.ball_age[i]
+    ):
         match.seen_ball[i] = match.seen_ball[speaker]
         match.ball_age[i] = 1
     rival, nearest = -1, math.inf
@@ -439,6 +428,16 @@ def listen(match: Match, i: int, first: int, last: int, rng: np.random.Generator
     if rival >= 0 and match.player_age[i, rival] > 1:
         _copy_place(told[rival], match.seen_players[i, rival])
         match.player_age[i, rival] = 1
+
+
+@kernel
+def _is_news(ball: Floats, speaker: Floats, mine: Floats, age: int) -> bool:
+    """Return whether what a mate says of the ball, just seen from where it stood, is better than what I believe."""
+    if length(ball[X] - speaker[X], ball[Y] - speaker[Y]) >= TOLD_DISTANCE:
+        return False
+    if age > STALE_BALL:
+        return True
+    return bool(age > 0 and length(ball[VX] - mine[VX], ball[VY] - mine[VY]) > CONTRADICTION)
 
 
 @kernel

@@ -599,7 +599,9 @@ class NaiveMatch:
         if mine.players[speaker].age > 0:
             mine.players[speaker].at = told.players[speaker].at
             mine.players[speaker].age = 0
-        if told.ball.age == 0 and mine.ball.age > 3:
+        near = size(told.ball.at - told.players[speaker].at) < 20
+        contradicts = mine.ball.age > 0 and size(told.ball.v - mine.ball.v) > 0.3
+        if told.ball.age == 0 and near and (mine.ball.age > 3 or contradicts):
             mine.ball = told.ball.copy()
             mine.ball.age = 1
         here = told.players[speaker].at
@@ -771,8 +773,8 @@ class NaiveMatch:
         mind, me, command = self.minds[i], self.minds[i].players[i], self.commands[i]
         if mind.option in ("HoldBall", "PassBall"):
             return
-        point = 0j if mind.option == "GetOpen" else mind.ball.at
-        wanted = wrap(angle_of(point - me.at) - me.body)
+        point = 0j if mind.option == "GetOpen" else mind.ball.later(1)
+        wanted = wrap(angle_of(point - me.at - step_meant(me, command)) - me.body)
         if command.kind == "turn":
             wanted = wrap(wanted - command.angle / (1 + 5 * size(me.v)))
         if mind.option == "SearchBall":
