@@ -276,12 +276,12 @@ def gap_after_dash(me: Thing, ball: Thing, power: float) -> float:
     return size(ball.at + ball.v - me.at - me.v - 0.006 * power * unit(me.body))
 
 
-def one_dash(me: Thing, ball: Thing) -> Command | None:
+def one_dash(me: Thing, ball: Thing, facing: float) -> Command | None:
     axis, gap = unit(me.body), ball.at + ball.v - me.at
     forward, offset, radius = dot(axis, gap), abs(cross(axis, gap)), TOUCH + 0.7 / 6
     if offset < radius:
         half = math.sqrt(radius * radius - offset * offset)
-        forward = forward - half if forward > 0 else forward + half
+        forward += half if dot(axis, unit(facing)) > 0 else -half
     power = power_for(forward, dot(axis, me.v), 1)
     return None if gap_after_dash(me, ball, power) >= 0.95 * REACH else dash(power)
 
@@ -304,14 +304,14 @@ def close_intercept(me: Thing, ball: Thing, rival_distance: float, facing: float
 
     face = turn(me, facing - me.body)
     if rival_distance <= 3:
-        return one_dash(me, ball) or (face if gap(2) < 0.8 * REACH else None)
+        return one_dash(me, ball, facing) or (face if gap(2) < 0.8 * REACH else None)
     turned = abs(wrap(facing - me.body)) - 180 / (1 + 5 * size(me.v)) < 30
     if gap(2) < 0.8 * REACH or gap(1) < TOUCH or (gap(1) < 0.8 * REACH and turned):
         return face
     command = run_into(me, ball) or stop_for(me, ball)
     if command is None and gap(1) < 0.8 * REACH:
         command = face
-    return command or one_dash(me, ball)
+    return command or one_dash(me, ball, facing)
 
 
 def go_to_ball(me: Thing, ball: Thing, mind: Mind, now: int, rival_distance: float, facing: float) -> Command:
