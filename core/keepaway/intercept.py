@@ -137,22 +137,48 @@ def cycles_to_ball(player: Floats, ball: Floats) -> int:
 
 
 @kernel
-def fastest_to_ball(ball: Floats, players: Floats, known: Bools, first: int, last: int) -> tuple[int, int]:
-    """Return (player, cycles): which known player of [first, last) reaches the ball first; (-1, 30) for none."""
-    for n in range(LONGEST_INTERCEPT + 1):
+def fastest_to_ball(
+    ball: Floats, players: Floats, known: Bools, first: int, last: int, latest: int
+) -> tuple[int, int]:
+    """Return (player, cycles): which known player of [first, last) reaches the ball first.
+
+    Of equally fast ones the last; (-1, latest + 1) where nobody does within `latest` cycles.
+    """
+    for n in range(latest + 1):
         bx = ball[X] + BALL_ROLL[n] * ball[VX]
         by = ball[Y] + BALL_ROLL[n] * ball[VY]
         reach = (n + 1) * PLAYER_SPEED_MAX + SLACK
-        best, best_cycles = -1, n + 1
+        best, best_cycles = -1, n
         for i in range(first, last):
             dx, dy = bx - players[i, X], by - players[i, Y]
             if known[i] and dx * dx + dy * dy < reach * reach:
                 cycles = cycles_to_point(players[i], bx, by, n)
-                if cycles < best_cycles:
+                if cycles <= best_cycles:
                     best, best_cycles = i, cycles
         if best >= 0:
             return best, n
-    return -1, LONGEST_INTERCEPT
+    return -1, latest + 1
+
+
+@kernel
+def keeper_to_go(ball: Floats, players: Floats, known: Bools, n_keepers: int) -> int:
+    """Return the keeper that goes to the ball: the fastest to where anybody, a taker too, can first have it; -1 for none.
+
+    Where a taker comes first, that is the keeper who is soonest at the place where it gets the ball.
+    """
+    latest = fastest_to_ball(ball, players, known, 0, n_keepers, LONGEST_INTERCEPT)[1]
+    n = fastest_to_ball(ball, players, known, n_keepers, players.shape[0], latest - 1)[1]
+    if n > LONGEST_INTERCEPT:
+        return -1
+    bx = ball[X] + BALL_ROLL[n] * ball[VX]
+    by = ball[Y] + BALL_ROLL[n] * ball[VY]
+    best, best_cycles = -1, 2 * LONGEST_INTERCEPT
+    for i in range(n_keepers):
+        if known[i]:
+            cycles = cycles_to_point(players[i], bx, by, best_cycles)
+            if cycles <= best_cycles:
+                best, best_cycles = i, cycles
+    return best
 
 
 @kernel

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from core.compiled import kernel
 from core.keepaway.intercept import (
-    fastest_to_ball,
     go_to_ball,
+    keeper_to_go,
 )
 from core.keepaway.kicking import KEEPER_HOLD_RATIO, hold_ball, nearest_to, pass_ball
 from core.keepaway.match import (
@@ -187,8 +187,8 @@ def command_keeper(
 
 @kernel
 def find_runner(runner: Ints, ball: Floats, players: Floats, known: Bools, rules: Rules) -> None:
-    """Write which keeper is believed to be fastest to the ball, and -1 for not yet reckoned, to `runner`, shape (2,)."""
-    runner[0], runner[1] = fastest_to_ball(ball, players, known, 0, rules.n_keepers)[0], -1
+    """Write which keeper is believed to have to go to the ball, and -1 for not yet reckoned, to `runner`, shape (2,)."""
+    runner[0], runner[1] = keeper_to_go(ball, players, known, rules.n_keepers), -1
 
 
 @kernel

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.compiled import kernel
-from core.keepaway.intercept import fastest_to_ball
+from core.keepaway.intercept import LONGEST_INTERCEPT, fastest_to_ball
 from core.keepaway.match import CLOCK, NEVER_SEEN, SEE_PERIOD, Match
 from core.keepaway.motion import DEGREES, RADIANS, direction_deg, kick_rate, length, wrap_deg
 from core.keepaway.pitch import (
@@ -178,7 +178,9 @@ def reckon_players(
             continue
         if first <= j < last:
             if runner == NOT_FOUND:
-                runner = fastest_to_ball(ball, beliefs, known, first, last)[0] if knows_ball else -1
+                runner = -1
+                if knows_ball:
+                    runner = fastest_to_ball(ball, beliefs, known, first, last, LONGEST_INTERCEPT)[0]
             _reckon_opponent(beliefs[j], ball, j == runner, forward)
         else:
             beliefs[j, X] += beliefs[j, VX]

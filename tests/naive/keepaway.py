@@ -357,8 +357,22 @@ def fastest(ball: Thing, things: list[Thing], known: list[bool], team: range) ->
             if known[i] and size(ball.later(n) - things[i].at) < (n + 1) * 1.05 + REACH
         ]
         if ready and min(ready)[0] <= n:
-            return min(ready)[1], n
-    return -1, 30
+            return soonest(ready), n
+    return -1, 31
+
+
+def soonest(ready: list[tuple[int, int]]) -> int:
+    """Who of (cycles, player) needs fewest cycles; of equals the last."""
+    return min(ready, key=lambda one: (one[0], -one[1]))[1]
+
+
+def keeper_to_go(ball: Thing, things: list[Thing], known: list[bool], keepers: range, takers: range) -> int:
+    """Which keeper goes to the ball: soonest where anybody, keeper or taker, can first have it."""
+    n = min(fastest(ball, things, known, keepers)[1], fastest(ball, things, known, takers)[1])
+    if n > 30:
+        return -1
+    ready = [(cycles_needed(things[i], ball.later(n), 60), i) for i in keepers if known[i]]
+    return soonest(ready) if ready else -1
 
 
 def cycles_to_ball(player: Thing, ball: Thing) -> int:
@@ -623,7 +637,7 @@ class NaiveMatch:
             if mind.ball.age > 10:
                 self.enter(i, "SearchBall")
                 continue
-            mind.runner = fastest(mind.ball, mind.players, mind.known, self.keepers)[0]
+            mind.runner = keeper_to_go(mind.ball, mind.players, mind.known, self.keepers, self.takers)
             if size(mind.ball.at - me.at) < REACH:
                 self.open_decision(i)
             else:
