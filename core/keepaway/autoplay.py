@@ -20,7 +20,7 @@ from core.keepaway.match import (
     open_streams,
     start_episode,
 )
-from core.keepaway.pitch import CYCLE_S, OUT, KeepawayConfig, Rules
+from core.keepaway.pitch import CYCLES_PER_S, OUT, KeepawayConfig, Rules
 from core.keepaway.policies import POLICIES
 from core.keepaway.variables import state_variables
 from core.learners.sarsa import Sarsa, decide, end_episode
@@ -47,8 +47,8 @@ class Episodes:
 
     @property
     def duration_s(self) -> Floats:
-        """Durations in seconds, shape (n,)."""
-        return np.asarray(self.cycles * CYCLE_S, np.float64)
+        """Durations in seconds, shape (n,): the float nearest to each decimal, as read from a table."""
+        return np.asarray(self.cycles / CYCLES_PER_S, np.float64)
 
 
 def keepaway_tiles(config: KeepawayConfig, n_tilings: int = 32) -> TileCoder:

@@ -12,6 +12,7 @@ CYCLE_NS: Final = 100_000_000
 """Duration of one cycle in nanoseconds."""
 CYCLE_S: Final = 0.1
 """Duration of one cycle in seconds."""
+CYCLES_PER_S: Final = 10
 
 # Columns of the state arrays. A ball is (X, Y, VX, VY); a player adds BODY and NECK.
 X: Final = 0
