@@ -6,13 +6,18 @@ cached on disk, and keep IEEE arithmetic (no fast-math: sums are the same on eve
 Numba notices when the file of a compiled function changes, but not when a function it calls in another file does, or a
 table. A stale kernel would give results that no source explains. So the cache folder is named after a digest
 of all sources that may hold or feed a kernel: other sources, other kernels.
+
+Compiling everything takes a minute or two, so processes share the work: while one compiles a kernel, others that need it
+wait, and load it from the cache.
 """
 
 import hashlib
 import os
 import shutil
+import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -68,15 +73,56 @@ def _last_used(folder: Path) -> float:
 os.environ.setdefault("NUMBA_CACHE_DIR", _cache_folder())
 
 import numba
+from numba.core.compiler_lock import global_compiler_lock
+
+if sys.platform != "win32":
+    import fcntl
+
+JIT_DISABLED: bool = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
+"""True under NUMBA_DISABLE_JIT=1, where kernels run as plain Python."""
 
 
 def kernel(function: Function) -> Function:
     """Compile `function` on its first call; released GIL, cached on disk, no fast-math."""
-    return cast(Function, numba.njit(cache=True, nogil=True)(function))
+    compiled: Any = numba.njit(cache=True, nogil=True)(function)
+    if not JIT_DISABLED:
+        compiled.compile = _one_process_at_a_time(
+            compiled.compile, f"{function.__module__}.{function.__qualname__}"
+        )
+    return cast(Function, compiled)
 
 
-JIT_DISABLED: bool = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
-"""True under NUMBA_DISABLE_JIT=1, where kernels run as plain Python."""
+def _one_process_at_a_time(compile_it: Callable[[Any], Any], name: str) -> Callable[[Any], Any]:
+    """Return `compile_it` such that processes with the same cache take turns, kernel by kernel.
+
+    A kernel's callees are compiled within its own turn. Kernels do not call each other in circles, so whoever waits holds
+    only callers of what it waits for, and nobody waits forever. Threads of a process take turns by numba's own lock, which
+    comes first.
+    """
+    lock_file = Path(os.environ["NUMBA_CACHE_DIR"]) / f"{name}.lock"
+
+    def compile_in_turn(signature: Any) -> Any:
+        with global_compiler_lock, _turn(lock_file):
+            return compile_it(signature)
+
+    return compile_in_turn
+
+
+@contextmanager
+def _turn(lock_file: Path) -> Iterator[None]:
+    """Wait until no other process holds the file, and hold it; where files cannot be held, go on at once."""
+    if sys.platform == "win32":  # every process compiles for itself
+        yield
+        return
+    try:
+        held = lock_file.open("wb")
+    except OSError:  # the folder of old sources may have been removed
+        yield
+        return
+    with held:
+        with suppress(OSError):
+            fcntl.flock(held, fcntl.LOCK_EX)
+        yield
 
 
 def specialised(function: Function, *arguments: Any) -> Function:

@@ -7,7 +7,15 @@ from numpy.typing import NDArray
 
 from core.combination.asking import Asker, Question, samples_of
 from core.combination.bootstrap_learning import BootstrapLearning, EpisodeReport
-from core.combination.config import ENVIRONMENT_WEIGHTS, AgentConfig, EpisodeWeights, HumanOnly
+from core.combination.config import (
+    ENVIRONMENT_WEIGHTS,
+    AgentConfig,
+    EpisodeWeights,
+    HumanOnly,
+    Signed,
+    Tried,
+    TrustRule,
+)
 from core.combination.crowd import Crowd, CrowdTrust
 from core.combination.environment import environment_side
 from core.combination.human_learner import HumanLearner
@@ -296,8 +304,14 @@ class ArlAgent:
         return vectors
 
     def digest(self) -> str:
-        """Return SHA-256 over everything learned, hex: learner, top policies, human model, w_h."""
-        parts = (self._environment.state_digest(), self.bootstrap.state_bytes(), self.human.state_bytes())
+        """Return SHA-256 over everything learned, hex: learner, top policies, human model, w_h.
+
+        How consistent the presses were is part of it where trust goes by it, and only there: sessions under other
+        rules keep the fingerprints that they were recorded with.
+        """
+        parts = [self._environment.state_digest(), self.bootstrap.state_bytes(), self.human.state_bytes()]
+        if _goes_by_consistency(self.config.bootstrap.trust):
+            parts.append(self.human.consistency_bytes())
         digest = hashlib.sha256()
         for part in parts:
             digest.update(len(part).to_bytes(8, "little"))
@@ -344,3 +358,8 @@ class ArlAgent:
             weights.w_r,
             weights.w_h,
         )
+
+
+def _goes_by_consistency(rule: TrustRule) -> bool:
+    """Return whether a rule of trust asks whether presses can be foreseen."""
+    return isinstance(rule, Tried) or (isinstance(rule, Signed) and rule.consistent_above is not None)

@@ -122,6 +122,10 @@ class Crowd:
         """Return all that decides about what is learned later, for fingerprints."""
         return self.factors.tobytes() + b"".join(learner.state_bytes() for learner in self.learners)
 
+    def consistency_bytes(self) -> bytes:
+        """Return all that decides about everybody's later consistency, for fingerprints."""
+        return b"".join(learner.consistency_bytes() for learner in self.learners)
+
 
 class CrowdTrust:
     """Bootstrap learning with a weight per source: the same rule for each, over the same top policies."""

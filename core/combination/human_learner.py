@@ -128,6 +128,10 @@ class HumanLearner:
             account.too_late,
         )
 
+    def consistency_bytes(self) -> bytes:
+        """Return all that decides about later `consistency`, for fingerprints of agents whose trust goes by it."""
+        return self._consistency.state_bytes()
+
     def _learn(self) -> None:
         for sample in self._assigner.take():
             self._learn_from(sample)

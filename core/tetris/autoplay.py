@@ -39,13 +39,11 @@ from core.tetris.evaluation import (
     set_weights,
 )
 from core.tetris.features import BERTSEKAS_21, feature_set
+from core.tetris.kept_game import FINISHED, LINES, PIECES
 from core.tetris.pieces import MAX_SHAPE_SIZE
 
 PIECE_LIMIT = 2**40
 """A piece cap that no game reaches."""
-
-# Places in a game's row of counters.
-PIECES, LINES, FINISHED = range(3)
 
 
 class GreedyGames:

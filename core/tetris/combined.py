@@ -1,7 +1,6 @@
 """Whole games in which environment and human decide together, in compiled code; they can be stopped and continued.
 
-A game between two changes of the human model is one call. What a watcher needs of the last decisions (board and
-action) is kept in a ring, so that whoever judges them need not have been asked at each.
+A game between two changes of the human model is one call.
 """
 
 from dataclasses import dataclass
@@ -24,11 +23,9 @@ from core.tetris.board import (
     allow_all,
     fill_heights,
     mark_ruled_out,
-    new_work,
     piece_at,
     put_down,
     remove_rows,
-    rule_codes,
     scan_placements,
     wall_height,
 )
@@ -42,17 +39,12 @@ from core.tetris.evaluation import (
     linear_policy,
 )
 from core.tetris.features import BERTSEKAS_21
+from core.tetris.kept_game import AGREED, AGREED_WORST, FINISHED, LINES, PIECES, KeptGame
 from core.tetris.pieces import MAX_SHAPE_SIZE
 
-# Places in a game's row of counters.
-PIECES, LINES, FINISHED, AGREED, AGREED_WORST = range(5)
 
-
-class CombinedGame:
-    """A game in which every decision combines R = theta . phi and H = v . psi (Eqs. 1 to 3).
-
-    All placements are open, also those that primitive actions could not reach (`TetrisConfig.placements`).
-    """
+class CombinedGame(KeptGame):
+    """A game in which every decision combines R = theta . phi and H = v . psi (Eqs. 1 to 3)."""
 
     def __init__(
         self,
@@ -76,46 +68,10 @@ class CombinedGame:
             share_seed: seed that decides where control is shared (`combination.share`), in [0, 2**62).
             window: how many of the last decisions are kept, >= 1.
         """
-        if config.lines_in_value:
-            raise ValueError(
-                "lines_in_value is for given policies only: play_greedy; here values come from features"
-            )
-        self._config = config
+        super().__init__(human_weights, config, combination, window=window)
         self._environment = linear_policy(environment_weights, config, config.features)
-        self._human = linear_policy(human_weights, config, config.feedback_features)
         self._seed = seed
-        self._combination = combination
         self._share_seed = share_seed
-        self._work = new_work()
-        self._rules = rule_codes(config)
-        # One row per kept decision: the columns of the board, then the action.
-        self._ring = np.zeros((window, MAX_COLUMNS + 1), dtype=np.int64)
-        self._counters = np.zeros(5, dtype=np.int64)
-
-    @property
-    def pieces(self) -> int:
-        """Pieces placed so far: the number of decisions."""
-        return int(self._counters[PIECES])
-
-    @property
-    def lines(self) -> int:
-        """Lines cleared so far."""
-        return int(self._counters[LINES])
-
-    @property
-    def finished(self) -> bool:
-        """Whether the game has ended (not: was stopped by a cap)."""
-        return bool(self._counters[FINISHED])
-
-    @property
-    def agreed(self) -> int:
-        """Decisions so far at which the environment policy's best action was the human policy's best."""
-        return int(self._counters[AGREED])
-
-    @property
-    def agreed_worst(self) -> int:
-        """Decisions so far at which it was the human policy's worst action instead."""
-        return int(self._counters[AGREED_WORST])
 
     def advance(self, piece_cap: int) -> None:
         """Play on until the game ends or has `piece_cap` pieces."""
@@ -134,22 +90,6 @@ class CombinedGame:
             self._ring,
             self._counters,
         )
-
-    def set_human_weights(self, human_weights: NDArray[np.float64]) -> None:
-        """Go on with another human model; what has been decided and counted stays."""
-        self._human = linear_policy(human_weights, self._config, self._config.feedback_features)
-
-    def kept(self, decision: int) -> tuple[tuple[int, ...], int]:
-        """Return the board before one of the last decisions, column by column, and the action that was taken.
-
-        The action is an index into the choices of `core.tetris.afterstate.Tetris` with all placements offered.
-        """
-        if not max(0, self.pieces - len(self._ring)) <= decision < self.pieces:
-            raise ValueError(
-                f"decision {decision} is not one of the last {len(self._ring)} of {self.pieces} decisions"
-            )
-        row = self._ring[decision % len(self._ring)]
-        return tuple(row[: self._config.columns].tolist()), int(row[MAX_COLUMNS])
 
 
 @dataclass(frozen=True, slots=True, eq=False)

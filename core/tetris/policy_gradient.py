@@ -34,29 +34,33 @@ from core.tetris.board import (
     allow_all,
     fill_heights,
     mark_ruled_out,
-    new_work,
     piece_at,
     put_down,
     remove_rows,
-    rule_codes,
     scan_placements,
     wall_height,
 )
 from core.tetris.combined import place_among_offered
 from core.tetris.config import MAX_COLUMNS, TetrisConfig
-from core.tetris.evaluation import Floats, fill_values, linear_policy
+from core.tetris.evaluation import Floats, fill_values
 from core.tetris.features import feature_set, fill_after
+from core.tetris.kept_game import (
+    AGREED,
+    AGREED_WORST,
+    COMPARED,
+    FINISHED,
+    LINES,
+    PIECES,
+    KeptGame,
+)
 from core.tetris.pieces import MAX_SHAPE_SIZE
 
 N_SCALE_GAMES = 20
 """Random games behind `placement_scales`."""
 
-# Places in a game's row of counters.
-PIECES, LINES, FINISHED, AGREED, AGREED_WORST, COMPARED = range(6)
 
-
-class PolicyGradientGame:
-    """One episode in which the learner plays and learns; all placements are open, as in `CombinedGame`."""
+class PolicyGradientGame(KeptGame):
+    """One episode in which the learner plays and learns; agreement is counted where there is a human policy."""
 
     def __init__(
         self,
@@ -89,50 +93,17 @@ class PolicyGradientGame:
                 f"{config.features} on {config.columns} columns has {len(features.names)} features, "
                 f"the learner {len(learner.scales)}"
             )
-        if config.lines_in_value:
-            raise ValueError("lines_in_value is for given policies only: play_greedy")
-        self._config = config
+        super().__init__(human_weights, config, combination, window=window)
         self._memory = learner.memory
         self._code = features.code
         self._units = features.denominators * learner.scales
         self._seeds = np.array([seed, share_seed, chance_seed], dtype=np.int64)
-        self._combination = combination
-        self._work = new_work()
-        self._rules = rule_codes(config)
-        self._ring = np.zeros((window, MAX_COLUMNS + 1), dtype=np.int64)
-        self._counters = np.zeros(6, dtype=np.int64)
-        self.set_human_weights(human_weights)
         learner.begin_episode()
-
-    @property
-    def pieces(self) -> int:
-        """Pieces placed so far: the number of decisions."""
-        return int(self._counters[PIECES])
-
-    @property
-    def lines(self) -> int:
-        """Lines cleared so far."""
-        return int(self._counters[LINES])
-
-    @property
-    def finished(self) -> bool:
-        """Whether the game has ended (not: was stopped by a cap)."""
-        return bool(self._counters[FINISHED])
 
     @property
     def compared(self) -> int:
         """Decisions so far at which there was a human policy."""
         return int(self._counters[COMPARED])
-
-    @property
-    def agreed(self) -> int:
-        """Those at which the environment policy's best action was the human policy's best."""
-        return int(self._counters[AGREED])
-
-    @property
-    def agreed_worst(self) -> int:
-        """Those at which it was the human policy's worst action instead."""
-        return int(self._counters[AGREED_WORST])
 
     def advance(self, piece_cap: int) -> None:
         """Play on until the game ends or has `piece_cap` pieces."""
@@ -157,18 +128,9 @@ class PolicyGradientGame:
         )
 
     def set_human_weights(self, human_weights: NDArray[np.float64]) -> None:
-        """Go on with another human model; what has been decided, learned and counted stays."""
-        self._human = linear_policy(human_weights, self._config, self._config.feedback_features)
+        """Go on with another human model; all 0: there is no human policy."""
+        super().set_human_weights(human_weights)
         self._human_known = bool(np.any(human_weights))
-
-    def kept(self, decision: int) -> tuple[tuple[int, ...], int]:
-        """Return the board before one of the last decisions, and the action taken, as `CombinedGame.kept`."""
-        if not max(0, self.pieces - len(self._ring)) <= decision < self.pieces:
-            raise ValueError(
-                f"decision {decision} is not one of the last {len(self._ring)} of {self.pieces} decisions"
-            )
-        row = self._ring[decision % len(self._ring)]
-        return tuple(row[: self._config.columns].tolist()), int(row[MAX_COLUMNS])
 
 
 def play_policy_gradient(

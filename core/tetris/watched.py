@@ -9,10 +9,6 @@ bit (tested), in a hundredth of the time.
 import heapq
 import math
 from dataclasses import dataclass
-from typing import Protocol
-
-import numpy as np
-from numpy.typing import NDArray
 
 from core.clock import NS_PER_S
 from core.combination.agent import ArlAgent
@@ -22,10 +18,11 @@ from core.feedback.delays import CurrentStep, PreviousStep
 from core.feedback.source import Oracle
 from core.feedback.trainers import IntendedPress, SimulatedTrainer
 from core.keys import NS_PER_MS, PressGate
-from core.protocol import Protocol as SessionProtocol
+from core.protocol import Protocol
 from core.rollout import Played
 from core.streams import stream_seed
 from core.tetris.afterstate import Tetris, TetrisState
+from core.tetris.kept_game import KeptGame
 from core.tetris.sessions import open_game, tetris_rules
 
 
@@ -43,52 +40,11 @@ class WatchedEpisode:
     """Weight that the human had in this episode."""
 
 
-class Game(Protocol):
-    """A game that is played in compiled code, and stops where it is told to."""
-
-    @property
-    def pieces(self) -> int:
-        """Pieces placed so far."""
-        ...
-
-    @property
-    def lines(self) -> int:
-        """Lines cleared so far."""
-        ...
-
-    @property
-    def finished(self) -> bool:
-        """Whether the game has ended."""
-        ...
-
-    @property
-    def agreed(self) -> int:
-        """Decisions at which the environment policy's best action was the human policy's best."""
-        ...
-
-    @property
-    def agreed_worst(self) -> int:
-        """Decisions at which it was the human policy's worst."""
-        ...
-
-    def advance(self, piece_cap: int) -> None:
-        """Play on until the game ends or has `piece_cap` pieces."""
-        ...
-
-    def set_human_weights(self, human_weights: NDArray[np.float64]) -> None:
-        """Go on with another human model."""
-        ...
-
-    def kept(self, decision: int) -> tuple[tuple[int, ...], int]:
-        """Return the board before one of the last decisions, and the action taken."""
-        ...
-
-
 @dataclass(slots=True, eq=False)
 class _Showing:
     """The episode that is being watched."""
 
-    game: Game
+    game: KeptGame
     seed: int
     first_step: int
     """Number of its first step in the session."""
@@ -112,7 +68,7 @@ class WatchedTetris:
 
     def __init__(
         self,
-        protocol: SessionProtocol,
+        protocol: Protocol,
         agent: ArlAgent,
         trainer: SimulatedTrainer,
         oracle: Oracle[TetrisState],
@@ -274,7 +230,7 @@ class WatchedTetris:
         self._press_until(showing, self._now_ns)
 
 
-def _check(protocol: SessionProtocol) -> None:
+def _check(protocol: Protocol) -> None:
     """Refuse what would need every step, or decisions that are not kept."""
     trust = protocol.agent.bootstrap.trust
     window_needed = isinstance(trust, Equation4) and (
@@ -299,7 +255,7 @@ def _check(protocol: SessionProtocol) -> None:
             raise ValueError(f"a session between whose presses compiled code plays needs {wanted}")
 
 
-def _steps_reached(protocol: SessionProtocol, step_ns: int) -> int:
+def _steps_reached(protocol: Protocol, step_ns: int) -> int:
     """Return how many of the last steps a press can speak of, the one on screen included."""
     delay = protocol.agent.credit.delay
     if isinstance(delay, PreviousStep | CurrentStep):

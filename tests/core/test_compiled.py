@@ -6,6 +6,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from core.compiled import KEPT_CACHES, _forget_old_caches, _sources_digest
 
 REPOSITORY = Path(__file__).resolve().parents[2]
@@ -54,6 +56,39 @@ def test_kernels_of_studies_are_fed_by_files_that_the_digest_covers():
         ):
             fed_by = REPOSITORY / ("".join(module).replace(".", "/") + ".py")
             assert fed_by in with_kernels, f"{path} takes from {fed_by}, which the digest does not see"
+
+
+@pytest.mark.jit
+def test_processes_that_need_the_same_kernels_at_the_same_time_compile_each_once(tmp_path):
+    environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path), "PYTHONPATH": str(REPOSITORY)}
+    environment.pop("NUMBA_CACHE_DIR", None)
+    script = """
+from core.softmax import drawn, softmax
+import numpy as np
+print("ready", flush=True)
+input()
+softmax(np.zeros(2), np.zeros(2, dtype=bool), 2, np.empty(2))
+drawn(np.array([0.5, 0.5]), 2, 0.7)
+print(sum(sum(kernel.stats.cache_misses.values()) for kernel in (softmax, drawn)))
+"""
+    running = [
+        subprocess.Popen(
+            [sys.executable, "-c", script],
+            env=environment,
+            cwd=REPOSITORY,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        for _ in range(2)
+    ]
+    for process in running:
+        assert process.stdout.readline() == "ready\n"
+    for process in running:
+        process.stdin.write("\n")
+        process.stdin.flush()
+    compiled = [int(process.communicate()[0]) for process in running]
+    assert sum(compiled) == 2
 
 
 def test_a_read_only_cache_is_replaced_by_a_temporary_folder(tmp_path):

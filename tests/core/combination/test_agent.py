@@ -17,10 +17,13 @@ from core.combination.config import (
     Constant,
     ControlSharing,
     EpisodeWeights,
+    Equation4,
     HumanOnly,
     Linear,
     Scheme,
     Signed,
+    Tried,
+    TrustRule,
 )
 from core.combination.schemes import takes_control
 from core.combination.trust import Comparison
@@ -65,13 +68,20 @@ def agent(
     root_seed: int = 1,
     bootstrap: BootstrapConfig | None = None,
     credit: CreditConfig | None = None,
+    n_sources: int = 1,
 ) -> ArlAgent:
     config = AgentConfig(
         scheme=scheme or Linear(),
         bootstrap=bootstrap or BootstrapConfig(),
         credit=credit or CreditConfig(delay=CurrentStep()),
     )
-    return ArlAgent(learner or CountingLearner(), config, n_feedback_features=2, root_seed=root_seed)
+    return ArlAgent(
+        learner or CountingLearner(),
+        config,
+        n_feedback_features=2,
+        root_seed=root_seed,
+        n_sources=n_sources,
+    )
 
 
 def choices(*rows: tuple[float, float], feedback: tuple[tuple[float, float], ...] | None = None) -> Choices:
@@ -246,6 +256,31 @@ def test_the_fingerprint_tells_what_was_learned_from_whom() -> None:
     digests.add(other.digest())
     assert len(digests) == 4
     assert all(len(digest) == 64 for digest in digests)
+
+
+@pytest.mark.parametrize("n_sources", [1, 2])
+@pytest.mark.parametrize(
+    ("trust", "goes_by_it"),
+    [(Tried(), True), (Signed(consistent_above=2.0), True), (Signed(), False), (Equation4(), False)],
+    ids=str,
+)
+def test_the_fingerprint_knows_how_well_presses_were_foreseen_where_trust_goes_by_it(
+    trust: TrustRule, goes_by_it: bool, n_sources: int
+) -> None:
+    def taught(*presses: tuple[tuple[float, float], float]) -> ArlAgent:
+        pupil = agent(bootstrap=BootstrapConfig(trust=trust), n_sources=n_sources)
+        for step, (features, value) in enumerate(presses):
+            now_ns = (step + 1) * NS_PER_S
+            pupil.step_shown(step, np.array(features), now_ns)
+            pupil.learn_from_press(step, now_ns + NS_PER_S // 2, value)
+            pupil.step_hidden(now_ns + 3 * NS_PER_S // 4)
+        return pupil
+
+    # In either order the model is the same, but what it had foreseen of the second press is not.
+    praise, blame = ((1.0, 0.0), 1.0), ((0.0, 1.0), -1.0)
+    one, other = taught(praise, blame), taught(blame, praise)
+    assert one.human.state_bytes() == other.human.state_bytes()
+    assert (one.digest() != other.digest()) is goes_by_it
 
 
 def test_credit_is_reported_with_what_fell_outside() -> None:
