@@ -9,13 +9,14 @@ from pathlib import Path
 from typing import Any
 
 from textual import constants, events
-from textual.app import App
 
 from arl_tui.driver import FlushClock, stamped_driver
 from arl_tui.garbage import GarbageControl
 from arl_tui.link import Link, PressSuggested, Ready
 from arl_tui.live import LiveSession, Occurrence, Tally
+from arl_tui.once import after
 from arl_tui.palette import palette_for
+from arl_tui.plain_app import PlainApp
 from arl_tui.recordings import new_path, rescue
 from arl_tui.screens.closing import ClosingScreen
 from arl_tui.screens.play import PlayScreen
@@ -58,14 +59,11 @@ class Outcome:
     """Why the session ended early, if something failed."""
 
 
-class ArlApp(App[Outcome], inherit_bindings=False):
+class ArlApp(PlainApp[Outcome]):
     """A participant watches, presses keys, and can stop at any time."""
 
     CSS_PATH = "app.tcss"
     TITLE = "arl"
-    ENABLE_COMMAND_PALETTE = False
-    ALLOW_SELECT = False
-    AUTO_FOCUS = None
 
     def __init__(self, sitting: Sitting, link: Link, *, clock: Clock | None = None) -> None:
         """Prepare an app around a worker that has been started already.
@@ -78,7 +76,6 @@ class ArlApp(App[Outcome], inherit_bindings=False):
         self._clock = clock or MonotonicClock()
         self._flush_clock = FlushClock(self._clock)
         super().__init__(driver_class=stamped_driver(self._flush_clock))
-        self.animation_level = "none"
         self.sitting = sitting
         self.live = LiveSession(
             keys=sitting.protocol.keys,
@@ -222,7 +219,7 @@ class ArlApp(App[Outcome], inherit_bindings=False):
                 self._garbage.collect()
             case PressSuggested(key=key, time_ns=time_ns):
                 delay_s = max(0, time_ns - self._clock.now_ns()) / NS_PER_S
-                self.set_timer(delay_s, lambda: self._press_simulated(key))
+                after(self, delay_s, lambda: self._press_simulated(key))
         self.play.show(occurrence)
         if self._recorder is not None and self._recorder.failure is not None and self.live.phase == "running":
             # Nobody shall go on for minutes for a recording that is not written.
@@ -231,8 +228,10 @@ class ArlApp(App[Outcome], inherit_bindings=False):
     def ask_to_stop(self) -> None:
         """End the session; the closing screen comes when the worker has said its last word."""
         self.live.stop()
-        self.set_timer(
-            PATIENCE_S, lambda: self.live.give_up(f"The learner did not answer within {PATIENCE_S:.0f} s.")
+        after(
+            self,
+            PATIENCE_S,
+            lambda: self.live.give_up(f"The learner did not answer within {PATIENCE_S:.0f} s."),
         )
 
     def _on_over(self, trouble: str | None) -> None:

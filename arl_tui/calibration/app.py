@@ -8,7 +8,6 @@ from pathlib import Path
 
 import msgspec
 from textual import constants, events
-from textual.app import App
 
 from arl_tui.app import key_name
 from arl_tui.calibration.clips import Clip
@@ -32,6 +31,7 @@ from arl_tui.calibration.views import BoxView, GameView, PitchView, View
 from arl_tui.driver import FlushClock, stamped_driver
 from arl_tui.garbage import GarbageControl
 from arl_tui.palette import palette_for
+from arl_tui.plain_app import PlainApp
 from arl_tui.screens.covers import fits_into
 from arl_tui.screens.page import Page
 from core.clock import Clock, MonotonicClock, wall_time_utc
@@ -56,14 +56,11 @@ class Outcome:
     trouble: str | None = None
 
 
-class CalibrationApp(App[Outcome], inherit_bindings=False):
+class CalibrationApp(PlainApp[Outcome]):
     """Tasks, one after another, and what came of them."""
 
     CSS_PATH = "../app.tcss"
     TITLE = "arl calibrate"
-    ENABLE_COMMAND_PALETTE = False
-    ALLOW_SELECT = False
-    AUTO_FOCUS = None
 
     def __init__(
         self,
@@ -84,7 +81,6 @@ class CalibrationApp(App[Outcome], inherit_bindings=False):
         self._clock = clock or MonotonicClock()
         self._flush_clock = FlushClock(self._clock)
         super().__init__(driver_class=stamped_driver(self._flush_clock))
-        self.animation_level = "none"
         self._sitting = sitting
         self._helper = helper
         self._timing = timing

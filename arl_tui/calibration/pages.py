@@ -4,7 +4,6 @@ from collections.abc import Iterable, Sequence
 from typing import ClassVar
 
 from rich.text import Text
-from textual import events
 from textual.binding import Binding, BindingType
 from textual.widget import Widget
 from textual.widgets import Static
@@ -13,7 +12,7 @@ from arl_tui.calibration.fitting import Fitted
 from arl_tui.calibration.plan import Part, Unfinished, minutes_left
 from arl_tui.calibration.texts import SOMETIMES_NOTHING, TITLES, instruction
 from arl_tui.participants import FEEDBACK_LAG, SIMPLE, TaskDelay
-from arl_tui.screens.covers import fits_into
+from arl_tui.screens.covers import SmallWindowScreen
 from arl_tui.screens.page import Page
 from studies.reaction_time.protocol import BlockPlan, Schedule
 
@@ -195,24 +194,21 @@ class PausePage(Reading):
         yield "Take as long as you like. The last one will come again; nothing else is lost if you stop."
 
 
-class SmallPage(Page):
-    """Asks for a larger window; leaves by itself when it is there."""
+class SmallPage(SmallWindowScreen):
+    """Asks for a larger window, or to stop."""
 
-    HEADING = "This window is too small"
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("q,ctrl+q,ctrl+c", "stop", "Stop", id="small.stop", tooltip="Stop; what is done is kept")
     ]
 
+    def __init__(self) -> None:
+        from arl_tui.calibration.trial_screen import SMALLEST
+
+        super().__init__(SMALLEST)
+
     def body(self) -> Iterable[Widget]:
         """Return the text."""
         yield Static("80 columns and 24 lines are needed. It goes on when the window is larger. Q stops.")
-
-    def on_resize(self, event: events.Resize) -> None:
-        """Go on when there is room."""
-        from arl_tui.calibration.trial_screen import SMALLEST
-
-        if fits_into(SMALLEST, event.size):
-            self.leave(True)
 
     def action_stop(self) -> None:
         """Stop."""

@@ -108,9 +108,16 @@ class SmallWindowScreen(Page):
             "window is larger, or the letters are smaller."
         )
 
+    def on_screen_resume(self) -> None:
+        """Go on at once where the window has grown before this page was there."""
+        self.call_later(lambda: self._leave_if(self.app.size))
+
     def on_resize(self, event: events.Resize) -> None:
         """Go on when there is room."""
-        if fits_into(self._needed, event.size):
+        self._leave_if(event.size)
+
+    def _leave_if(self, size: Size) -> None:
+        if fits_into(self._needed, size):
             self.leave(True)
 
 

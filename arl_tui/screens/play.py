@@ -172,7 +172,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
 
     def on_resize(self, event: events.Resize) -> None:
         """Ask for a larger window where the game does not fit."""
-        if self.is_current and not fits_into(self.scene.needed, event.size):
+        if self.is_active and not fits_into(self.scene.needed, event.size):
             self._lay_over(SmallWindowScreen(self.scene.needed), "resize")
 
     def _lay_over(self, page: Page, reason: Cover, then: Callable[[bool | None], None] | None = None) -> None:

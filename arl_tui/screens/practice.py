@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from textual.app import App, ComposeResult
+from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical
 from textual.screen import Screen
@@ -11,6 +11,7 @@ from textual.timer import Timer
 from textual.widgets import Static
 
 from arl_tui.palette import STANDARD, Palette, palette_for
+from arl_tui.plain_app import PlainApp
 from arl_tui.widgets.board import TetrisBoard
 from arl_tui.widgets.next_piece import NextPiece
 from arl_tui.widgets.stats import Figures, StatsPanel
@@ -200,12 +201,10 @@ class PracticeScreen(Screen[None], inherit_bindings=False):
             self._board.cover(f"GAME OVER\n{rows} cleared\n\nn new game  q quit", whole=False)
 
 
-class PracticeApp(App[int], inherit_bindings=False):
+class PracticeApp(PlainApp[int]):
     """Practice on its own; its result is how many rows the last game has cleared."""
 
     TITLE = "arl practice"
-    ENABLE_COMMAND_PALETTE = False
-    ALLOW_SELECT = False
 
     def __init__(
         self,

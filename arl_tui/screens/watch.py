@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable
 from typing import ClassVar
 
 from textual import events
-from textual.app import App, ComposeResult
+from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal
 from textual.geometry import Size
@@ -15,6 +15,7 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from arl_tui.palette import STANDARD, palette_for
+from arl_tui.plain_app import PlainApp
 from arl_tui.playback import Playback, Source
 from arl_tui.screens.covers import SmallWindowScreen, fits_into
 from arl_tui.screens.page import Page, key_cap
@@ -229,7 +230,7 @@ class WatchScreen(Screen[None], inherit_bindings=False):
 
     def on_resize(self, event: events.Resize) -> None:
         """Ask for a larger window where the pitch could not be read."""
-        if self.is_current and not fits_into(self._needed, event.size):
+        if self.is_active and not fits_into(self._needed, event.size):
             self._lay_over(SmallWindowScreen(self._needed))
 
     def _lay_over(self, page: Page) -> None:
@@ -279,13 +280,11 @@ def summary(ends: list[tuple[float, int]]) -> str:
     return f"{episodes}: mean {mean:.1f} s; ball out {out}, taken {len(ends) - out}"
 
 
-class WatchApp(App[str], inherit_bindings=False):
+class WatchApp(PlainApp[str]):
     """One match; the app's result is a line about what was seen."""
 
     CSS_PATH = "../app.tcss"
     TITLE = "arl watch"
-    ENABLE_COMMAND_PALETTE = False
-    ALLOW_SELECT = False
 
     def __init__(self, view: WatchScreen, prepare: Callable[[], Source]) -> None:
         """Prepare.
@@ -296,7 +295,6 @@ class WatchApp(App[str], inherit_bindings=False):
                 another thread.
         """
         super().__init__()
-        self.animation_level = "none"
         self.view = view
         self.trouble: Exception | None = None
         """Why the match could not be prepared."""

@@ -11,14 +11,16 @@ from pathlib import Path
 import msgspec
 from rich.segment import Segment
 from textual import events
-from textual.app import App, ComposeResult
+from textual.app import ComposeResult
 from textual.strip import Strip
 from textual.widget import Widget
 
 from arl_tui.driver import FlushClock, stamped_driver
 from arl_tui.garbage import GarbageControl
 from arl_tui.link import Begin, Crashed, FromWorker, Link, Picture, Ready
+from arl_tui.once import after
 from arl_tui.palette import STANDARD
+from arl_tui.plain_app import PlainApp
 from arl_tui.timing.leash import tie_to_parent
 from arl_tui.timing.plan import (
     ANSWER_KEY,
@@ -69,12 +71,8 @@ class Stimulus(Widget, can_focus=False):
         return Strip([Segment(text.ljust(self.size.width), self.rich_style)])
 
 
-class SubjectApp(App[str], inherit_bindings=False):
+class SubjectApp(PlainApp[str]):
     """Runs the trials of a plan; returns why it ended early, "" if it did not."""
-
-    ENABLE_COMMAND_PALETTE = False
-    ALLOW_SELECT = False
-    AUTO_FOCUS = None
 
     def __init__(self, plan: Plan, link: Link | None) -> None:
         """Prepare.
@@ -86,7 +84,6 @@ class SubjectApp(App[str], inherit_bindings=False):
         self._clock = MonotonicClock()
         self._flush_clock = FlushClock(self._clock)
         super().__init__(driver_class=stamped_driver(self._flush_clock))
-        self.animation_level = "none"
         self.answers: list[Answered] = []
         self._plan = plan
         self._link = link
@@ -190,7 +187,7 @@ class SubjectApp(App[str], inherit_bindings=False):
 
     def _settle(self) -> None:
         self._garbage.first_paint()
-        self.set_timer(SETTLE_S, self._next_trial)
+        after(self, SETTLE_S, self._next_trial)
 
     def _next_trial(self) -> None:
         if self._trial < 0:
@@ -202,13 +199,13 @@ class SubjectApp(App[str], inherit_bindings=False):
         self._garbage.collect()
         self._garbage.hold()
         self._flushed_ns = None
-        self.set_timer(self._plan.trials[self._trial].foreperiod_ms / 1000, self._show)
+        after(self, self._plan.trials[self._trial].foreperiod_ms / 1000, self._show)
 
     def _show(self) -> None:
         self._open = True
         trial = self._trial
         self._stimulus.show(trial)
-        self.set_timer(TIME_OUT_S, lambda: self._end_trial(trial, None))
+        after(self, TIME_OUT_S, lambda: self._end_trial(trial, None))
 
     async def on_event(self, event: events.Event) -> None:
         """Take a key as a session does: with the message's own time."""
@@ -223,7 +220,7 @@ class SubjectApp(App[str], inherit_bindings=False):
         self._open = False
         self.answers.append(Answered(number=trial, flushed_ns=self._flushed_ns, key_ns=key_ns))
         self._stimulus.show(None)
-        self.set_timer(GAP_S, self._next_trial)
+        after(self, GAP_S, self._next_trial)
 
 
 def _call_soon(loop: asyncio.AbstractEventLoop, callback: Callable[[], None]) -> None:

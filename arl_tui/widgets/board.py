@@ -8,10 +8,11 @@ from textual.strip import Strip
 
 from arl_tui.palette import STANDARD, Palette
 from arl_tui.widgets.blocks import CELLS_PER_BLOCK, BlockWidget
+from arl_tui.widgets.coverable import CoverableWidget
 from core.tetris.picture import Snapshot
 
 
-class TetrisBoard(BlockWidget):
+class TetrisBoard(BlockWidget, CoverableWidget):
     """Draws snapshots; repaints only the rows that have changed.
 
     Two cells per block: a board of 20 x 10 takes 22 lines and 22 columns with its border.
@@ -46,8 +47,6 @@ class TetrisBoard(BlockWidget):
         self.drawn_frame = -1
         """Number of the newest frame of which at least one row has been drawn."""
         self._codes = bytes(rows * columns)
-        self._cover_text: tuple[str, ...] = ()
-        self._cover_whole = True
 
     def get_content_width(self, container: Size, viewport: Size) -> int:
         """Return the board's width in cells."""
@@ -78,7 +77,7 @@ class TetrisBoard(BlockWidget):
         before, after = self._codes, snapshot.codes()
         self._codes = after
         self.frame = frame
-        if (self._cover_text and self._cover_whole) or before == after:
+        if self.hidden_whole or before == after:
             return False
         width = self.columns
         changed = [
@@ -89,40 +88,19 @@ class TetrisBoard(BlockWidget):
         self.refresh(*changed)
         return True
 
-    def cover(self, text: str, *, whole: bool = True) -> None:
-        """Write a few short lines over the game, until `uncover`.
-
-        Args:
-            text: lines; what is longer than the board is wide is cut off.
-            whole: hide the whole board, so that there is nothing to judge; otherwise only a band around the text.
-        """
-        self._cover_text = tuple(text.splitlines()) or ("",)
-        self._cover_whole = whole
-        self.refresh()
-
-    def uncover(self) -> None:
-        """Show the game again."""
-        self._cover_text = ()
-        self.refresh()
-
-    @property
-    def covered(self) -> bool:
-        """Whether something is written over the game."""
-        return bool(self._cover_text)
-
     def render_line(self, y: int) -> Strip:
         """Return one line of the widget's content."""
         if y >= self.rows:
             return Strip.blank(self.size.width)
-        line = y - (self.rows - len(self._cover_text)) // 2
-        if self._cover_text and (self._cover_whole or -1 <= line <= len(self._cover_text)):
-            return self._cover_line(line)
+        words = self.covering(y, self.rows)
+        if words is not None:
+            return self._cover_line(words)
         self.drawn_frame = self.frame
         return self.strip(self._codes[y * self.columns : (y + 1) * self.columns])
 
-    def _cover_line(self, line: int) -> Strip:
+    def _cover_line(self, words: str) -> Strip:
         width = self.columns * CELLS_PER_BLOCK
-        text = self._cover_text[line][:width] if 0 <= line < len(self._cover_text) else ""
+        text = words[:width]
         style = self.get_component_rich_style("board--cover")
         left = (width - len(text)) // 2
         return Strip(

@@ -1,5 +1,6 @@
 """Confirms each key press at once, and says how many are left."""
 
+from asyncio import TimerHandle
 from collections.abc import Iterable
 from textwrap import wrap
 from typing import ClassVar
@@ -8,9 +9,9 @@ from rich.segment import Segment
 from rich.style import Style
 from textual.geometry import Size
 from textual.strip import Strip
-from textual.timer import Timer
 from textual.widget import Widget
 
+from arl_tui.once import after
 from arl_tui.widgets.big_letters import LINES, big
 from core.episode import KeyPressed, PressRetracted
 from core.keys import KeyConfig
@@ -96,7 +97,7 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
         """What stands below it."""
         self._kind = "idle"
         self._hold_s = hold_s
-        self._timer: Timer | None = None
+        self._timer: TimerHandle | None = None
 
     def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
         """Return the height, which never changes."""
@@ -135,10 +136,10 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
     def _say(self, word: str, kind: str, note: str) -> None:
         self.word, self._kind, self.note = word, kind, note
         if self._timer is not None:
-            self._timer.stop()
+            self._timer.cancel()
             self._timer = None
         if (word or note) and self._hold_s > 0:
-            self._timer = self.set_timer(self._hold_s, self._fade)
+            self._timer = after(self, self._hold_s, self._fade)
         self.refresh()
 
     def _fade(self) -> None:

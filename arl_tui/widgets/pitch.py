@@ -10,9 +10,9 @@ from rich.style import Style
 from textual.cache import LRUCache
 from textual.geometry import Region, Size
 from textual.strip import Strip
-from textual.widget import Widget
 
 from arl_tui.palette import PALETTES, STANDARD, Palette
+from arl_tui.widgets.coverable import CoverableWidget
 from arl_tui.widgets.pitch_colours import component_classes, style_sheet
 from arl_tui.widgets.pitch_drawing import draw, fit
 from arl_tui.widgets.pitch_ink import GRASS, INKS, WORDS, Detail, Row, Shape
@@ -37,7 +37,7 @@ def detail_for(environment: Mapping[str, str] | None = None, encoding: str | Non
     return "half" if kind == "linux" else "braille"
 
 
-class PitchWidget(Widget, inherit_bindings=False, can_focus=False):
+class PitchWidget(CoverableWidget):
     """Draws pictures of the pitch as large as there is room; repaints only the lines that have changed."""
 
     COMPONENT_CLASSES: ClassVar[set[str]] = component_classes()
@@ -82,8 +82,6 @@ class PitchWidget(Widget, inherit_bindings=False, can_focus=False):
         self._view: PitchFrame | None = None
         self._shape: Shape | None = None
         self._rows: tuple[Row, ...] = ()
-        self._cover_text: tuple[str, ...] = ()
-        self._cover_whole = True
         self._strips: LRUCache[Row, Strip] = LRUCache(512)
         self._looks: dict[tuple[int, int], Style] = {}
         self.add_class(f"-{palette.name}" if palette.name in PALETTES else f"-{STANDARD.name}")
@@ -144,27 +142,6 @@ class PitchWidget(Widget, inherit_bindings=False, can_focus=False):
             self._title = title
             self._redraw()
 
-    def cover(self, text: str, *, whole: bool = True) -> None:
-        """Write a few short lines over the pitch, until `uncover`.
-
-        Args:
-            text: lines; what is longer than the pitch is wide is cut off.
-            whole: hide the whole pitch, so that there is nothing to judge; otherwise only a band around the text.
-        """
-        self._cover_text = tuple(text.splitlines()) or ("",)
-        self._cover_whole = whole
-        self.refresh()
-
-    def uncover(self) -> None:
-        """Show the game again."""
-        self._cover_text = ()
-        self.refresh()
-
-    @property
-    def covered(self) -> bool:
-        """Whether something is written over the game."""
-        return bool(self._cover_text)
-
     # --- drawing --------------------------------------------------------------------------------------------------
 
     def get_content_width(self, container: Size, viewport: Size) -> int:
@@ -189,7 +166,7 @@ class PitchWidget(Widget, inherit_bindings=False, can_focus=False):
         if self._view is None or self._shape is None:
             return False
         before, self._rows = self._rows, draw(self._view, self._shape, self._detail, self._note, self._title)
-        if (self._cover_text and self._cover_whole) or before == self._rows:
+        if self.hidden_whole or before == self._rows:
             return False
         if len(before) != len(self._rows):
             self.refresh()
@@ -208,9 +185,9 @@ class PitchWidget(Widget, inherit_bindings=False, can_focus=False):
     def render_line(self, y: int) -> Strip:
         """Return one line of the widget's content."""
         line = y - self._top
-        band = y - (self.size.height - len(self._cover_text)) // 2
-        if self._cover_text and (self._cover_whole or -1 <= band <= len(self._cover_text)):
-            return self._words(self._cover_text[band] if 0 <= band < len(self._cover_text) else "")
+        words = self.covering(y, self.size.height)
+        if words is not None:
+            return self._words(words)
         if self._shape is None:
             return self._words(TOO_SMALL if y == self.size.height // 2 else "")
         if not 0 <= line < len(self._rows):

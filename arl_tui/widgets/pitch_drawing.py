@@ -11,6 +11,9 @@ from arl_tui.widgets.pitch_ink import ASPECT, LEAST_LINES, MARKS, Detail, Row, S
 from arl_tui.widgets.pitch_sheet import Sheet
 from core.keepaway.picture import PitchFrame
 
+LEAST_LETTERS = 4
+"""Words in the boundary are not shortened to fewer letters: "K1 p..." says something, "K..." does not."""
+
 
 def fit(length_m: float, width_m: float, columns: int, lines: int) -> Shape | None:
     """Return the largest drawing of a region at its true proportions; None where it could not be read.
@@ -64,14 +67,27 @@ def _edges(frame: PitchFrame, shape: Shape, detail: Detail, note: str, title: st
     """Return the boundary's first and last line with the words in them."""
     corners, level = MARKS[detail].boundary[:4], MARKS[detail].boundary[4]
     clock = f"{frame.time_s:.1f} s"
+    dots = "…" if detail == "braille" else "..."
     width = shape.columns - 2
-    top = _between_ends(title, clock, width, level)
-    bottom = _between_ends(frame.caption(), note, width, level)
+    top = _between_ends(title, clock, width, level, dots)
+    bottom = _between_ends(frame.caption(), note, width, level, dots)
     return {0: corners[0] + top + corners[1], shape.lines - 1: corners[2] + bottom + corners[3]}
 
 
-def _between_ends(left: str, right: str, width: int, level: str) -> str:
-    left, right = (f" {text} " if text else "" for text in (left, right))
-    if len(left) + len(right) + 2 > width:
-        right = ""
-    return (level + left + level * (width - 2 - len(left) - len(right)) + right + level)[:width]
+def _between_ends(left: str, right: str, width: int, level: str, dots: str) -> str:
+    """Return a line with words at both ends; where there is no room for both, those on the left are shortened.
+
+    What stands on the right is a figure (time, presses left): nobody else shows it, and half of it would be wrong.
+    """
+    right = f" {_shortened(right, width - 4, dots)} " if right else ""
+    room = width - len(right) - 4
+    left = f" {short} " if (short := _shortened(left, room, dots)) else ""
+    return level + left + level * (width - 2 - len(left) - len(right)) + right + level
+
+
+def _shortened(text: str, room: int, dots: str) -> str:
+    """Return the text, as much of it as there is room for, or nothing where that would be less than a word."""
+    if len(text) <= room:
+        return text
+    kept = text[: max(0, room - len(dots))].rstrip()
+    return kept + dots if len(kept) >= LEAST_LETTERS else ""

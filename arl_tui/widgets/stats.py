@@ -1,14 +1,15 @@
 """The figures beside the board."""
 
+from asyncio import TimerHandle
 from dataclasses import dataclass
 from typing import ClassVar
 
 from rich.segment import Segment
 from textual.geometry import Size
 from textual.strip import Strip
-from textual.timer import Timer
 from textual.widget import Widget
 
+from arl_tui.once import after
 from core.clock import Clock, MonotonicClock, seconds
 
 REFRESH_S = 0.25
@@ -81,7 +82,7 @@ class StatsPanel(Widget, inherit_bindings=False, can_focus=False):
         self._clock = clock or MonotonicClock()
         self._drawn_ns: int | None = None
         self._waiting: Figures | None = None
-        self._timer: Timer | None = None
+        self._timer: TimerHandle | None = None
 
     def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
         """Return the height, which never changes."""
@@ -95,7 +96,7 @@ class StatsPanel(Widget, inherit_bindings=False, can_focus=False):
         if self._timer is not None:
             return
         if (wait_s := self._wait_s()) > 0:
-            self._timer = self.set_timer(wait_s, self._draw)
+            self._timer = after(self, wait_s, self._draw)
         else:
             self._draw()
 

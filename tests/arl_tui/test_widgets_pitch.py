@@ -68,11 +68,34 @@ def test_the_boundary_says_episode_time_option_and_note(detail: Detail):
     assert "2 presses left" in lines[-1]
 
 
-def test_a_note_that_does_not_fit_beside_the_words_is_left_out():
-    line = plain(draw(PASSING, Shape(24, 12), "ascii", "2 presses left"))[-1]
-    assert "K1 passes to K2" in line
-    assert "presses" not in line
-    assert len(line) == 24
+@pytest.mark.parametrize("detail", DETAILS)
+@pytest.mark.parametrize("window", [(80, 24), (60, 24)])
+def test_presses_left_and_time_are_there_in_any_window_and_words_are_shortened_for_them(
+    detail: Detail, window: tuple[int, int]
+):
+    columns, lines = window
+    shape = fit(20.0, 20.0, columns - 36, lines)
+    assert shape is not None
+    drawn = plain(draw(PASSING, shape, detail, "2 presses left", "A rather long title of the game"))
+    assert "7.0 s" in drawn[0]
+    assert "2 presses left" in drawn[-1]
+    if columns == 80:
+        assert "A rather long title of the game" in drawn[0]
+        assert "K1 passes to K2" in drawn[-1]
+    else:
+        assert (" A rather l… " if detail == "braille" else " A rather... ") in drawn[0]
+        assert "K1" not in drawn[-1]
+    assert {len(line) for line in drawn} == {shape.columns}
+
+
+@pytest.mark.parametrize(
+    ("columns", "words"),
+    [(40, "K1 passes to K2"), (37, "K1 passes to K2"), (36, "K1 passes t..."), (30, "K1 pa..."), (28, "--")],
+)
+def test_words_are_shortened_no_more_than_they_must(columns: int, words: str):
+    line = plain(draw(PASSING, Shape(columns, 12), "ascii", "2 presses left"))[-1]
+    assert words in line
+    assert line.endswith(" 2 presses left -+")
 
 
 @pytest.mark.parametrize(

@@ -32,7 +32,6 @@ def test_it_plays_answers_keys_and_ends_cleanly(tmp_path: Path) -> None:
         assert "1 episode: mean" in terminal.text
 
 
-@pytest.mark.slow  # on a busy machine a change of size was once missed, so nothing waits for it by default
 def test_a_window_that_is_too_small_says_so_and_comes_back(tmp_path: Path) -> None:
     options = ("--policy", "hold", "--vision", "exact", "--seed", "3", "--detail", "ascii")
     with Terminal("watch", "keepaway", *options, cwd=tmp_path) as terminal:
