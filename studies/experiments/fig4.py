@@ -157,7 +157,7 @@ credit that the fitted density gives to other moments than the true one would.
 {page.table(header, rows)}
 Measured on real people: [reaction times](reaction_time.md), [pooling](reaction_time_pooling.md), [trusting a fit](../trusting-a-fit.md).
 
-{page.how_it_was_made(results, "arl experiment run fig4 && arl experiment report fig4 --into docs")}"""
+{page.how_it_was_made(results)}"""
     return Page("fig4", text, {"fig4": _figure(results)})
 
 

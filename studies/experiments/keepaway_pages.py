@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from studies.comparison import Verdict
 from studies.experiments import page
 from studies.experiments.keepaway_trial import mean_by_time
 from studies.experiments.page import Page
@@ -93,7 +92,7 @@ def report_page(
     text = f"""\
 # {results.experiment.title}
 
-{_claims_table(claimed, verdicts)}
+{page.claims_table("claim", [words for *_, words in claimed], verdicts[: len(claimed)])}
 ![Learning curves](../figures/{name}.png)
 
 Means over {len(results.seeds)} trials with 95 % bootstrap bands, running means over an eighth of the time. {introduction}
@@ -109,16 +108,8 @@ Last tenth of the time:
 
 {page.HOW_TO_READ}
 {page.verdict_table(verdicts)}
-{page.how_it_was_made(results, f"arl experiment run {name} && arl experiment report {name} --into docs")}"""
+{page.how_it_was_made(results)}"""
     return Page(name, text, {name: curves_figure(results)})
-
-
-def _claims_table(claims: Sequence[Claim], verdicts: Sequence[Verdict]) -> str:
-    rows = [
-        [words, page.held(found), page.interval(found.ratio)]
-        for (_, _, words), found in zip(claims, verdicts, strict=False)
-    ]
-    return page.table(["claim", "held", "ratio"], rows)
 
 
 def _hours(results: Results) -> float:

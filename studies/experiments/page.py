@@ -147,6 +147,14 @@ for all rows of the table.
 """
 
 
+def claims_table(title: str, claims: Sequence[str], verdicts: Sequence[Verdict]) -> str:
+    """Return claims in words, one verdict each, with whether they held."""
+    rows = [
+        [words, held(found), interval(found.ratio)] for words, found in zip(claims, verdicts, strict=True)
+    ]
+    return table([title, "held", "ratio"], rows)
+
+
 def held(found: Verdict) -> str:
     """Say whether a claim "treated is better than control" held: by its interval, and by its test (few trials)."""
     if found.p >= 0.05:
@@ -156,10 +164,17 @@ def held(found: Verdict) -> str:
     return "no, the opposite" if found.ratio.high < 1.0 else "not shown"
 
 
-def how_it_was_made(results: Results, command: str) -> str:
-    """Return seeds, versions, settings and departures: what is needed to do it again."""
-    record, seeds = results.record, results.seeds
-    versions = [", ".join(f"{name} {value}" for name, value in run.items()) for run in record.software]
+def how_it_was_made(results: Results, *, others: Sequence[Results] = ()) -> str:
+    """Return seeds, versions, settings and departures: what is needed to do it again.
+
+    Args:
+        results: that the page is about.
+        others: further results that went into it: their versions count, too.
+    """
+    record, seeds, name = results.record, results.seeds, results.experiment.name
+    runs = [run for found in (results, *others) for run in found.record.software]
+    lines = [", ".join(f"{name} {value}" for name, value in run.items()) for run in runs]
+    versions = list(dict.fromkeys(lines))
     departures = "\n".join(f"- {sentence}." for sentence in results.experiment.departures)
     settings = {name: record.conditions[name] for name in results.conditions}
     common, own = shared_settings(settings)
@@ -179,7 +194,7 @@ def how_it_was_made(results: Results, command: str) -> str:
     return f"""\
 ## How it was made
 
-`{command}`
+`arl experiment run {name} && arl experiment report {name} --into docs`
 
 - Trials: {len(seeds)} per condition, root seeds {seeds[0]} to {seeds[-1]}.
 - Software: {"; ".join(versions)}.

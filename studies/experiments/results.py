@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studies.experiments.run import SweepError, SweepRecord, read_record
-from studies.experiments.sweep import Experiment
+from studies.experiments.sweep import Experiment, load_experiment
 
 Floats = NDArray[np.float64]
 
@@ -24,6 +24,8 @@ class Results:
     """By condition; one entry per seed, in their order: columns by name."""
     left_out: dict[str, int] = field(default_factory=dict)
     """Conditions of which less than half of the trials are there, with how many are."""
+    folder: Path | None = None
+    """Where they were read from."""
 
     @property
     def conditions(self) -> tuple[str, ...]:
@@ -78,7 +80,41 @@ def read_results(experiment: Experiment, folder: Path, only: Sequence[str] = ())
     trials = {
         name: tuple(_read_rows(folder / name / f"seed-{seed:07d}.csv") for seed in seeds) for name in names
     }
-    return Results(experiment, record, tuple(seeds), trials, left_out)
+    return Results(experiment, record, tuple(seeds), trials, left_out, folder)
+
+
+def read_beside(results: Results, name: str, only: Sequence[str]) -> Results | None:
+    """Return results of another experiment whose folder lies beside; None where they are not there.
+
+    Args:
+        results: of one experiment.
+        name: of the other.
+        only: its conditions; the trials that all of them have are read.
+    """
+    if results.folder is None:
+        return None
+    folder = results.folder.parent / (f"{name}-quick" if results.record.quick else name)
+    try:
+        found = read_results(load_experiment(name), folder, only)
+    except SweepError:
+        return None
+    of_it = found.record.experiment == name and found.record.quick == results.record.quick
+    return found if of_it else None
+
+
+def equal_trials(results: Results, condition: str, others: Results, other: str) -> tuple[int, int]:
+    """Return how many trials two conditions have both (by root seed), and in how many of them all rows are equal."""
+    by_seed = dict(zip(others.seeds, others.trials[other], strict=True))
+    shared = [
+        (mine, by_seed[seed])
+        for seed, mine in zip(results.seeds, results.trials[condition], strict=True)
+        if seed in by_seed
+    ]
+    equal = sum(
+        mine.keys() == theirs.keys() and all(np.array_equal(mine[name], theirs[name]) for name in mine)
+        for mine, theirs in shared
+    )
+    return len(shared), equal
 
 
 def _seed_of(path: Path) -> int:

@@ -13,7 +13,7 @@ from studies.experiments import page
 from studies.experiments.page import Page
 from studies.experiments.results import Results
 from studies.experiments.robustness import ENVIRONMENT, GRADIENT, PEOPLE, RATES, TRUST, by_rate
-from studies.experiments.tetris_pages import SCORE
+from studies.experiments.tetris_pages import SCORE, same_trials
 from studies.reaction_time.figures import COLORS, LINES
 
 if TYPE_CHECKING:
@@ -72,12 +72,14 @@ def robustness_page(results: Results) -> Page:
         for name in results.conditions
         if name not in (ENVIRONMENT, GRADIENT) and not name.startswith("gradient-")
     }
+    shared, others = same_trials(
+        results, "fig5", "Fig. 5", {ENVIRONMENT: "ce", "eq4-010": "arl-ce", "annealed-010": "annealed"}
+    )
     text = f"""\
 # {results.experiment.title}
 
 A person presses the wrong key in 0 to 100 % of the cases: from a perfect judge by way of pure noise (50 %) to a perfect adversary. Scores
-are {SCORE}; ratios are to the environment alone, the same learner without a person, over {len(results.seeds)} paired trials. (The environment alone, Eq. 4
-and annealed at 10 % are the trials of [Fig. 5](fig5.md), byte for byte: equal settings, equal seeds.)
+are {SCORE}; ratios are to the environment alone, the same learner without a person, over {len(results.seeds)} paired trials. ({shared})
 
 ![Every rule at every rate](../figures/robustness.png)
 
@@ -109,7 +111,7 @@ The rule with people by name (`core.feedback.persons`), 1 press in 10 wrong unle
 ## How to read this
 
 {page.HOW_TO_READ}
-{page.how_it_was_made(results, "arl experiment run robustness && arl experiment report robustness --into docs")}"""
+{page.how_it_was_made(results, others=others)}"""
     return Page("robustness", text, {"robustness": _figure(results, scores, against)})
 
 

@@ -28,7 +28,7 @@ def games(seed: int, condition: str, gain: float, episodes: int = 200) -> dict[s
     }
 
 
-def played(name: str, folder: Path, gains: dict[str, float], trials: int = 6):
+def played(name: str, folder: Path, gains: dict[str, float], trials: int = 6, commit: str = "abc"):
     """Return results of an experiment whose trials were never played."""
 
     class Made(Inline):
@@ -36,7 +36,7 @@ def played(name: str, folder: Path, gains: dict[str, float], trials: int = 6):
             return super().submit(lambda *_: csv_text(games(seed, condition, gains.get(condition, 1.0))))
 
     experiment = experiment_module(name).EXPERIMENT
-    run_sweep(experiment, root_seeds(trials), folder, Made(), software={"commit": "abc"})
+    run_sweep(experiment, root_seeds(trials), folder, Made(), software={"commit": commit})
     never = dataclasses.replace(experiment, trial=lambda *_: pytest.fail("a report must not play"))
     return read_results(never, folder)
 
@@ -75,6 +75,38 @@ def test_a_claim_holds_where_the_condition_is_better_and_not_otherwise(tmp_path)
     assert better.count("| yes |") == 3
     worse = report(played("fig5", tmp_path / "worse", {"arl-ce": 0.3})).text
     assert worse.count("| no, the opposite |") == 3
+
+
+@pytest.mark.parametrize(("gain_of_ce", "held"), [(3.0, "yes"), (0.3, "no, the opposite")])
+def test_whether_policy_gradient_clears_fewer_lines_than_ce_is_computed(gain_of_ce, held, tmp_path):
+    played("fig5", tmp_path / "fig5", {"ce": gain_of_ce}, commit="of CE")
+    text = experiment_module("fig6").report(played("fig6", tmp_path / "fig6", {}, trials=8)).text
+    (row,) = [line for line in text.splitlines() if line.startswith("| PG clears fewer lines than CE")]
+    assert f"| {held} |" in row
+    assert "6 trials pair by seed" in text
+    assert "commit of CE" in text
+
+
+def test_without_trials_of_ce_the_page_claims_nothing_about_it(tmp_path):
+    text = experiment_module("fig6").report(played("fig6", tmp_path / "fig6", {})).text
+    assert "is not tested on this page" in text
+    assert "| PG clears fewer" not in text
+
+
+@pytest.mark.parametrize("name", ["features", "robustness"])
+def test_trials_that_two_experiments_share_are_compared_row_by_row(name, tmp_path):
+    report = experiment_module(name).report
+    alone = report(played(name, tmp_path / "alone" / name, {}))
+    assert "their rows were not compared" in alone.text
+    played("fig5", tmp_path / "fig5", {}, trials=4, commit="played them first")
+    equal = report(played(name, tmp_path / name, {})).text
+    n_shared = 4 * (2 if name == "features" else 3)
+    assert f"{n_shared} that both have were compared row by row, all are equal" in " ".join(equal.split())
+    assert "played them first" in equal
+    first = {"features": "ce-21", "robustness": "environment"}[name]
+    played("fig5", tmp_path / "more" / "fig5", {})
+    differing = report(played(name, tmp_path / "more" / name, {first: 2.0})).text
+    assert "**6 differ**" in differing
 
 
 def test_the_goal_of_robustness_is_judged_demand_by_demand(tmp_path):
