@@ -102,6 +102,10 @@ def _one_process_at_a_time(compile_it: Callable[[Any], Any], name: str) -> Calla
     lock_file = Path(os.environ["NUMBA_CACHE_DIR"]) / f"{name}.lock"
 
     def compile_in_turn(signature: Any) -> Any:
+        # Constants in a call would make kernels of their own, of which the optimiser makes the same as of one.
+        if isinstance(signature, tuple):
+            unliteral = cast(Any, numba.types.unliteral)
+            signature = tuple(unliteral(argument) for argument in signature)
         with global_compiler_lock, _turn(lock_file):
             return compile_it(signature)
 

@@ -186,7 +186,7 @@ def frames(draw_from: st.DrawFn) -> PitchFrame:
     )
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(frames(), st.integers(60, 160), st.integers(14, 60), st.sampled_from(DETAILS))
 def test_every_name_and_the_ball_can_be_seen_and_nothing_lies_outside(
     frame: PitchFrame, columns: int, lines: int, detail: Detail
@@ -207,7 +207,7 @@ def test_every_name_and_the_ball_can_be_seen_and_nothing_lies_outside(
     assert len(cells_of(rows, BALL)) in (1, 2)
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(st.floats(10, 40), st.floats(10, 40), st.integers(20, 250), st.integers(10, 80))
 def test_a_region_is_drawn_at_its_true_proportions_as_large_as_fits(
     length_m: float, width_m: float, columns: int, lines: int

@@ -23,7 +23,7 @@ DELAYS = [
 
 
 @given(st.floats(0.05, 200.0), st.floats(0.0, 500.0))
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 def test_the_incomplete_gamma_function_is_scipys(shape, x):
     assert gamma_mass(shape, math.lgamma(shape), x) == pytest.approx(gammainc(shape, x), rel=1e-10, abs=1e-13)
 
@@ -38,7 +38,7 @@ def test_no_delay_is_shorter_than_the_offset():
     st.booleans(),
     st.integers(0, 3000),
 )
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 def test_shares_are_those_of_the_assigner(delay, pairs, still_shown, later_ms):
     # Each pair: how long a step is shown, and the gap after it, in ms; 0 for two decisions at once.
     shown, hidden, now = [], [], 0

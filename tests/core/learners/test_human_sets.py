@@ -40,7 +40,7 @@ def heard(model, k, windows):
 
 
 @given(SAMPLES, st.booleans())
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_it_is_the_dense_model_on_binary_features(samples, shared):
     tiled = new_human_set(TileModel(step_size=0.3, shared=shared), CODER, N_LEARNERS, N_OPTIONS)
     dense = HumanRewardModel(SgdModel(step_size=0.3 / 8, intercept=False), tiled.weights.size)

@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from core.combination.config import ADVISE, EXPONENTIAL, LINEAR, LINEAR_RAW
@@ -48,7 +48,6 @@ def score_of(rows, theta, action, **how):
     return out
 
 
-@settings(deadline=None)  # the first call compiles
 @given(x=st.floats(-700.0, 0.0))
 def test_the_exponential_is_that_of_the_library_to_a_few_bits(x):
     assert exponential(x) == pytest.approx(math.exp(x), rel=4e-16)

@@ -62,7 +62,7 @@ def boards(draw, config: TetrisConfig) -> tuple[int, ...]:
     )
 
 
-@settings(max_examples=120, deadline=None)
+@settings(max_examples=120)
 @given(st.data())
 def test_choices_are_those_of_the_slow_twin(data):
     config = data.draw(rules())
@@ -90,7 +90,7 @@ def test_choices_are_those_of_the_slow_twin(data):
         np.testing.assert_allclose(choices.feedback_features[action], after - before, rtol=1e-12, atol=1e-9)
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 @given(st.data())
 def test_a_placement_leaves_the_board_of_the_slow_twin(data):
     config = data.draw(rules())
@@ -115,7 +115,7 @@ def test_a_placement_leaves_the_board_of_the_slow_twin(data):
         )
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.data())
 def test_cells_are_neither_made_nor_lost(data):
     config = data.draw(rules())

@@ -195,7 +195,7 @@ def test_falling_pieces_survive_the_trip_to_another_process():
 
 
 @given(board=boards(), piece=pieces, plan=plans)
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 def test_every_tick_agrees_with_the_twin(board: Board, piece: int, plan: list[Primitive | None]):
     wall, columns = cells_of(board), len(board)
     falling, twin = spawn(board, piece, 12), naive.enters(wall, PIECE_NAMES[piece], 12, columns)
@@ -209,7 +209,7 @@ def test_every_tick_agrees_with_the_twin(board: Board, piece: int, plan: list[Pr
 
 
 @given(board=boards(rows=8), piece=pieces)
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_reachable_placements_and_their_lengths_agree_with_the_twin(board: Board, piece: int):
     wall, columns = cells_of(board), len(board)
     ticks = naive.ticks_to_reach(wall, PIECE_NAMES[piece], 8, columns)
@@ -222,7 +222,7 @@ def test_reachable_placements_and_their_lengths_agree_with_the_twin(board: Board
 
 
 @given(board=boards(), piece=pieces, plan=plans, clear_on_overflow=st.booleans())
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 def test_settling_agrees_with_the_twin(
     board: Board, piece: int, plan: list[Primitive | None], clear_on_overflow: bool
 ):
@@ -276,7 +276,7 @@ def _compare_with_reference(record: dict, clear_on_overflow: bool) -> None:
 
 
 @given(board=boards(), piece=pieces, plan=plans)
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 def test_a_piece_keeps_its_four_cells_and_never_overlaps(
     board: Board, piece: int, plan: list[Primitive | None]
 ):
@@ -294,7 +294,7 @@ def test_a_piece_keeps_its_four_cells_and_never_overlaps(
 
 
 @given(board=boards(), piece=pieces)
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 def test_a_plan_brings_about_exactly_the_placement(board: Board, piece: int):
     for (orientation, column), plan in reachable_placements(board, piece, 12).items():
         rest = flight(board, spawn(board, piece, 12), plan)[-1]
@@ -313,7 +313,7 @@ def test_everything_can_be_reached_on_an_empty_board_of_usual_height(piece: int,
 
 
 @given(board=boards(rows=8), piece=pieces, rows=st.integers(4, 8))
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 def test_the_mask_says_which_placements_have_a_plan(board: Board, piece: int, rows: int):
     board = tuple(bits & ((1 << rows) - 1) for bits in board)
     placements = all_placements(piece, len(board))

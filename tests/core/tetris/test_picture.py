@@ -110,7 +110,7 @@ def test_pictures_survive_the_trip_to_another_process():
 
 
 @given(wall=walls(), piece=st.integers(0, N_PIECES - 1), choice=st.integers(0, 10_000), by_plan=st.booleans())
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 def test_an_animation_ends_in_exactly_the_afterstate(wall: Wall, piece: int, choice: int, by_plan: bool):
     placements = all_placements(piece, COLUMNS).tolist()
     orientation, column = placements[choice % len(placements)]

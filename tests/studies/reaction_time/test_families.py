@@ -84,7 +84,7 @@ def test_fits_reach_the_top_found_by_the_naive_search(name, seed):
 
 
 @pytest.mark.jit
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.lists(st.floats(0.05, 5.0), min_size=6, max_size=40, unique=True), st.sampled_from(SHIFTED))
 def test_a_shifted_fit_is_never_worse_than_the_same_family_inside_its_bounds_at_offset_zero(values, family):
     data = sample(values)
@@ -95,7 +95,7 @@ def test_a_shifted_fit_is_never_worse_than_the_same_family_inside_its_bounds_at_
 
 
 @pytest.mark.jit
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(st.integers(0, 10_000), st.floats(0.2, 5.0), st.sampled_from(list(FAMILIES)))
 def test_times_in_another_unit_give_the_same_fit(seed, factor, name):
     # x -> c x multiplies scales by c and takes n log c from the likelihood.

@@ -118,7 +118,7 @@ _small = st.tuples(st.lists(st.floats(0.1, 3.0), min_size=5, max_size=12), _roun
 
 
 @pytest.mark.jit
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=12)
 @given(_small, st.integers(0, 6), st.sampled_from([0, 10]))
 def test_any_small_sample_with_some_spread_is_fitted(times, n_late, n_resamples):
     values = np.maximum(np.round(np.array(times[0]) / times[1]) * times[1], times[1])

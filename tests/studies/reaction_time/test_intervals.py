@@ -228,7 +228,7 @@ def test_other_families_have_no_delay_intervals():
 
 
 @pytest.mark.jit
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(st.integers(0, 1000), st.sampled_from([GAMMA, SHIFTED_GAMMA]))
 def test_no_value_of_a_quantity_beats_the_fit(seed, family):
     data = draw(GO, 30, "beat", seed)

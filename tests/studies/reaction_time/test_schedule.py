@@ -18,7 +18,7 @@ def scored(schedule):
     return [trial for block in schedule.blocks if not block.practice for trial in block.trials]
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(
     st.sampled_from(TASKS), st.integers(0, 9), st.integers(1, 60), st.integers(1, 30), st.integers(0, 2**32)
 )

@@ -190,7 +190,7 @@ def test_polling_tells_how_long_to_wait():
     assert stage.at(QUIET_MS).until_ns == ASKED_MS * NS_PER_MS
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.lists(st.tuples(st.integers(0, 3900), st.sampled_from("fjx")), max_size=12), st.booleans())
 def test_any_keys_at_all_end_in_one_consistent_record(presses, catch):
     record = Stage(() if catch else ("j",), catch=catch).run(presses)

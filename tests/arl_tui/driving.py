@@ -1,0 +1,66 @@
+"""Driving the app in tests: the worker's part, a running episode, and what was recorded."""
+
+from pathlib import Path
+
+from textual.pilot import Pilot
+from textual.widgets import Static
+
+from arl_tui.app import ArlApp, Outcome
+from arl_tui.link import Picture, Ready
+from arl_tui.stage import TetrisStage
+from core.protocol import Protocol
+from core.recording.reader import Recording, read_recording
+from tests.arl_tui.fakes import FakeLink, episode_started, step_taken
+
+SIZE = (80, 24)
+
+
+class Worker:
+    """Plays the worker's part: outputs, and the pictures that go with them."""
+
+    def __init__(self, link: FakeLink, protocol: Protocol) -> None:
+        self.link = link
+        self.stage = TetrisStage(protocol.domain)
+        self.pictures = 0
+
+    def start_episode(self) -> None:
+        started = episode_started()
+        self.link.say(started)
+        self.show(-1, self.stage.begin(started)[0].view)
+
+    def step(self, number: int, column: int = 0) -> None:
+        taken = step_taken(number, column=column)
+        self.link.say(taken)
+        self.show(number, self.stage.act(taken)[0].view)
+
+    def show(self, step: int, view: object) -> None:
+        self.link.say(Picture(number=self.pictures, step=step, view=view))  # type: ignore[arg-type]
+        self.pictures += 1
+
+
+async def begin(pilot: Pilot[Outcome], link: FakeLink, protocol: Protocol, *, steps: int = 0) -> Worker:
+    """Bring the app to a running episode of which so many steps have been shown."""
+    link.say(Ready(warm_up_ns=1))
+    await pilot.press("enter")
+    await pilot.pause()
+    worker = Worker(link, protocol)
+    worker.start_episode()
+    await settle(pilot)
+    for step in range(steps):
+        worker.step(step)
+        await settle(pilot)
+    return worker
+
+
+async def settle(pilot: Pilot[Outcome]) -> None:
+    """Wait until what has been said is drawn and stamped."""
+    await pilot.pause(0.05)
+
+
+def recorded(folder: Path) -> Recording:
+    (path,) = folder.glob("*.jsonl")
+    return read_recording(path)
+
+
+def text_of(app: ArlApp) -> str:
+    return "\n".join(str(widget.render()) for widget in app.screen.query(Static))
