@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.compiled import kernel
+from studies.reaction_time import golden
 from studies.reaction_time.gamma_functions import gamma_shape, log_gamma_survival
-from studies.reaction_time.kernels import GOLDEN, GOLDEN_STEPS, gap_grid, log_moments
+from studies.reaction_time.kernels import gap_grid, log_moments
 
 FREE, SHAPE, SCALE, OFFSET, MEAN, SD, QUANTILE = 0, 1, 2, 3, 4, 5, 6
 
@@ -94,19 +95,14 @@ def _golden_between(
     table: NDArray[np.float64],
 ) -> tuple[float, float]:
     """Return (t, log-likelihood) at the top of `_along` between a and b, where there is one top only."""
-    c, d = b - GOLDEN * (b - a), a + GOLDEN * (b - a)
-    at_c = _along(c, which, value, n, mean, s, waits, offset, table)
-    at_d = _along(d, which, value, n, mean, s, waits, offset, table)
-    while b - a > 1e-5:
-        if at_c > at_d:
-            b, d, at_d = d, c, at_c
-            c = b - GOLDEN * (b - a)
-            at_c = _along(c, which, value, n, mean, s, waits, offset, table)
-        else:
-            a, c, at_c = c, d, at_d
-            d = a + GOLDEN * (b - a)
-            at_d = _along(d, which, value, n, mean, s, waits, offset, table)
-    return (c, at_c) if at_c > at_d else (d, at_d)
+    bracket = np.empty(golden.PLACES)
+    golden.begin(bracket, a, b)
+    for place in (golden.C, golden.D):
+        bracket[golden.AT + place] = _along(bracket[place], which, value, n, mean, s, waits, offset, table)
+    while bracket[golden.B] - bracket[golden.A] > 1e-5:
+        new = golden.narrow(bracket)
+        bracket[golden.AT + new] = _along(bracket[new], which, value, n, mean, s, waits, offset, table)
+    return golden.top(bracket)
 
 
 @kernel
@@ -276,18 +272,16 @@ def profile(
             best, best_j = at_j, j
     best_offset = low - gaps[best_j]
     a, b = math.log(gaps[max(best_j - 1, 0)]), math.log(gaps[min(best_j + 1, GRID - 1)])
-    c, d = b - GOLDEN * (b - a), a + GOLDEN * (b - a)
-    at_c = _at_offset(x, waits, low - math.exp(c), which, value, shape_min, table, out)
-    at_d = _at_offset(x, waits, low - math.exp(d), which, value, shape_min, table, out)
-    for _ in range(GOLDEN_STEPS):
-        if at_c > at_d:
-            b, d, at_d = d, c, at_c
-            c = b - GOLDEN * (b - a)
-            at_c = _at_offset(x, waits, low - math.exp(c), which, value, shape_min, table, out)
-        else:
-            a, c, at_c = c, d, at_d
-            d = a + GOLDEN * (b - a)
-            at_d = _at_offset(x, waits, low - math.exp(d), which, value, shape_min, table, out)
-    if max(at_c, at_d) > best:
-        best_offset = low - math.exp(c if at_c > at_d else d)
+    bracket = np.empty(golden.PLACES)
+    golden.begin(bracket, a, b)
+    for place in (golden.C, golden.D):
+        offset = low - math.exp(bracket[place])
+        bracket[golden.AT + place] = _at_offset(x, waits, offset, which, value, shape_min, table, out)
+    for _ in range(golden.STEPS):
+        new = golden.narrow(bracket)
+        offset = low - math.exp(bracket[new])
+        bracket[golden.AT + new] = _at_offset(x, waits, offset, which, value, shape_min, table, out)
+    place_of_top, found = golden.top(bracket)
+    if found > best:
+        best_offset = low - math.exp(place_of_top)
     return _at_offset(x, waits, best_offset, which, value, shape_min, table, out)

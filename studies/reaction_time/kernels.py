@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.compiled import kernel
+from studies.reaction_time import golden
 from studies.reaction_time.gamma_functions import gamma_shape
 
 GAMMA, LOG_NORMAL, WALD, WEIBULL = 0, 1, 2, 3
@@ -26,8 +27,6 @@ SMALLEST_WIDTH_S = 1e-4
 """Least sigma and tau of the ex-Gaussian: a tenth of a millisecond."""
 
 _GRID = 40
-GOLDEN_STEPS = 36
-GOLDEN = 0.6180339887498949
 _LOG_2PI = 1.8378770664093453
 
 
@@ -179,6 +178,7 @@ def fit_shifted(x: NDArray[np.float64], family: int, bound: float, out: NDArray[
     gaps = np.empty(_GRID)
     values = np.empty(_GRID)
     pair = np.empty(2)
+    bracket = np.empty(golden.PLACES)
     gap_grid(low, gaps)
     best = -math.inf
     best_offset = 0.0
@@ -194,21 +194,16 @@ def fit_shifted(x: NDArray[np.float64], family: int, bound: float, out: NDArray[
             continue
         a = math.log(gaps[max(j - 1, 0)])
         b = math.log(gaps[min(j + 1, _GRID - 1)])
-        c, d = b - GOLDEN * (b - a), a + GOLDEN * (b - a)
-        at_c = fit_at_offset(x, low - math.exp(c), family, bound, pair)
-        at_d = fit_at_offset(x, low - math.exp(d), family, bound, pair)
-        for _ in range(GOLDEN_STEPS):
-            if at_c > at_d:
-                b, d, at_d = d, c, at_c
-                c = b - GOLDEN * (b - a)
-                at_c = fit_at_offset(x, low - math.exp(c), family, bound, pair)
-            else:
-                a, c, at_c = c, d, at_d
-                d = a + GOLDEN * (b - a)
-                at_d = fit_at_offset(x, low - math.exp(d), family, bound, pair)
-        if max(at_c, at_d) > best:
-            best = max(at_c, at_d)
-            best_offset = low - math.exp(c if at_c > at_d else d)
+        golden.begin(bracket, a, b)
+        for place in (golden.C, golden.D):
+            bracket[golden.AT + place] = fit_at_offset(x, low - math.exp(bracket[place]), family, bound, pair)
+        for _ in range(golden.STEPS):
+            new = golden.narrow(bracket)
+            bracket[golden.AT + new] = fit_at_offset(x, low - math.exp(bracket[new]), family, bound, pair)
+        place_of_top, value = golden.top(bracket)
+        if value > best:
+            best = value
+            best_offset = low - math.exp(place_of_top)
     best = fit_at_offset(x, best_offset, family, bound, out)
     out[2] = best_offset
     return best
