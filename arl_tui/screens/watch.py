@@ -96,7 +96,7 @@ class WatchScreen(Screen[None], inherit_bindings=False):
     WatchScreen { align: center top; background: $background; }
     WatchScreen > Horizontal { width: 1fr; height: 1fr; align: center middle; }
     WatchScreen #panel { width: 36; height: 1fr; padding: 0 0 0 2; }
-    WatchScreen #watch-keys { width: 80; height: 1; text-align: center; color: $text-muted; }
+    WatchScreen #watch-keys { width: 1fr; height: 1; text-align: center; color: $text-muted; }
     """
 
     def __init__(

@@ -80,7 +80,7 @@ def legend(palette: str) -> tuple[str, str]:
 
     return (
         f"{badge('K1', 'keeper-name', 'keeper')} keeper   {badge('T1', 'taker-name', 'taker')} taker",
-        f"{badge('K1', 'holder-name', 'words')} has the ball",
+        f"{badge('K1', 'holder-name', 'words')} with the ball",
     )
 
 

@@ -16,6 +16,12 @@ from tests.studies.test_experiment_runs import Inline
 TETRIS = ("fig5", "fig6", "features", "robustness")
 
 
+@pytest.fixture(autouse=True)
+def _few_resamples(monkeypatch):
+    """Intervals need not be exact here."""
+    monkeypatch.setattr(page, "RESAMPLES", 300)
+
+
 def games(seed: int, condition: str, gain: float, episodes: int = 200) -> dict[str, np.ndarray]:
     """Rows as a trial in Tetris returns them, the condition `gain` times as good."""
     rng = stream(seed, "games")
