@@ -37,6 +37,7 @@ mean height, holes, 9 differences.
 
 def report(results: Results) -> Page:
     """Return the page of the comparison."""
+    results.require("ce-21", "ce-12", "arl-21", "arl-12")
     whole, last, label = scores(results), last_block(results), results.label
     pairs = (("ce-12", "ce-21"), ("arl-12", "arl-21"), ("arl-12", "ce-12"), ("arl-21", "ce-21"))
     verdicts = [page.verdict(label(first), label(second), whole) for first, second in pairs]

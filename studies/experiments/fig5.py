@@ -33,6 +33,7 @@ CLAIMS = (
 
 def report(results: Results) -> Page:
     """Return the page of Fig. 5."""
+    results.require("ce", "arl-ce", "annealed", "human")
     whole, label = scores(results), results.label
     verdicts = [page.verdict(label(better), label(worse), whole) for better, worse, _ in CLAIMS]
     claims = page.claims_table(CLAIM, [words for *_, words in CLAIMS], verdicts)

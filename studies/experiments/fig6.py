@@ -51,6 +51,7 @@ EXPERIMENT = Experiment(
 
 def report(results: Results) -> Page:
     """Return the page of Fig. 6; the claim about CE is tested where trials of Fig. 5 lie beside."""
+    results.require("pg", "arl-pg")
     whole, label = scores(results), results.label
     found = page.verdict(label("arl-pg"), label("pg"), whole)
     claims = ["ARL + PG clears a much larger number of lines than PG"]

@@ -36,6 +36,21 @@ class Results:
         """Return how a condition is called in figures."""
         return self.experiment.condition(condition).label
 
+    def require(self, *conditions: str) -> None:
+        """Check that a page's conditions are there.
+
+        Raises:
+            SweepError: some are not, or too few of their trials to be compared with the others'.
+        """
+        missing = [name for name in conditions if name not in self.trials]
+        if missing:
+            there = ", ".join(f"{name} ({self.left_out.get(name, 0)} trials)" for name in missing)
+            named = " ".join(f"--only {name}" for name in conditions)
+            raise SweepError(
+                f"the page of {self.experiment.name} compares conditions of which too few trials were played: {there}; "
+                f"play more, or report the trials that all of them have: {named}"
+            )
+
     def table(self, condition: str, column: str) -> Floats:
         """Return one column of all trials, shape (trials, episodes); trials must have equal lengths."""
         return np.array([trial[column] for trial in self.trials[condition]])

@@ -102,7 +102,7 @@ def same_trials(
         The sentences, and the other's results where they were compared.
     """
     pairs = {mine: theirs for mine, theirs in pairs.items() if mine in results.trials}
-    names = ", ".join(results.label(mine) for mine in pairs)
+    names = " and ".join(f"*{results.label(mine)}*" for mine in pairs)
     link = f"[{title}]({other}.md)"
     found = read_beside(results, other, tuple(pairs.values()))
     if found is None:

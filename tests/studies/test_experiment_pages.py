@@ -9,7 +9,7 @@ import pytest
 from core.streams import stream
 from studies.experiments import page
 from studies.experiments.results import read_results
-from studies.experiments.run import run_sweep
+from studies.experiments.run import SweepError, run_sweep
 from studies.experiments.sweep import MODULES, csv_text, experiment_module, root_seeds
 from tests.studies.test_experiment_runs import Inline
 
@@ -113,6 +113,14 @@ def test_trials_that_two_experiments_share_are_compared_row_by_row(name, tmp_pat
     played("fig5", tmp_path / "more" / "fig5", {})
     differing = report(played(name, tmp_path / "more" / name, {first: 2.0})).text
     assert "**6 differ**" in differing
+
+
+def test_a_page_says_which_conditions_have_too_few_trials_and_how_to_report_what_there_is(tmp_path):
+    results = played("features", tmp_path, {})
+    trials = {name: trial for name, trial in results.trials.items() if name != "ce-12"}
+    fewer = dataclasses.replace(results, trials=trials, left_out={"ce-12": 2})
+    with pytest.raises(SweepError, match=r"ce-12 \(2 trials\).*--only ce-21 --only ce-12"):
+        experiment_module("features").report(fewer)
 
 
 def test_the_goal_of_robustness_is_judged_demand_by_demand(tmp_path):
