@@ -48,7 +48,7 @@ class ClosingScreen(Page):
         if len(outcome.tally.practised) >= 2:
             from arl_tui.widgets.learning_curve import LearningCurve  # here: nobody needs it before the end
 
-            yield LearningCurve(outcome.tally.practised)
+            yield LearningCurve(outcome.tally.practised, self._words.units[1])
         if outcome.recording is not None:
             what = "The session" if outcome.trouble is None else "Everything up to this moment"
             yield Static(Text(f"{what} is recorded in\n{outcome.recording}"), classes="path")

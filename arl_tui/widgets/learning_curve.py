@@ -1,4 +1,4 @@
-"""How practice went: lines per game over the blocks of unseen games. Import it late: plotting brings numpy."""
+"""How practice went: performance per game over the blocks of unseen games. Import it late: plotting brings numpy."""
 
 from collections.abc import Sequence
 
@@ -12,9 +12,15 @@ class LearningCurve(PlotWidget):
 
     DEFAULT_CSS = "LearningCurve { height: 9; margin-top: 1; }"
 
-    def __init__(self, practised: Sequence[float]) -> None:
-        """Draw two blocks or more."""
+    def __init__(self, practised: Sequence[float], unit: str) -> None:
+        """Draw two blocks or more.
+
+        Args:
+            practised: mean performance of each block.
+            unit: of performances, in the plural.
+        """
         super().__init__(allow_pan_and_zoom=False)
+        self._unit = unit
         self._practised = list(practised)
 
     def on_mount(self) -> None:
@@ -25,7 +31,7 @@ class LearningCurve(PlotWidget):
         blocks = list(range(1, len(self._practised) + 1))
         self.plot(blocks, self._practised, line_style="bright_cyan", hires_mode=HiResMode.BRAILLE)
         self.set_xlabel("block of practice")
-        self.set_ylabel("lines per game")
+        self.set_ylabel(f"{self._unit} per game")
         self.set_xlimits(1, len(blocks))
         top = max(*self._practised, 1.0)
         self.set_ylimits(-0.05 * top, 1.05 * top)  # a little room, or a line along the floor is cut off
