@@ -255,6 +255,7 @@ class BootstrapLearning:
                 [a for _, a in self._recent],
                 gain=rule.gain,
                 standard_errors=rule.standard_errors,
+                margin=rule.margin,
             )
 
     def _revise_by_rank_correlation(self, rule: RankCorrelation, report: EpisodeReport) -> None:

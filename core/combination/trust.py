@@ -93,9 +93,14 @@ def next_human_weight(pm_before: float, w_before: float, pm_now: float, match_no
 
 
 def signed_human_weight(
-    performance: Sequence[float], agreement: Sequence[float], *, gain: float, standard_errors: float
+    performance: Sequence[float],
+    agreement: Sequence[float],
+    *,
+    gain: float,
+    standard_errors: float,
+    margin: float = 0.0,
 ) -> float:
-    """Return gain * sign(w) * max(0, |w| - standard_errors * se), w being Eq. 4 over episodes.
+    """Return gain * sign(w) * max(0, |w| - standard_errors * se - margin), w being Eq. 4 over episodes.
 
     se = sd(a) sqrt(sum pm_i^2) / sum pm_i is the standard error of w for independent a_i. Episodes count alike
     until some performance is > 0.
@@ -105,6 +110,7 @@ def signed_human_weight(
         agreement: signed match a_i of the same episodes, in [-1, 1].
         gain: > 0.
         standard_errors: >= 0.
+        margin: agreement that a human model learned from noise may have, >= 0: se knows the chance of episodes only.
 
     Returns:
         w_h in [-gain, gain]; negative for a participant who means the opposite.
@@ -119,7 +125,7 @@ def signed_human_weight(
         spread = math.sqrt(math.fsum(pm * pm for pm in performance)) / total
     else:
         spread = 1 / math.sqrt(len(agreement))
-    return gain * math.copysign(max(0.0, abs(w) - standard_errors * sd * spread), w)
+    return gain * math.copysign(max(0.0, abs(w) - standard_errors * sd * spread - margin), w)
 
 
 def rank_human_weight(

@@ -37,7 +37,7 @@ class Equation5(msgspec.Struct, frozen=True, tag="equation-5"):
 class Signed(msgspec.Struct, frozen=True, tag="signed"):
     """Eq. 4 over recent episodes with the signed match, less its standard errors (ours; `docs/decisions`).
 
-    w = sum pm_i a_i / sum pm_i, se = sd(a) sqrt(sum pm_i^2) / sum pm_i, w_h = gain sign(w) max(0, |w| - c se).
+    w = sum pm_i a_i / sum pm_i, se = sd(a) sqrt(sum pm_i^2) / sum pm_i, w_h = gain sign(w) max(0, |w| - c se - margin).
     """
 
     episodes: int = 200
@@ -46,6 +46,9 @@ class Signed(msgspec.Struct, frozen=True, tag="signed"):
     """Factor that brings a good participant near the environment's weight."""
     standard_errors: float = 2.0
     """c: what is not this many standard errors from 0 is taken for 0."""
+    margin: float = 0.0
+    """Agreement that is taken for chance whatever its standard error, in [0, 1): a human model learned from noise is one
+    random policy in all episodes, and agrees with good ones by a fixed number (`docs/decisions/margin-of-agreement.md`)."""
     minimum_episodes: int = 10
     """With fewer episodes w_h = 0: their standard deviation says nothing."""
     consistent_above: float | None = None
@@ -55,6 +58,8 @@ class Signed(msgspec.Struct, frozen=True, tag="signed"):
     def __post_init__(self) -> None:
         if self.consistent_above is not None and not self.consistent_above >= 0:
             raise ValueError(f"consistent_above is >= 0 standard errors or None, got {self.consistent_above}")
+        if not 0 <= self.margin < 1:
+            raise ValueError(f"margin is an agreement in [0, 1), got {self.margin}")
         if not 2 <= self.minimum_episodes <= self.episodes:
             raise ValueError(
                 f"need 2 <= minimum_episodes <= episodes, got {self.minimum_episodes} and {self.episodes}"

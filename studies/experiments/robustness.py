@@ -1,10 +1,11 @@
 """Robustness: how wrong may a person be, and when should an agent listen? Trust rules against rates of wrong presses."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import msgspec
 
 from core.combination.config import (
+    AgentConfig,
     Annealed,
     Constant,
     EnvironmentOnly,
@@ -32,12 +33,16 @@ SOME_RATES = (10, 50, 80)
 CONSTANT_RATES = (10, 30, 50, 80)
 """A constant weight shows what could be had at a rate, by somebody who knew it beforehand."""
 
-RULE = Tried()
-"""The rule under test. Its constants were found on root seeds from 900000 on, and written down before any trial that is
-reported was played (`docs/decisions/tried-trust.md`)."""
+RULE = Signed(margin=0.1)
+"""The rule under test. Its constants were found on root seeds from 900000 on, and written down before any trial that the goal is
+judged by was played (`docs/decisions/margin-of-agreement.md`)."""
+
+FRESH = 1000
+"""What is added to the root seeds of the trials that the goal is judged by. Their first twenty, 0 to 19, had been looked at
+under other rules when this one was fixed."""
 
 TRUST: dict[str, tuple[str, TrustRule]] = {
-    "tried": ("tried (ours)", RULE),
+    "tried": ("trust by trial", Tried()),
     "signed": ("signed agreement", Signed()),
     "eq4": ("Eq. 4", Equation4()),
     "eq5": ("Eq. 5", Equation5()),
@@ -47,12 +52,23 @@ TRUST: dict[str, tuple[str, TrustRule]] = {
 }
 """Rules of trust by name: (label, rule). 0.15 is the agreement of unrelated policies (`docs/decisions/degree-of-match.md`)."""
 AT_ALL_RATES = ("tried", "signed", "eq4")
+MARGIN = "margin"
+"""Name of the rule under test in conditions."""
 
 PEOPLE = ("lay", "myopic", "hesitant", "bursty", "hasty", "slow", "tiring", "leaves")
 """Simulated people by name (`core.feedback.persons`) whom the rule meets beside the rates."""
 
 ENVIRONMENT = "environment"
+FRESH_ENVIRONMENT = "fresh-environment"
 GRADIENT = "gradient"
+
+
+class FreshTrial(msgspec.Struct, frozen=True):
+    """A trial on other root seeds."""
+
+    protocol: Protocol
+    seeds_from: int = FRESH
+    """Added to the root seed."""
 
 
 def wrong(rate: int) -> TrainerConfig:
@@ -79,8 +95,8 @@ def _conditions() -> tuple[Condition, ...]:
             if name in AT_ALL_RATES or rate in SOME_RATES:
                 agent = tetris_agent(trust=trust)
                 found.append(Condition(f"{name}-{rate:03d}", label, session(agent, wrong(rate))))
+    found.extend(_fresh_conditions())
     listening = tetris_agent(trust=RULE)
-    found += [Condition(f"person-{name}", name, session(listening, somebody(name))) for name in PEOPLE]
     found.append(Condition(GRADIENT, "policy gradient, environment only", gradient_trial(alone)))
     for rate in SOME_RATES:
         found.append(
@@ -89,15 +105,35 @@ def _conditions() -> tuple[Condition, ...]:
     return tuple(found)
 
 
-def run_any(settings: Protocol | GradientTrial, root_seed: int) -> Rows:
+def _fresh_conditions() -> Iterator[Condition]:
+    """Yield what the goal is judged by, and everybody whom the rule meets, on seeds of their own."""
+
+    def fresh(name: str, label: str, agent: AgentConfig, someone: TrainerConfig = PERSON) -> Condition:
+        return Condition(name, label, FreshTrial(session(agent, someone)))
+
+    listening = tetris_agent(trust=RULE)
+    yield fresh(FRESH_ENVIRONMENT, "environment only", tetris_agent(scheme=EnvironmentOnly()))
+    for rate in (10, 30):
+        yield fresh(f"fresh-annealed-{rate:03d}", "annealed", tetris_agent(scheme=Annealed()), wrong(rate))
+    for rate in RATES:
+        yield fresh(f"{MARGIN}-{rate:03d}", "signed agreement with a margin (ours)", listening, wrong(rate))
+    for name in PEOPLE:
+        yield fresh(f"person-{name}", name, listening, somebody(name))
+
+
+def run_any(settings: Protocol | FreshTrial | GradientTrial, root_seed: int) -> Rows:
     """Play a trial of either learner."""
+    if isinstance(settings, FreshTrial):
+        return run_trial(settings.protocol, settings.seeds_from + root_seed)
     if isinstance(settings, GradientTrial):
         return run_gradient_trial(settings, root_seed)
     return run_trial(settings, root_seed)
 
 
-def quick_any(settings: Protocol | GradientTrial) -> Protocol | GradientTrial:
+def quick_any(settings: Protocol | FreshTrial | GradientTrial) -> Protocol | FreshTrial | GradientTrial:
     """Return a trial of a second."""
+    if isinstance(settings, FreshTrial):
+        return FreshTrial(quick(settings.protocol), settings.seeds_from)
     return quick_gradient(settings) if isinstance(settings, GradientTrial) else quick(settings)
 
 

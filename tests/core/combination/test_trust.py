@@ -69,6 +69,10 @@ def test_signed_weight_by_hand() -> None:
     assert signed_human_weight([1.0, 3.0], [-0.2, -0.6], gain=2.0, standard_errors=1.0) == -value
     # three standard errors are more than the agreement itself
     assert signed_human_weight([1.0, 3.0], [0.2, 0.6], gain=2.0, standard_errors=3.0) == 0.0
+    # a margin of 0.2 beside them: 2 (0.5 - 0.22361 - 0.2), and nothing where it is more than what is left
+    margined = signed_human_weight([1.0, 3.0], [0.2, 0.6], gain=2.0, standard_errors=1.0, margin=0.2)
+    assert margined == pytest.approx(0.15279, abs=1e-5)
+    assert signed_human_weight([1.0, 3.0], [-0.2, -0.6], gain=2.0, standard_errors=1.0, margin=0.3) == 0.0
     # without performance episodes count alike: w = 0.4, se = 0.28284 / sqrt 2 = 0.2
     assert signed_human_weight([0, 0], [0.2, 0.6], gain=1.0, standard_errors=1.0) == pytest.approx(0.2)
 
