@@ -125,12 +125,12 @@ def test_a_page_says_which_conditions_have_too_few_trials_and_how_to_report_what
 
 def test_the_goal_of_robustness_is_judged_demand_by_demand(tmp_path):
     report = experiment_module("robustness").report
-    gains = {f"tried-{rate:03d}": 2.0 for rate in (0, 10, 30, 80, 100)}
+    gains = {f"margin-{rate:03d}": 2.0 for rate in (0, 10, 30, 80, 100)}
     good = report(played("robustness", tmp_path / "good", gains)).text
     goal = good[good.index("## The goal") : good.index("## Every rule")]
     assert "**no**" not in goal
     assert goal.count("beats annealed at 95 %") == 2
-    bad = report(played("robustness", tmp_path / "bad", {"tried-050": 0.5})).text
+    bad = report(played("robustness", tmp_path / "bad", {"margin-050": 0.5})).text
     goal = bad[bad.index("## The goal") : bad.index("## Every rule")]
     assert "never significantly below: **no**; nor 10 % below: **no**" in goal
 
