@@ -13,7 +13,7 @@ from studies.experiments.sweep import Condition, Experiment
 WRONG_PERCENT = (0, 10, 30, 50, 80, 100)
 """Share of presses of the wrong key."""
 HOURS = 2.0
-"""Shorter than Fig. 7: there are nearly forty conditions, and people make their difference early."""
+"""Shorter than Fig. 7: there are more than forty conditions, and people make their difference early."""
 
 
 def _rules(wrong: float) -> dict[str, tuple[str, KeepawayTrial]]:
@@ -25,6 +25,10 @@ def _rules(wrong: float) -> dict[str, tuple[str, KeepawayTrial]]:
         "eq4": ("Eq. 4", arl(trust=Equation4(), watched_by=someone, hours=HOURS)),
         "eq5": ("Eq. 5", arl(trust=Equation5(), watched_by=someone, hours=HOURS)),
         "signed": ("signed agreement", arl(trust=Signed(), watched_by=someone, hours=HOURS)),
+        "margin": (
+            "signed agreement with a margin",
+            arl(trust=Signed(margin=0.1), watched_by=someone, hours=HOURS),
+        ),
         "tried": ("trust by trial", arl(trust=Tried(), watched_by=someone, hours=HOURS)),
     }
 
