@@ -3,10 +3,12 @@
 from collections.abc import Iterator
 
 from core.combination.config import Annealed, Constant, Equation4, Equation5, Signed, Tried
-from studies.experiments.keepaway_pages import report_page
+from studies.experiments import page
+from studies.experiments.keepaway_pages import SCORES_TEXT, by_time
 from studies.experiments.keepaway_settings import DEPARTURES, arl, person, sarsa_alone
 from studies.experiments.keepaway_trial import KeepawayTrial, quick, run_trial
 from studies.experiments.page import Page
+from studies.experiments.rates import AtRate, rates_figure, ratios_table, weights_table
 from studies.experiments.results import Results
 from studies.experiments.sweep import Condition, Experiment
 
@@ -49,11 +51,38 @@ EXPERIMENT = Experiment(
     departures=DEPARTURES,
 )
 
-INTRODUCTION = """A simulated
-person watches every episode, presses at most 2 keys in it, and errs as often as the condition says."""
+RULES = {name: label for name, (label, _) in _rules(0.0).items()}
 
 
 def report(results: Results) -> Page:
     """Return the page of the Sarsa arm: every rule at every rate against Sarsa alone."""
-    others = [(name, "sarsa") for name in results.conditions if name != "sarsa"]
-    return report_page(results, (), others, INTRODUCTION)
+    scores = {name: by_time(results, name, "seconds").mean(axis=1) for name in results.conditions}
+    found: dict[str, dict[int, AtRate]] = {}
+    verdicts = []
+    for rule, label in RULES.items():
+        for percent in WRONG_PERCENT:
+            name = f"{rule}-{percent}"
+            if name in scores and "sarsa" in scores:
+                verdicts.append(page.verdict(name, "sarsa", scores))
+                weight = float(by_time(results, name, "w_h", 10)[:, -1].mean())
+                found.setdefault(label, {})[percent] = AtRate(verdicts[-1].ratio, weight)
+    text = f"""\
+# {EXPERIMENT.title}
+
+A simulated person watches every episode, presses at most 2 keys in it, and errs as often as the column says; {HOURS:g} simulated hours,
+{len(results.seeds)} trials, paired by seed. Ratio of scores to Sarsa without a person, with 95 % interval:
+
+{ratios_table(found, WRONG_PERCENT)}
+![Every rule at every rate](../figures/robustness-keepaway.png)
+
+Mean weight of the human in the last tenth of the time:
+
+{weights_table(found, WRONG_PERCENT)}
+{SCORES_TEXT}
+{page.summary_table(scores, "seconds per episode")}
+## How to read this
+
+{page.HOW_TO_READ}
+{page.verdict_table(verdicts)}
+{page.how_it_was_made(results)}"""
+    return Page("robustness-keepaway", text, {"robustness-keepaway": rates_figure(found, WRONG_PERCENT)})

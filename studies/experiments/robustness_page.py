@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 from studies.comparison import Verdict
 from studies.experiments import page
 from studies.experiments.page import Page
+from studies.experiments.rates import AtRate, ByRule, rates_figure, ratios_table, weights_table
 from studies.experiments.results import Results
 from studies.experiments.robustness import (
     ENVIRONMENT,
@@ -24,10 +24,6 @@ from studies.experiments.robustness import (
     by_rate,
 )
 from studies.experiments.tetris_pages import SCORE, same_trials
-from studies.reaction_time.figures import COLORS, LINES
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 Floats = NDArray[np.float64]
 
@@ -75,6 +71,7 @@ def robustness_page(results: Results) -> Page:
     """Return the page."""
     scores = {name: results.table(name, "lines").mean(axis=1) for name in results.conditions}
     against = _against_the_environment(results.conditions, scores)
+    by_rule = _by_rule(results, against)
     shared, others = same_trials(
         results, "fig5", "Fig. 5", {ENVIRONMENT: "ce", "eq4-010": "arl-ce", "annealed-010": "annealed"}
     )
@@ -98,10 +95,10 @@ which nobody had looked at under any rule, against the environment alone and ann
 Ratio to the environment alone, with 95 % interval. (Ours: on its fresh seeds; the others on root seeds that had been looked at, under these rules, when ours was
 fixed.)
 
-{_rules_table(against)}
+{ratios_table(by_rule, RATES)}
 Mean weight of the human over the last 100 episodes:
 
-{_weights_table(results)}
+{weights_table(by_rule, RATES)}
 Mean scores (arithmetic), {SCORE}:
 
 {_scores_table(scores)}
@@ -117,7 +114,7 @@ The rule with people by name (`core.feedback.persons`), 1 press in 10 wrong unle
 
 {page.HOW_TO_READ}
 {page.how_it_was_made(results, others=others)}"""
-    return Page("robustness", text, {"robustness": _figure(results, scores, against)})
+    return Page("robustness", text, {"robustness": rates_figure(by_rule, RATES)})
 
 
 def _against_the_environment(conditions: Iterable[str], scores: Mapping[str, Floats]) -> dict[str, Verdict]:
@@ -168,36 +165,17 @@ def _goal(scores: Mapping[str, Floats], against: Mapping[str, Verdict]) -> str:
     return f"{summary}.\n\n{page.table(columns, rows)}"
 
 
-def _rules_table(against: Mapping[str, Verdict]) -> str:
-    rows = []
+def _by_rule(results: Results, against: Mapping[str, Verdict]) -> ByRule:
+    """Return what came of each rule that was played, by its label and the rate."""
+    found = {}
     for rule, label in RULES.items():
-        conditions = by_rate(rule, against)
-        if not conditions:
-            continue
-        rows.append(
-            [
-                label,
-                *(
-                    page.interval(against[conditions[rate]].ratio) if rate in conditions else ""
-                    for rate in RATES
-                ),
-            ]
-        )
-    return page.table(["rule", *(f"{rate} % wrong" for rate in RATES)], rows)
-
-
-def _weights_table(results: Results) -> str:
-    rows = []
-    for rule, label in RULES.items():
-        conditions = by_rate(rule, results.trials)
-        if not conditions:
-            continue
-        cells = [
-            f"{results.table(conditions[rate], 'w_h')[:, -100:].mean():.2f}" if rate in conditions else ""
-            for rate in RATES
-        ]
-        rows.append([label, *cells])
-    return page.table(["rule", *(f"{rate} %" for rate in RATES)], rows)
+        cells = {
+            rate: AtRate(against[name].ratio, float(results.table(name, "w_h")[:, -100:].mean()))
+            for rate, name in by_rate(rule, against).items()
+        }
+        if cells:
+            found[label] = cells
+    return found
 
 
 def _scores_table(scores: Mapping[str, Floats]) -> str:
@@ -250,37 +228,3 @@ def _gradient_table(scores: Mapping[str, Floats]) -> str:
         found = page.verdict(name, GRADIENT, scores)
         rows.append([f"{int(name[-3:])} %", page.interval(found.ratio), page.p_value(found.p)])
     return page.table(["wrong", "ratio to policy gradient alone", "p"], rows)
-
-
-def _figure(results: Results, scores: Mapping[str, Floats], against: Mapping[str, Verdict]) -> Figure:
-    """Draw ratio and final weight against the rate, for the rules that were played at two rates or more."""
-    figure = page.new_figure(7.2, 3.6)
-    left, right = figure.subplots(1, 2)
-    left.axhline(1.0, color="0.4", linewidth=1.0)
-    shown = [rule for rule in RULES if len(by_rate(rule, against)) >= 2]
-    for place, rule in enumerate(shown):
-        conditions = by_rate(rule, against)
-        rates = np.array(list(conditions), dtype=np.float64)
-        found = [against[name].ratio for name in conditions.values()]
-        middle = np.array([ratio.estimate for ratio in found])
-        ends = np.array([[r.estimate - r.low for r in found], [r.high - r.estimate for r in found]])
-        style = {
-            "color": COLORS[place % len(COLORS)],
-            "linestyle": LINES[place % len(LINES)],
-            "marker": page.MARKERS[place % len(page.MARKERS)],
-            "markersize": 4,
-        }
-        left.errorbar(rates + (place - 2) * 0.8, middle, yerr=ends, capsize=2, label=RULES[rule], **style)
-        weights = [results.table(name, "w_h")[:, -100:].mean() for name in conditions.values()]
-        right.plot(rates, weights, **style)
-    left.set(xlabel="wrong presses (%)", ylabel="score / environment only", yscale="log", xticks=RATES)
-    right.set(xlabel="wrong presses (%)", ylabel="$w_h$, last 100 episodes", xticks=RATES)
-    ratios = (0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50)
-    low, high = left.get_ylim()
-    left.set_yticks([ratio for ratio in ratios if low <= ratio <= high])
-    left.set_yticklabels([f"{ratio:g}" for ratio in ratios if low <= ratio <= high])
-    left.set_yticks([], minor=True)
-    for axes in (left, right):
-        axes.grid(alpha=0.3)
-    left.legend(frameon=False, fontsize="small")
-    return figure

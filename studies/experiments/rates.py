@@ -1,0 +1,82 @@
+"""Rules of trust against rates of wrong presses, as tables and as a figure: what both games' pages of robustness share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from studies.experiments import page
+from studies.reaction_time.figures import COLORS, LINES
+from studies.statistics import Interval
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+TICKS = (0.1, 0.2, 0.5, 0.8, 1, 1.25, 2, 5, 10, 20, 50)
+
+
+@dataclass(frozen=True, slots=True)
+class AtRate:
+    """What came of a rule at one rate of wrong presses."""
+
+    ratio: Interval
+    """Of its scores to those of the environment alone."""
+    weight: float
+    """Mean w_h at the end of a trial."""
+
+
+ByRule = Mapping[str, Mapping[int, AtRate]]
+"""By the rule's label, then by the rate in per cent."""
+
+
+def ratios_table(found: ByRule, rates: Sequence[int]) -> str:
+    """Return ratios with their intervals, a row per rule."""
+    return _table(found, rates, lambda cell: page.interval(cell.ratio))
+
+
+def weights_table(found: ByRule, rates: Sequence[int]) -> str:
+    """Return mean weights, a row per rule."""
+    return _table(found, rates, lambda cell: f"{cell.weight:.2f}")
+
+
+def rates_figure(found: ByRule, rates: Sequence[int]) -> Figure:
+    """Draw ratio and final weight against the rate, for the rules that were played at two rates or more."""
+    figure = page.new_figure(7.2, 3.6)
+    left, right = figure.subplots(1, 2)
+    left.axhline(1.0, color="0.4", linewidth=1.0)
+    shown = {rule: cells for rule, cells in found.items() if len(cells) >= 2}
+    for place, (rule, cells) in enumerate(shown.items()):
+        at = np.array(list(cells), dtype=np.float64)
+        ratios = [cell.ratio for cell in cells.values()]
+        middle = np.array([ratio.estimate for ratio in ratios])
+        ends = np.array([[r.estimate - r.low for r in ratios], [r.high - r.estimate for r in ratios]])
+        style = {
+            "color": COLORS[place % len(COLORS)],
+            "linestyle": LINES[place % len(LINES)],
+            "marker": page.MARKERS[place % len(page.MARKERS)],
+            "markersize": 4,
+        }
+        left.errorbar(at + (place - 2) * 0.8, middle, yerr=ends, capsize=2, label=rule, **style)
+        right.plot(at, [cell.weight for cell in cells.values()], **style)
+    left.set(xlabel="wrong presses (%)", ylabel="score / environment only", yscale="log", xticks=rates)
+    right.set(xlabel="wrong presses (%)", ylabel="$w_h$ at the end", xticks=rates)
+    low, high = left.get_ylim()
+    ticks = [tick for tick in TICKS if low <= tick <= high]
+    left.set_yticks(ticks)
+    left.set_yticklabels([f"{tick:g}" for tick in ticks])
+    left.set_yticks([], minor=True)
+    for axes in (left, right):
+        axes.grid(alpha=0.3)
+    left.legend(frameon=False, fontsize="small")
+    return figure
+
+
+def _table(found: ByRule, rates: Sequence[int], tell: Callable[[AtRate], str]) -> str:
+    rows = [
+        [rule, *(tell(cells[rate]) if rate in cells else "" for rate in rates)]
+        for rule, cells in found.items()
+    ]
+    return page.table(["rule", *(f"{rate} % wrong" for rate in rates)], rows)
