@@ -13,7 +13,7 @@ from studies.experiments.run import SweepError, run_sweep
 from studies.experiments.sweep import MODULES, csv_text, experiment_module, root_seeds
 from tests.studies.test_experiment_runs import Inline
 
-TETRIS = ("fig5", "fig6", "features", "robustness")
+PAGES = ("fig5", "fig6", "features", "robustness", "robustness-keepaway")
 
 
 @pytest.fixture(autouse=True)
@@ -23,7 +23,7 @@ def _few_resamples(monkeypatch):
 
 
 def games(seed: int, condition: str, gain: float, episodes: int = 200) -> dict[str, np.ndarray]:
-    """Rows as a trial in Tetris returns them, the condition `gain` times as good."""
+    """Rows as a trial of either game returns them, the condition `gain` times as good."""
     rng = stream(seed, "games")
     lines = np.floor(gain * rng.exponential(np.linspace(1.0, 40.0, episodes)))
     return {
@@ -31,6 +31,8 @@ def games(seed: int, condition: str, gain: float, episodes: int = 200) -> dict[s
         "pieces": 2.5 * lines + 20,
         "presses": rng.integers(0, 6, size=episodes).astype(float),
         "w_h": np.full(episodes, 0.4),
+        "seconds": gain * (1.0 + rng.exponential(8.0, episodes)),
+        "hours": np.linspace(0.01, 2.0, episodes),
     }
 
 
@@ -47,7 +49,7 @@ def played(name: str, folder: Path, gains: dict[str, float], trials: int = 6, co
     return read_results(never, folder)
 
 
-@pytest.mark.parametrize("name", TETRIS)
+@pytest.mark.parametrize("name", PAGES)
 def test_a_page_says_what_held_and_how_to_do_it_again(name, tmp_path):
     found = experiment_module(name).report(played(name, tmp_path, {}))
     assert found.name == name
@@ -133,6 +135,17 @@ def test_the_goal_of_robustness_is_judged_demand_by_demand(tmp_path):
     bad = report(played("robustness", tmp_path / "bad", {"margin-050": 0.5})).text
     goal = bad[bad.index("## The goal") : bad.index("## Every rule")]
     assert "never significantly below: **no**; nor 10 % below: **no**" in goal
+
+
+def test_a_rules_ratio_stands_in_the_column_of_its_rate(tmp_path):
+    text = (
+        experiment_module("robustness-keepaway")
+        .report(played("robustness-keepaway", tmp_path, {"margin-80": 3.0}))
+        .text
+    )
+    (row,) = (line for line in text.splitlines() if line.startswith("| signed agreement with a margin | 1 "))
+    cells = [cell.strip() for cell in row.strip("|").split("|")]
+    assert [cell.startswith("3 [") for cell in cells[1:]] == [False] * 4 + [True, False]
 
 
 def test_trials_of_people_that_were_not_played_are_said_to_be_missing(tmp_path):
