@@ -12,7 +12,8 @@ from core.keepaway.game import step_cycle
 from core.keepaway.match import new_match, open_streams, start_episode
 from core.keepaway.pitch import END_REASONS, KeepawayConfig
 from core.keepaway.policies import POLICIES
-from tests.naive.keepaway import UNKNOWN, NaiveMatch
+from tests.naive.keepaway import NaiveMatch
+from tests.naive.keepaway_things import UNKNOWN
 
 ROUNDING = 1e-9
 SETTINGS = {
