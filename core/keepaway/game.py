@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.compiled import kernel
-from core.keepaway.intercept import LONGEST_INTERCEPT, cycles_to_ball
+from core.keepaway.arrivals import LONGEST_INTERCEPT, cycles_to_ball
 from core.keepaway.match import (
     CLOCK,
     CYCLE,

@@ -8,10 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.compiled import kernel
-from core.keepaway.intercept import (
-    go_to_ball,
-    keeper_to_go,
-)
+from core.keepaway.arrivals import keeper_to_go
+from core.keepaway.intercept import go_to_ball
 from core.keepaway.kicking import KEEPER_HOLD_RATIO, hold_ball, nearest_to, pass_ball
 from core.keepaway.match import (
     ACTION,

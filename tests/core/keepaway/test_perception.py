@@ -5,9 +5,11 @@ import pytest
 from msgspec.structs import replace
 
 from core.keepaway import match as m
+from core.keepaway.hearing import listen
 from core.keepaway.match import new_match, open_streams
-from core.keepaway.perception import FORGET_BALL, measure, perceive, rounded, seen_distance
-from core.keepaway.pitch import ANGLE, BODY, KIND, NECK, TURN, VX, VY, KeepawayConfig, X, Y
+from core.keepaway.perception import FORGET_BALL, perceive
+from core.keepaway.pitch import ANGLE, BODY, DASH, KIND, NECK, POWER, TURN, VX, VY, KeepawayConfig, X, Y
+from core.keepaway.sight import measure, rounded, seen_distance
 from core.streams import stream
 
 RNG = stream(1, "perception")
@@ -143,3 +145,31 @@ def test_exact_state_needs_no_belief():
     assert match.known.all()
     assert not match.seen_players.any()
     assert match.players[:, VY].tolist() == [0] * 5
+
+
+def test_who_collides_unseeing_believes_it_went_as_far_as_it_meant_to():
+    match, config = scene()
+    match.commands[3, [KIND, POWER]] = DASH, 100.0
+    match.players[3, :4] = 4.1, 0.0, -0.024, 0.0  # stopped after 0.1 m; -0.1 of 0.24 is left
+    match.hit[4] = True
+    see(match, config, BLIND)
+    assert match.seen_players[3, 3, :3] == pytest.approx([4.6, 0.0, -0.024])
+    # The next message corrects it.
+    match.commands[:] = 0.0
+    match.hit[:] = False
+    see(match, config, SEES)
+    assert match.seen_players[3, 3, X] == pytest.approx(4.1)
+
+
+def test_fresher_news_of_the_ball_is_believed_only_where_it_contradicts():
+    match, _ = scene(KeepawayConfig(view_angle_deg=90.0, quantise=False))
+    match.player_age[:3, :3] = 0
+    for age, velocity, believed in ((0, 1.0, 0.0), (1, 0.2, 0.0), (1, 1.0, 1.0), (4, 0.2, 0.2)):
+        match.seen_ball[:3] = 0.0
+        match.ball_age[:3] = 9
+        match.ball_age[0] = age
+        for mate in (1, 2):
+            match.seen_ball[mate, VX] = velocity
+            match.ball_age[mate] = 0
+        listen(match, 0, 0, 3, RNG)
+        assert match.seen_ball[0, VX] == believed, (age, velocity)
