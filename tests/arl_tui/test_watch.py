@@ -1,11 +1,14 @@
 """Watching a policy: keys, the panel, the end; and what may be asked for."""
 
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 from pathlib import Path
 
 import click
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
+from textual.pilot import Pilot
 
 from arl_tui.cli import main
 from arl_tui.commands import watch as command
@@ -64,6 +67,15 @@ class Playing:
         return str(self.screen.query_one("#panel").content)
 
 
+@asynccontextmanager
+async def running(size: tuple[int, int] = (80, 24), **options) -> AsyncIterator[tuple[Playing, Pilot[str]]]:
+    """Run the app with a match that is ready; options as `Playing`."""
+    playing = Playing(**options)
+    async with playing.app.run_test(size=size) as pilot:
+        await playing.ready(pilot)
+        yield playing, pilot
+
+
 async def test_it_says_that_it_is_getting_ready_and_begins_when_it_is():
     playing = Playing()
     async with playing.app.run_test(size=(80, 24)) as pilot:
@@ -76,9 +88,7 @@ async def test_it_says_that_it_is_getting_ready_and_begins_when_it_is():
 
 
 async def test_space_stops_and_goes_on():
-    playing = Playing()
-    async with playing.app.run_test(size=(80, 24)) as pilot:
-        await playing.ready(pilot)
+    async with running() as (playing, pilot):
         playing.pass_time(300)
         await pilot.press("space")
         assert "PAUSED" in playing.panel
@@ -91,18 +101,14 @@ async def test_space_stops_and_goes_on():
 
 
 async def test_the_full_stop_goes_on_by_a_cycle():
-    playing = Playing()
-    async with playing.app.run_test(size=(80, 24)) as pilot:
-        await playing.ready(pilot)
+    async with running() as (playing, pilot):
         await pilot.press("full_stop", "full_stop", "full_stop")
         assert "0.3 s" in playing.pitch
         assert "PAUSED" in playing.panel
 
 
 async def test_plus_and_minus_change_the_speed():
-    playing = Playing()
-    async with playing.app.run_test(size=(80, 24)) as pilot:
-        await playing.ready(pilot)
+    async with running() as (playing, pilot):
         await pilot.press("+")
         assert "x2" in playing.panel
         playing.pass_time(500)
@@ -114,17 +120,13 @@ async def test_plus_and_minus_change_the_speed():
 
 
 async def test_the_next_episode_can_be_asked_for():
-    playing = Playing()
-    async with playing.app.run_test(size=(80, 24)) as pilot:
-        await playing.ready(pilot)
+    async with running() as (playing, pilot):
         await pilot.press("n")
         assert "Episode 2" in playing.pitch
 
 
 async def test_each_press_of_d_draws_otherwise():
-    playing = Playing()
-    async with playing.app.run_test(size=(80, 24)) as pilot:
-        await playing.ready(pilot)
+    async with running() as (playing, pilot):
         seen = []
         for _ in range(3):
             await pilot.press("d")
@@ -133,9 +135,7 @@ async def test_each_press_of_d_draws_otherwise():
 
 
 async def test_the_panel_tells_what_the_policy_thinks_and_how_episodes_ended():
-    playing = Playing(length=3)
-    async with playing.app.run_test(size=(80, 24)) as pilot:
-        await playing.ready(pilot)
+    async with running(length=3) as (playing, pilot):
         playing.pass_time(200)
         await pilot.press("full_stop")
         assert "0.3 s out" in playing.panel
@@ -145,9 +145,7 @@ async def test_the_panel_tells_what_the_policy_thinks_and_how_episodes_ended():
 
 
 async def test_help_explains_the_picture_while_time_stands_still():
-    playing = Playing()
-    async with playing.app.run_test(size=(80, 24)) as pilot:
-        await playing.ready(pilot)
+    async with running() as (playing, pilot):
         playing.pass_time(200)
         await pilot.press("h")
         assert playing.app.screen is not playing.screen
@@ -162,9 +160,7 @@ async def test_help_explains_the_picture_while_time_stands_still():
 
 
 async def test_after_the_episodes_asked_for_it_leaves_and_says_what_was_seen():
-    playing = Playing(length=3, episodes=2)
-    async with playing.app.run_test(size=(80, 24)) as pilot:
-        await playing.ready(pilot)
+    async with running(length=3, episodes=2) as (playing, pilot):
         for _ in range(2):
             playing.pass_time(300)
             playing.pass_time(1_500)
