@@ -18,7 +18,8 @@ from core.keepaway.match import (
     OPTION,
     Match,
     Streams,
-    drop_stuck_ball,
+    drop_ball,
+    is_stuck,
     referee,
     start_episode,
 )
@@ -106,10 +107,10 @@ def finish_cycle(match: Match, rules: Rules, streams: Streams) -> bool:
     match.status[CYCLE] += 1
     match.status[CLOCK] += 1
     referee(match.ball, match.players, match.status, rules)
-    if match.status[END] != ONGOING:
-        return True
-    drop_stuck_ball(match)
-    return False
+    ended = bool(match.status[END] != ONGOING)
+    if is_stuck(match) and not ended:
+        drop_ball(match)
+    return ended
 
 
 @kernel

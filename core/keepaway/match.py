@@ -285,23 +285,27 @@ def _any_in_reach(ball: Floats, players: Floats, first: int, last: int) -> bool:
 
 
 @kernel
-def drop_stuck_ball(match: Match) -> bool:
-    """Drop the ball where it lies when it has not left a circle of 3 m for 100 cycles; return whether it did.
+def is_stuck(match: Match) -> bool:
+    """Return whether the ball has not left a circle of 3 m for 100 cycles; its clock starts anew then.
 
-    The server's own rule, unnoticed in most episodes but the end of many a long hold: the ball is stopped, and
-    everybody within 9.15 m of it is put back to that distance, at rest. Its clock runs on over resets.
+    The server's own rule, unnoticed in most episodes but the end of many a long hold. The clock runs on over resets,
+    and looks at the last cycle of an episode, too, before everybody is put back.
     """
     ball, stuck, now = match.ball, match.stuck, float(match.status[CLOCK])
-    if not length(ball[X] - stuck[X], ball[Y] - stuck[Y]) <= STUCK_AREA:
+    moved = not length(ball[X] - stuck[X], ball[Y] - stuck[Y]) <= STUCK_AREA
+    over = not moved and now - stuck[2] >= STUCK_CYCLES
+    if moved or over:
         stuck[X], stuck[Y], stuck[2] = ball[X], ball[Y], now
-        return False
-    if now - stuck[2] < STUCK_CYCLES:
-        return False
-    stuck[X], stuck[Y], stuck[2] = ball[X], ball[Y], now
+    return bool(over)
+
+
+@kernel
+def drop_ball(match: Match) -> None:
+    """Stop the ball where it is; whoever stands within 9.15 m of it is put back to that distance, at rest."""
+    ball = match.ball
     ball[VX], ball[VY] = 0.0, 0.0
     for i in range(match.players.shape[0]):
         _clear_from_ball(ball, match.players[i])
-    return True
 
 
 @kernel

@@ -161,18 +161,21 @@ class World:
             self.takes += 1
         elif any_reach(self.keepers):
             self.takes = 0
-        if not self.end:
-            self.drop_stuck_ball()
+        if self.is_stuck() and not self.end:
+            self.drop_ball()
 
-    def drop_stuck_ball(self) -> None:
-        gap = self.ball.at - self.stuck_at
-        if not size(gap) <= 3:
+    def is_stuck(self) -> bool:
+        """Whether the ball has not left 3 m for 100 cycles; looks at the last cycle of an episode, too."""
+        moved = not size(self.ball.at - self.stuck_at) <= 3
+        over = not moved and self.clock - self.stuck_since >= 100
+        if moved or over:
             self.stuck_at, self.stuck_since = self.ball.at, self.clock
-        elif self.clock - self.stuck_since >= 100:
-            self.stuck_at, self.stuck_since = self.ball.at, self.clock
-            self.ball.v = 0j
-            for player in self.players:
-                way = player.at - self.ball.at
-                if size(way) < 9.45:
-                    player.at = self.ball.at + way * 9.45 / size(way)
-                    player.v = 0j
+        return over
+
+    def drop_ball(self) -> None:
+        self.ball.v = 0j
+        for player in self.players:
+            way = player.at - self.ball.at
+            if size(way) < 9.45:
+                player.at = self.ball.at + way * 9.45 / size(way)
+                player.v = 0j

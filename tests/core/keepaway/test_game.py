@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from core.keepaway import match as m
 from core.keepaway.autoplay import Autoplay, keepaway_tiles, learn_cycle
 from core.keepaway.game import begin_cycle, finish_cycle, step_cycle
-from core.keepaway.match import drop_stuck_ball, new_match, open_streams, referee, start_episode
-from core.keepaway.pitch import NECK, ONGOING, OUT, TAKEN, KeepawayConfig
+from core.keepaway.match import drop_ball, is_stuck, new_match, open_streams, referee, start_episode
+from core.keepaway.pitch import NECK, ONGOING, OUT, TAKEN, KeepawayConfig, X
 from core.keepaway.policies import POLICIES, choose
 from core.learners.sarsa import SarsaConfig, new_sarsa
 from core.streams import stream
@@ -81,9 +81,21 @@ def test_a_ball_stuck_for_100_cycles_is_dropped_and_players_put_back():
     match.players[0, :4] = 1.0, 3.0, 0.3, 0.3
     for cycle in range(101):
         match.status[m.CLOCK] = cycle
-        assert drop_stuck_ball(match) == (cycle == 100)
+        assert is_stuck(match) == (cycle == 100)
+    drop_ball(match)
     assert match.ball.tolist() == [1.0, 2.0, 0.0, 0.0]
     assert match.players[0, :4].tolist() == pytest.approx([1.0, 2.0 + 9.45, 0.0, 0.0])
+
+
+def test_the_clock_of_a_stuck_ball_looks_at_the_last_cycle_of_an_episode_too():
+    match, rules, streams = fresh()
+    match.status[m.CLOCK] = 50
+    match.stuck[:] = -6.0, -6.0, 10.0
+    match.ball[:] = -9.99, -1.0, -1.0, 0.0
+    step_cycle(match, rules, POLICIES["hold"], streams)
+    assert match.status[m.END] == OUT
+    assert match.stuck[2] == 51
+    assert match.stuck[X] < -10
 
 
 def episode(match, rules, streams, policy="random"):
