@@ -30,6 +30,9 @@ class Terminal:
         }
         for name in ("TMUX", "STY", "SSH_CONNECTION", "NO_COLOR", "TEXTUAL_DRIVER"):
             environment.pop(name, None)
+        # What else runs in this process may have set them; then the program believes them and not the terminal.
+        for name in ("COLUMNS", "LINES"):
+            environment.pop(name, None)
         self._screen = pyte.Screen(columns, lines)
         self._stream = pyte.ByteStream(self._screen)
         self.child = pexpect.spawn(

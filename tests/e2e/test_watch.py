@@ -32,9 +32,6 @@ def test_it_plays_answers_keys_and_ends_cleanly(tmp_path: Path) -> None:
         assert "1 episode: mean" in terminal.text
 
 
-# One cause of missed changes of size is known and gone (`arl_tui.once`, tests/arl_tui/test_plain_app.py). Under a load of
-# eight on two cores this test still waited in vain once, at the first change; the window had its new size. Cause unknown.
-@pytest.mark.slow
 def test_a_window_that_is_too_small_says_so_and_comes_back(tmp_path: Path) -> None:
     options = ("--policy", "hold", "--vision", "exact", "--seed", "3", "--detail", "ascii")
     with Terminal("watch", "keepaway", *options, cwd=tmp_path) as terminal:
