@@ -164,6 +164,12 @@ def held(found: Verdict) -> str:
     return "no, the opposite" if found.ratio.high < 1.0 else "not shown"
 
 
+def _flat(settings: dict[str, Any]) -> dict[str, Any]:
+    """Return settings of a trial that wraps a protocol as those of the protocol and of what is around it."""
+    around = dict(settings)
+    return {**around.pop("protocol", {}), **around}
+
+
 def how_it_was_made(results: Results, *, others: Sequence[Results] = ()) -> str:
     """Return seeds, versions, settings and departures: what is needed to do it again.
 
@@ -176,7 +182,7 @@ def how_it_was_made(results: Results, *, others: Sequence[Results] = ()) -> str:
     lines = [", ".join(f"{name} {value}" for name, value in run.items()) for run in runs]
     versions = list(dict.fromkeys(lines))
     departures = "\n".join(f"- {sentence}." for sentence in results.experiment.departures)
-    settings = {name: record.conditions[name] for name in results.conditions}
+    settings = {name: _flat(record.conditions[name]) for name in results.conditions}
     common, own = shared_settings(settings)
     differing = "\n".join(
         f"- `{name}`: `{msgspec.json.encode(value).decode()}`" for name, value in own.items()
@@ -218,28 +224,28 @@ What differs between the conditions:
 
 
 def shared_settings(settings: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Split settings by condition into what all share and what is each one's own.
+    """Split settings by condition into what all share and what is each one's own; nothing is left out.
 
     Args:
-        settings: plain JSON types by condition, objects with the same keys at the top.
+        settings: objects of plain JSON types by condition. Objects below them that have other keys than their likes (rules of
+            another kind) are each one's own as a whole.
     """
-    first = next(iter(settings.values()))
-    if not all(isinstance(value, dict) for value in settings.values()):
-        return {}, dict(settings)
     common: dict[str, Any] = {}
     own: dict[str, dict[str, Any]] = {name: {} for name in settings}
-    for key in first:
-        values = [value.get(key) for value in settings.values()]
-        if all(value == values[0] for value in values):
+    for key in dict.fromkeys(key for value in settings.values() for key in value):
+        there = {name: value[key] for name, value in settings.items() if key in value}
+        values = list(there.values())
+        everywhere = len(there) == len(settings)
+        if everywhere and all(value == values[0] for value in values):
             common[key] = values[0]
-        elif all(isinstance(value, dict) for value in values):
-            inner, rest = shared_settings(dict(zip(settings, values, strict=True)))
+        elif everywhere and all(isinstance(v, dict) and v.keys() == values[0].keys() for v in values):
+            inner, rest = shared_settings(there)
             if inner:
                 common[key] = inner
             for name, value in rest.items():
                 own[name][key] = value
         else:
-            for name, value in zip(settings, values, strict=True):
+            for name, value in there.items():
                 own[name][key] = value
     return common, own
 

@@ -39,12 +39,12 @@ def ratios_table(found: ByRule, rates: Sequence[int]) -> str:
 
 def weights_table(found: ByRule, rates: Sequence[int]) -> str:
     """Return mean weights, a row per rule."""
-    return _table(found, rates, lambda cell: f"{cell.weight:.2f}")
+    return _table(found, rates, lambda cell: f"{round(cell.weight, 2) + 0.0:.2f}")
 
 
 def rates_figure(found: ByRule, rates: Sequence[int]) -> Figure:
     """Draw ratio and final weight against the rate, for the rules that were played at two rates or more."""
-    figure = page.new_figure(7.2, 3.6)
+    figure = page.new_figure(7.2, 4.0)
     left, right = figure.subplots(1, 2)
     left.axhline(1.0, color="0.4", linewidth=1.0)
     shown = {rule: cells for rule, cells in found.items() if len(cells) >= 2}
@@ -70,7 +70,13 @@ def rates_figure(found: ByRule, rates: Sequence[int]) -> Figure:
     left.set_yticks([], minor=True)
     for axes in (left, right):
         axes.grid(alpha=0.3)
-    left.legend(frameon=False, fontsize="small")
+    figure.legend(
+        *left.get_legend_handles_labels(),
+        loc="outside lower center",
+        ncols=3,
+        frameon=False,
+        fontsize="small",
+    )
     return figure
 
 

@@ -179,6 +179,16 @@ def test_settings_are_split_into_what_is_shared_and_what_differs():
     assert own == {"a": {"y": {"q": 2}}, "b": {"y": {"q": 3}}}
 
 
+def test_settings_that_only_some_conditions_have_are_named_with_them():
+    rules = {
+        "a": {"rule": {"type": "eq4"}},
+        "b": {"rule": {"type": "signed", "margin": 0.1}, "seeds_from": 9},
+    }
+    common, own = page.shared_settings(rules)
+    assert common == {}
+    assert own == rules
+
+
 def test_numbers_have_three_digits_and_no_exponent():
     assert [page.number(v) for v in (12345.6, 1.2345, 0.0, 0.00012345)] == ["12346", "1.23", "0", "0.0001"]
 
