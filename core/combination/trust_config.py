@@ -60,12 +60,8 @@ class Signed(msgspec.Struct, frozen=True, tag="signed"):
             raise ValueError(f"consistent_above is >= 0 standard errors or None, got {self.consistent_above}")
         if not 0 <= self.margin < 1:
             raise ValueError(f"margin is an agreement in [0, 1), got {self.margin}")
-        if not 2 <= self.minimum_episodes <= self.episodes:
-            raise ValueError(
-                f"need 2 <= minimum_episodes <= episodes, got {self.minimum_episodes} and {self.episodes}"
-            )
-        if not (math.isfinite(self.gain) and self.gain > 0 and self.standard_errors >= 0):
-            raise ValueError(f"need gain > 0 and standard_errors >= 0: {self.gain}, {self.standard_errors}")
+        _check_memory(self.minimum_episodes, self.episodes, least=2)
+        _check_gain(self.gain, self.standard_errors)
 
 
 class RankCorrelation(msgspec.Struct, frozen=True, tag="rank-correlation"):
@@ -87,12 +83,8 @@ class RankCorrelation(msgspec.Struct, frozen=True, tag="rank-correlation"):
     """With fewer episodes w_h = 0."""
 
     def __post_init__(self) -> None:
-        if not 3 <= self.minimum_episodes <= self.episodes:
-            raise ValueError(
-                f"need 3 <= minimum_episodes <= episodes, got {self.minimum_episodes} and {self.episodes}"
-            )
-        if not (math.isfinite(self.gain) and self.gain > 0 and self.standard_errors >= 0):
-            raise ValueError(f"need gain > 0 and standard_errors >= 0: {self.gain}, {self.standard_errors}")
+        _check_memory(self.minimum_episodes, self.episodes, least=3)
+        _check_gain(self.gain, self.standard_errors)
 
 
 class Tried(msgspec.Struct, frozen=True, tag="tried"):
@@ -127,10 +119,7 @@ class Tried(msgspec.Struct, frozen=True, tag="tried"):
             raise ValueError(
                 f"need better_by >= 0 and consistent_above >= 0: {self.better_by}, {self.consistent_above}"
             )
-        if not 2 <= self.minimum_episodes <= self.episodes:
-            raise ValueError(
-                f"need 2 <= minimum_episodes <= episodes, got {self.minimum_episodes} and {self.episodes}"
-            )
+        _check_memory(self.minimum_episodes, self.episodes, least=2)
 
 
 class FixedWeight(msgspec.Struct, frozen=True, tag="fixed"):
@@ -188,7 +177,17 @@ class AskingConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
                 "asking needs per_episode >= 0, 2 or 3 options and a share in (0, 1), got "
                 f"{self.per_episode}, {self.options}, {self.share}"
             )
-        if not 1 <= self.minimum_decisions <= self.memory:
-            raise ValueError(
-                f"need 1 <= minimum_decisions <= memory, got {self.minimum_decisions} and {self.memory}"
-            )
+        _check_memory(self.minimum_decisions, self.memory, least=1, names=("minimum_decisions", "memory"))
+
+
+def _check_memory(
+    minimum: int, kept: int, *, least: int, names: tuple[str, str] = ("minimum_episodes", "episodes")
+) -> None:
+    """Refuse a minimum that says nothing, or that what is kept can never reach."""
+    if not least <= minimum <= kept:
+        raise ValueError(f"need {least} <= {names[0]} <= {names[1]}, got {minimum} and {kept}")
+
+
+def _check_gain(gain: float, standard_errors: float) -> None:
+    if not (math.isfinite(gain) and gain > 0 and standard_errors >= 0):
+        raise ValueError(f"need gain > 0 and standard_errors >= 0: {gain}, {standard_errors}")

@@ -242,9 +242,18 @@ class ArlAutoplay:
         return episode
 
     def digest(self) -> str:
-        """Return SHA-256 over everything learned, hex."""
-        parts = (self.sarsa.weights.tobytes(), self.human.weights.tobytes(), self.bootstrap.state_bytes())
-        return hashlib.sha256(b"".join(parts)).hexdigest()
+        """Return SHA-256 over everything learned, hex: two sessions with the same one have learned the same.
+
+        Of the human model that is all that decides about trust later: how many samples it is made of and how well it
+        foresaw the presses, beside its weights.
+        """
+        human = self.human
+        arrays = (self.sarsa.weights, human.weights, human.samples, human.foreseen, self._timeline.masses)
+        digest = hashlib.sha256()
+        for part in (*(array.tobytes() for array in arrays), self.bootstrap.state_bytes()):
+            digest.update(len(part).to_bytes(8, "little"))
+            digest.update(part)
+        return digest.hexdigest()
 
     @property
     def _pause_ns(self) -> int:

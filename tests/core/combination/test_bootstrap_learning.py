@@ -1,12 +1,24 @@
 """The top policies, w_h under every trust rule, and the window of recent decisions."""
 
+import math
+from collections.abc import Callable
+
 import msgspec
 import numpy as np
 import pytest
 
 from core.combination.agent import exact_values
 from core.combination.bootstrap_learning import BootstrapLearning, EpisodeReport
-from core.combination.config import BootstrapConfig, Equation4, Equation5, FixedWeight, Signed, TrustRule
+from core.combination.config import (
+    BootstrapConfig,
+    Equation4,
+    Equation5,
+    FixedWeight,
+    RankCorrelation,
+    Signed,
+    Tried,
+    TrustRule,
+)
 from core.combination.trust import Comparison
 from core.combination.window import DecisionWindow
 from core.domain import Choices
@@ -290,13 +302,40 @@ def test_trust_rules_survive_a_recordings_header(rule: TrustRule) -> None:
     assert msgspec.json.decode(msgspec.json.encode(config), type=BootstrapConfig) == config
 
 
+@pytest.mark.parametrize(("rule", "least"), [(Signed, 2), (RankCorrelation, 3), (Tried, 2)])
+def test_a_rule_wants_enough_episodes_and_no_more_than_it_keeps(
+    rule: Callable[..., TrustRule], least: int
+) -> None:
+    rule(minimum_episodes=least, episodes=least)
+    reason = f"need {least} <= minimum_episodes <= episodes, got "
+    with pytest.raises(ValueError, match=f"{reason}{least - 1} and 200"):
+        rule(minimum_episodes=least - 1)
+    with pytest.raises(ValueError, match=f"{reason}{least + 1} and {least}"):
+        rule(minimum_episodes=least + 1, episodes=least)
+
+
+@pytest.mark.parametrize("rule", [Signed, RankCorrelation])
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"gain": 0.0},
+        {"gain": math.inf},
+        {"gain": math.nan},
+        {"standard_errors": -1.0},
+        {"standard_errors": math.nan},
+    ],
+    ids=str,
+)
+def test_a_gain_brings_a_weight_nearer_and_errors_count_against_it(
+    rule: Callable[..., TrustRule], changes: dict[str, float]
+) -> None:
+    with pytest.raises(ValueError, match="need gain > 0 and standard_errors >= 0: "):
+        rule(**changes)
+
+
 def test_what_cannot_be_is_refused_with_the_reason() -> None:
     with pytest.raises(ValueError, match="chance"):
         Equation4(chance=1.0)
-    with pytest.raises(ValueError, match="minimum_episodes"):
-        Signed(minimum_episodes=1)
-    with pytest.raises(ValueError, match="gain"):
-        Signed(gain=0.0)
     with pytest.raises(ValueError, match="w_h is finite"):
         FixedWeight(float("inf"))
     with pytest.raises(ValueError, match="top_policies"):

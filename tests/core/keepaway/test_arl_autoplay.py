@@ -166,6 +166,22 @@ def test_the_same_seed_gives_the_same_session_and_another_one_another():
     assert digest(1) == digest(1) != digest(2)
 
 
+@pytest.mark.parametrize("what", ["weights", "samples", "foreseen"])
+def test_the_digest_tells_of_everything_that_is_known_of_the_person(what):
+    # The same play, and yet not the same knowledge: trust by trial goes by `foreseen`, everything else by `samples`.
+    game, other = (ArlAutoplay(setting(), 1, "told apart") for _ in range(2))
+    assert game.digest() == other.digest()
+    getattr(other.human, what).flat[-1] += 1
+    assert game.digest() != other.digest()
+
+
+def test_the_digest_tells_what_the_environment_taught_from_what_the_person_did():
+    game, other = (ArlAutoplay(setting(), 1, "told apart") for _ in range(2))
+    game.sarsa.weights.flat[-1] = 1.0
+    other.human.weights.flat[-1] = 1.0
+    assert game.digest() != other.digest()
+
+
 @pytest.mark.jit
 def test_at_most_two_presses_of_an_episode_count_and_their_mass_is_accounted_for():
     eager = TrainerConfig(press_probability=1.0, max_presses=20, burst_rate=0.5)
