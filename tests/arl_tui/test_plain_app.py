@@ -1,6 +1,7 @@
 """What all apps have in common, on a machine that is too busy to look at the clock in time."""
 
 import itertools
+import os
 
 import pytest
 from textual import _time, events
@@ -8,7 +9,7 @@ from textual.geometry import Size
 from textual.screen import Screen
 
 from arl_tui.once import after
-from arl_tui.plain_app import PlainApp
+from arl_tui.plain_app import PlainApp, trust_the_terminal
 from arl_tui.screens.covers import SmallWindowScreen
 
 
@@ -82,3 +83,17 @@ async def test_a_page_about_a_small_window_leaves_where_the_window_has_grown_bef
         app.push_screen(SmallWindowScreen(Size(80, 24)))
         await pilot.pause(0.05)
         assert app.screen is app.listening
+
+
+@pytest.mark.parametrize(("size", "kept"), [((120, 40), False), ((0, 0), True), (None, True)], ids=str)
+def test_exported_sizes_count_only_where_the_terminal_does_not_tell_its_own(monkeypatch, size, kept):
+    def told(_descriptor):
+        if size is None:
+            raise OSError("Inappropriate ioctl for device")
+        return os.terminal_size(size)
+
+    monkeypatch.setattr(os, "get_terminal_size", told)
+    for name in ("COLUMNS", "LINES"):
+        monkeypatch.setenv(name, "80")
+    trust_the_terminal()
+    assert [name in os.environ for name in ("COLUMNS", "LINES")] == [kept, kept]

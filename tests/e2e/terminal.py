@@ -3,6 +3,7 @@
 import os
 import sys
 import time
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Self
 
@@ -20,7 +21,14 @@ REPOSITORY = Path(__file__).resolve().parents[2]
 class Terminal:
     """A terminal of 80 x 24 with `arl` running in it."""
 
-    def __init__(self, *arguments: str, cwd: Path, columns: int = COLUMNS, lines: int = LINES) -> None:
+    def __init__(
+        self,
+        *arguments: str,
+        cwd: Path,
+        columns: int = COLUMNS,
+        lines: int = LINES,
+        exported: Mapping[str, str] | None = None,
+    ) -> None:
         environment = {
             **os.environ,
             "TERM": "xterm-256color",
@@ -28,11 +36,9 @@ class Terminal:
             "TEXTUAL_DISABLE_KITTY_KEY": "1",
             "PYTHONPATH": os.pathsep.join([str(REPOSITORY), os.environ.get("PYTHONPATH", "")]),
         }
-        for name in ("TMUX", "STY", "SSH_CONNECTION", "NO_COLOR", "TEXTUAL_DRIVER"):
+        for name in ("TMUX", "STY", "SSH_CONNECTION", "NO_COLOR", "TEXTUAL_DRIVER", "COLUMNS", "LINES"):
             environment.pop(name, None)
-        # What else runs in this process may have set them; then the program believes them and not the terminal.
-        for name in ("COLUMNS", "LINES"):
-            environment.pop(name, None)
+        environment |= exported or {}
         self._screen = pyte.Screen(columns, lines)
         self._stream = pyte.ByteStream(self._screen)
         self.child = pexpect.spawn(
