@@ -77,7 +77,8 @@ def run(
             )
     except (SweepError, ValueError) as error:
         raise click.ClickException(str(error)) from error
-    click.echo(f"{len(files)} trials in {folder}. Next: arl experiment report {name} --out {out}")
+    quickly = " --quick" if quick else ""
+    click.echo(f"{len(files)} trials in {folder}. Next: arl experiment report {name} --out {out}{quickly}")
 
 
 @experiment.command()

@@ -4,9 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from arl_tui.app import ArlApp, Sitting, build_app
+from arl_tui.app import ArlApp
 from core.keys import KeyConfig
 from core.protocol import Protocol, ScreenConfig, SessionConfig
+from tests.arl_tui.driving import app_for
 from tests.arl_tui.fakes import FakeLink
 
 
@@ -26,5 +27,4 @@ def link() -> FakeLink:
 
 @pytest.fixture
 def app(protocol: Protocol, link: FakeLink, tmp_path: Path) -> ArlApp:
-    sitting = Sitting(protocol=protocol, root_seed=5, participant="P01", recordings=tmp_path)
-    return build_app(sitting, link)
+    return app_for(protocol, link, tmp_path)

@@ -1,11 +1,12 @@
 """Driving the app in tests: the worker's part, a running episode, and what was recorded."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from textual.pilot import Pilot
 from textual.widgets import Static
 
-from arl_tui.app import ArlApp, Outcome
+from arl_tui.app import ArlApp, Outcome, Sitting, build_app
 from arl_tui.link import Picture, Ready
 from arl_tui.stage import TetrisStage
 from core.protocol import Protocol
@@ -13,6 +14,16 @@ from core.recording.reader import Recording, read_recording
 from tests.arl_tui.fakes import FakeLink, episode_started, step_taken
 
 SIZE = (80, 24)
+
+
+def app_for(
+    protocol: Protocol, link: FakeLink, recordings: Path, *, source: Mapping[str, str] | None = None
+) -> ArlApp:
+    """Return the app before which P01 sits down."""
+    sitting = Sitting(
+        protocol=protocol, root_seed=5, participant="P01", recordings=recordings, source=source or {}
+    )
+    return build_app(sitting, link)
 
 
 class Worker:

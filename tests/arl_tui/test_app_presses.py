@@ -4,7 +4,7 @@ from pathlib import Path
 
 from msgspec.structs import replace
 
-from arl_tui.app import ArlApp, Sitting, build_app, key_name
+from arl_tui.app import ArlApp, key_name
 from arl_tui.link import PressSuggested
 from arl_tui.screens.covers import PauseScreen
 from arl_tui.screens.play import PlayScreen
@@ -16,7 +16,7 @@ from core.episode import (
 )
 from core.keys import KeyConfig
 from core.protocol import Protocol
-from tests.arl_tui.driving import SIZE, begin, recorded, settle
+from tests.arl_tui.driving import SIZE, app_for, begin, recorded, settle
 from tests.arl_tui.fakes import FakeLink
 
 
@@ -83,12 +83,8 @@ async def test_capital_letters_are_the_same_keys(app: ArlApp, link: FakeLink, pr
 async def test_a_command_letter_can_be_given_to_feedback(
     protocol: Protocol, link: FakeLink, tmp_path: Path
 ) -> None:
-
     keys = KeyConfig(good="p", bad="q", retract="h")
-    sitting = Sitting(
-        protocol=replace(protocol, keys=keys), root_seed=1, participant="P01", recordings=tmp_path
-    )
-    app = build_app(sitting, link)
+    app = app_for(replace(protocol, keys=keys), link, tmp_path)
     async with app.run_test(size=SIZE) as pilot:
         await begin(pilot, link, protocol, steps=1)
         await pilot.press("p", "q", "h")

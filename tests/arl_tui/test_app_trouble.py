@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from msgspec.structs import replace
 
-from arl_tui.app import ArlApp, Sitting, build_app
+from arl_tui.app import ArlApp
 from arl_tui.link import Crashed, Ready
 from arl_tui.screens.closing import ClosingScreen
 from arl_tui.screens.covers import SmallWindowScreen
@@ -20,7 +20,7 @@ from core.episode import (
 from core.protocol import Protocol
 from core.recording.recorder import LineWriter
 from core.tetris.config import TetrisConfig
-from tests.arl_tui.driving import SIZE, begin, recorded, settle, text_of
+from tests.arl_tui.driving import SIZE, app_for, begin, recorded, settle, text_of
 from tests.arl_tui.fakes import FakeLink, session_ended
 
 
@@ -94,8 +94,7 @@ async def test_a_folder_that_takes_no_files_is_reported(
     protocol: Protocol, link: FakeLink, tmp_path: Path
 ) -> None:
     (tmp_path / "file").touch()
-    sitting = Sitting(protocol=protocol, root_seed=1, participant="P01", recordings=tmp_path / "file" / "r")
-    app = build_app(sitting, link)
+    app = app_for(protocol, link, tmp_path / "file" / "r")
     async with app.run_test(size=SIZE) as pilot:
         link.say(Ready(warm_up_ns=1))
         await pilot.press("enter")
@@ -125,7 +124,7 @@ async def test_a_larger_board_asks_for_a_larger_window(
     protocol: Protocol, link: FakeLink, tmp_path: Path
 ) -> None:
     large = replace(protocol, domain=TetrisConfig(rows=26, columns=12))
-    app = build_app(Sitting(protocol=large, root_seed=1, participant="P01", recordings=tmp_path), link)
+    app = app_for(large, link, tmp_path)
     async with app.run_test(size=SIZE) as pilot:
         await begin(pilot, link, large)
         assert isinstance(app.screen, SmallWindowScreen)

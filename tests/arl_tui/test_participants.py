@@ -8,7 +8,6 @@ import msgspec
 import pytest
 from click.testing import CliRunner
 
-from arl_tui.app import Sitting, build_app
 from arl_tui.cli import main
 from arl_tui.commands.credit import settle_credit, with_credit
 from arl_tui.commands.demo import demo_protocol
@@ -28,6 +27,7 @@ from core.protocol import Protocol, load_protocol
 from core.recording.reader import read_recording
 from core.session import build_session
 from studies.demo import simulate_session
+from tests.arl_tui.driving import app_for
 from tests.arl_tui.fakes import FakeLink
 
 LAG = GammaDelay(shape=9.0, scale_s=0.07, offset_s=0.1)
@@ -176,14 +176,7 @@ async def test_the_recordings_header_says_where_the_credit_rule_comes_from(
 ) -> None:
     keep_delay(tmp_path, "P01", task_delay())
     choice = choose_credit("participant", tmp_path, "P01")
-    sitting = Sitting(
-        protocol=with_credit(protocol, choice),
-        root_seed=5,
-        participant="P01",
-        recordings=tmp_path,
-        source=choice.source,
-    )
-    app = build_app(sitting, link)
+    app = app_for(with_credit(protocol, choice), link, tmp_path, source=choice.source)
     async with app.run_test(size=(80, 24)) as pilot:
         link.say(Ready(warm_up_ns=1))
         await pilot.press("enter")

@@ -8,7 +8,7 @@ import pytest
 from textual.pilot import Pilot
 from textual.widgets import Static
 
-from arl_tui.app import ArlApp, Outcome, Sitting, build_app
+from arl_tui.app import ArlApp, Outcome
 from arl_tui.link import Picture, Ready
 from arl_tui.palette import STANDARD
 from arl_tui.screens.covers import SmallWindowScreen
@@ -18,6 +18,7 @@ from core.keepaway.picture import PitchFrame
 from core.keepaway.pitch import TAKEN
 from core.protocol import KEEPAWAY, Protocol
 from core.recording.reader import read_recording
+from tests.arl_tui.driving import app_for
 from tests.arl_tui.fakes import FakeLink, episode_ended, episode_started
 from tests.arl_tui.pitches import HOLDING, PASSING
 
@@ -40,8 +41,7 @@ def app(
     # Pictures must not depend on the terminal that the tests are run in.
     monkeypatch.setattr("arl_tui.app.palette_for", lambda *_: STANDARD)
     monkeypatch.setattr("arl_tui.widgets.pitch.detail_for", lambda: "ascii")
-    sitting = Sitting(protocol=protocol, root_seed=5, participant="P01", recordings=tmp_path)
-    return build_app(sitting, link)
+    return app_for(protocol, link, tmp_path)
 
 
 class Worker:
@@ -189,7 +189,7 @@ async def test_after_a_pause_the_picture_is_seen_once_more(app: ArlApp, link: Fa
 async def test_long_regions_need_wide_windows(link: FakeLink, tmp_path: Path):
     task = msgspec.structs.replace(KEEPAWAY.domain, length_m=60.0)
     protocol = msgspec.structs.replace(KEEPAWAY, domain=task)
-    app = build_app(Sitting(protocol=protocol, root_seed=5, participant="P01", recordings=tmp_path), link)
+    app = app_for(protocol, link, tmp_path)
     async with app.run_test(size=SIZE) as pilot:
         link.say(Ready(warm_up_ns=1))
         await pilot.press("enter")

@@ -1,6 +1,7 @@
 """The feedback bar, the next piece and the figures."""
 
-from collections.abc import Callable
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
 
 import pytest
 from textual.app import App, ComposeResult
@@ -68,11 +69,17 @@ class Participant:
                 self.bar.show_retraction(record, self.gate.presses_left)
 
 
+@asynccontextmanager
+async def participant_at(keys: KeyConfig | None = None, *, width: int = 56) -> AsyncIterator[Participant]:
+    """Seat a participant before a bar whose words stay."""
+    bar = FeedbackBar(keys or KeyConfig(), hold_s=0)
+    async with OneWidget(bar, width).run_test():
+        yield Participant(bar)
+
+
 async def test_each_press_is_answered_at_once_with_its_word():
-    bar = FeedbackBar(KeyConfig(), hold_s=0)
-    app = OneWidget(bar)
-    async with app.run_test():
-        participant = Participant(bar)
+    async with participant_at() as participant:
+        bar = participant.bar
         for key, word in (("j", "GOOD"), ("f", "BAD"), ("u", "TAKEN BACK"), ("j", "GOOD")):
             participant.press(key)
             assert bar.word == word
@@ -86,10 +93,8 @@ async def test_good_and_bad_differ_in_more_than_colour():
 
 
 async def test_presses_left_are_counted_down_and_given_back():
-    bar = FeedbackBar(KeyConfig(), hold_s=0)
-    app = OneWidget(bar)
-    async with app.run_test():
-        participant = Participant(bar)
+    async with participant_at() as participant:
+        bar = participant.bar
         assert texts(bar)[5].strip() == "● ● ● ● ●  5 of 5 presses left"
         participant.press("j")
         participant.press("f")
@@ -102,10 +107,8 @@ async def test_presses_left_are_counted_down_and_given_back():
 
 
 async def test_a_press_too_many_says_why_it_does_not_count():
-    bar = FeedbackBar(KeyConfig(max_presses_per_episode=1), hold_s=0)
-    app = OneWidget(bar)
-    async with app.run_test():
-        participant = Participant(bar)
+    async with participant_at(KeyConfig(max_presses_per_episode=1)) as participant:
+        bar = participant.bar
         participant.press("j")
         participant.press("j")
         assert bar.word == ""
@@ -114,10 +117,8 @@ async def test_a_press_too_many_says_why_it_does_not_count():
 
 
 async def test_a_held_key_is_explained_and_its_repeats_change_nothing():
-    bar = FeedbackBar(KeyConfig(), hold_s=0)
-    app = OneWidget(bar)
-    async with app.run_test():
-        participant = Participant(bar)
+    async with participant_at() as participant:
+        bar = participant.bar
         participant.press("j")
         for gap_ms in (500, 30, 30, 30):
             participant.press("j", gap_ms * 1_000_000)
@@ -127,10 +128,8 @@ async def test_a_held_key_is_explained_and_its_repeats_change_nothing():
 
 
 async def test_the_take_back_key_is_not_called_meaningless():
-    bar = FeedbackBar(KeyConfig(), hold_s=0)
-    app = OneWidget(bar)
-    async with app.run_test():
-        participant = Participant(bar)
+    async with participant_at() as participant:
+        bar = participant.bar
         participant.press("u")
         assert bar.note == ""
         participant.press("x")
@@ -180,10 +179,8 @@ async def test_nothing_moves_whatever_is_said():
 
 
 async def test_where_there_is_little_room_words_are_small_and_presses_are_counted_in_figures():
-    bar = FeedbackBar(KeyConfig(max_presses_per_episode=20), hold_s=0)
-    app = OneWidget(bar, width=44)
-    async with app.run_test():
-        participant = Participant(bar)
+    async with participant_at(KeyConfig(max_presses_per_episode=20), width=44) as participant:
+        bar = participant.bar
         participant.press("j")
         assert texts(bar)[0].strip() == big("GOOD")[0].strip()
         participant.press("u")
@@ -193,10 +190,8 @@ async def test_where_there_is_little_room_words_are_small_and_presses_are_counte
 
 @pytest.mark.parametrize("width", [36, 30])
 async def test_beside_a_pitch_nothing_that_is_said_is_cut_off(width: int):
-    bar = FeedbackBar(KeyConfig(max_presses_per_episode=1), hold_s=0)
-    app = OneWidget(bar, width=width)
-    async with app.run_test():
-        participant = Participant(bar)
+    async with participant_at(KeyConfig(max_presses_per_episode=1), width=width) as participant:
+        bar = participant.bar
         assert texts(bar)[-1].split() == ["j", "good", "f", "bad", "u", "take", "back"]
         bar.ask_wrong(True)
         assert "press the WRONG key" in texts(bar)[7]

@@ -1,6 +1,8 @@
 """The pitch: what is drawn in each rendering, and how little is drawn again."""
 
 import math
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 from itertools import combinations
 
 import msgspec
@@ -10,6 +12,7 @@ from hypothesis import strategies as st
 from textual.app import App, ComposeResult
 from textual.containers import Horizontal
 from textual.geometry import Region
+from textual.pilot import Pilot
 from textual.widgets import Static
 
 from arl_tui.palette import COLOUR_BLIND, HIGH_CONTRAST, PALETTES, SIXTEEN, STANDARD, Palette
@@ -281,6 +284,16 @@ def paints(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Region, ...]]:
     return asked
 
 
+@asynccontextmanager
+async def pitch_on_screen() -> AsyncIterator[tuple[PitchWidget, Pilot[None]]]:
+    """Show K1 with the ball, as frame 1."""
+    app = PitchApp()
+    async with app.run_test(size=(80, 24)) as pilot:
+        app.pitch.show(HOLDING, 1)
+        await pilot.pause()
+        yield app.pitch, pilot
+
+
 async def test_the_pitch_is_as_wide_as_it_is_drawn():
     app = PitchApp()
     async with app.run_test(size=(80, 24)):
@@ -289,45 +302,36 @@ async def test_the_pitch_is_as_wide_as_it_is_drawn():
 
 
 async def test_only_the_lines_that_changed_are_painted_again(paints: list[tuple[Region, ...]]):
-    app = PitchApp()
-    async with app.run_test(size=(80, 24)) as pilot:
-        app.pitch.show(HOLDING, 1)
-        await pilot.pause()
-        assert app.pitch.drawn_frame == 1
+    async with pitch_on_screen() as (pitch, _pilot):
+        assert pitch.drawn_frame == 1
         paints.clear()
         moved = (*HOLDING.players[:2], PlayerView(7.4, 8.0, -100.0), *HOLDING.players[3:])
-        assert app.pitch.show(msgspec.structs.replace(HOLDING, players=moved), 2)
+        assert pitch.show(msgspec.structs.replace(HOLDING, players=moved), 2)
         ((above, line),) = paints
         assert (above.height, line.height, above.width) == (1, 1, 46)
         assert line.y == above.y + 1
 
 
 async def test_an_equal_picture_is_not_painted_and_makes_no_new_frame(paints: list[tuple[Region, ...]]):
-    app = PitchApp()
-    async with app.run_test(size=(80, 24)) as pilot:
-        app.pitch.show(HOLDING, 1)
-        await pilot.pause()
+    async with pitch_on_screen() as (pitch, pilot):
         paints.clear()
-        assert not app.pitch.show(HOLDING, 2)
+        assert not pitch.show(HOLDING, 2)
         await pilot.pause()
         assert paints == []
-        assert app.pitch.drawn_frame == 1
+        assert pitch.drawn_frame == 1
 
 
 async def test_a_covered_pitch_shows_its_text_and_draws_no_frame():
-    app = PitchApp()
-    async with app.run_test(size=(80, 24)) as pilot:
-        app.pitch.show(HOLDING, 1)
+    async with pitch_on_screen() as (pitch, pilot):
+        pitch.cover("Pause\n\npress p")
+        assert not pitch.show(PASSING, 2)
         await pilot.pause()
-        app.pitch.cover("Pause\n\npress p")
-        assert not app.pitch.show(PASSING, 2)
-        await pilot.pause()
-        lines = [app.pitch.render_line(y).text for y in range(24)]
+        lines = [pitch.render_line(y).text for y in range(24)]
         assert [line.strip() for line in lines if line.strip()] == ["Pause", "press p"]
-        assert app.pitch.drawn_frame == 1
-        app.pitch.uncover()
+        assert pitch.drawn_frame == 1
+        pitch.uncover()
         await pilot.pause()
-        assert app.pitch.drawn_frame == 2
+        assert pitch.drawn_frame == 2
 
 
 async def test_a_larger_window_has_a_larger_pitch_with_everything_on_it():
