@@ -109,7 +109,8 @@ def report(name: str, out: Path, quick: bool, into: Path | None, only: tuple[str
         raise click.ClickException(f"{module.__name__} has no report(results)")
     folder = out / (f"{name}-quick" if quick else name)
     try:
-        written = write_page(module.report(read_results(sweep, folder, only)), into or folder / "report")
+        results = read_results(sweep, folder, only)
+        written = write_page(module.report(results), into or folder / "report", quick=results.record.quick)
     except SweepError as error:
         raise click.ClickException(str(error)) from error
     for path in written:

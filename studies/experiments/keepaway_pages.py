@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from core.combination.config import Scheme
 from studies.experiments import page
 from studies.experiments.keepaway_trial import mean_by_time
 from studies.experiments.page import Page
@@ -35,6 +36,26 @@ def by_time(results: Results, condition: str, column: str, bins: int = BINS) -> 
     """Return a column's means over equal parts of the shortest trial's simulated time, shape (trials, bins)."""
     hours = _hours(results)
     return np.array([mean_by_time(trial, column, hours, bins) for trial in results.trials[condition]])
+
+
+def weights_used(results: Results, condition: str, bins: int = 10) -> Floats:
+    """Return the mean w_h that choices were made with over equal parts of simulated time, shape (trials, bins).
+
+    Files hold the trust of bootstrap learning, which some schemes do not go by. (Of a scheme that never asks about trust, episodes
+    before the first press count as well, when there was nobody to listen to.)
+    """
+    scheme = results.experiment.condition(condition).settings.play.agent.scheme
+    hours = _hours(results)
+    return np.array(
+        [
+            mean_by_time({**trial, "used": _used(scheme, trial["w_h"])}, "used", hours, bins)
+            for trial in results.trials[condition]
+        ]
+    )
+
+
+def _used(scheme: Scheme, trust: Floats) -> Floats:
+    return np.array([scheme.weights(float(w_h), episode).w_h for episode, w_h in enumerate(trust)])
 
 
 def scores(results: Results) -> dict[str, Floats]:

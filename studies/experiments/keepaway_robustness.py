@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from core.combination.config import Annealed, Constant, Equation4, Equation5, Signed, Tried
 from studies.experiments import page
-from studies.experiments.keepaway_pages import SCORES_TEXT, by_time
+from studies.experiments.keepaway_pages import SCORES_TEXT, by_time, weights_used
 from studies.experiments.keepaway_settings import DEPARTURES, arl, person, sarsa_alone
 from studies.experiments.keepaway_trial import KeepawayTrial, quick, run_trial
 from studies.experiments.page import Page
@@ -64,7 +64,7 @@ def report(results: Results) -> Page:
             name = f"{rule}-{percent}"
             if name in scores and "sarsa" in scores:
                 verdicts.append(page.verdict(name, "sarsa", scores))
-                weight = float(by_time(results, name, "w_h", 10)[:, -1].mean())
+                weight = float(weights_used(results, name)[:, -1].mean())
                 found.setdefault(label, {})[percent] = AtRate(verdicts[-1].ratio, weight)
     text = f"""\
 # {EXPERIMENT.title}

@@ -46,12 +46,19 @@ class Page:
     """By file name without ending."""
 
 
-def write_page(page: Page, into: Path) -> list[Path]:
-    """Write results/NAME.md and figures/*.png, *.svg below `into`; return the paths."""
+QUICK = """\
+**A quick run:** its trials were cut short, to see that everything works. Nothing on this page is a result; lengths of trials, and settings
+below, are those of whole ones.
+"""
+
+
+def write_page(page: Page, into: Path, *, quick: bool = False) -> list[Path]:
+    """Write results/NAME.md and figures/*.png, *.svg below `into`; return the paths. A page of quick trials says so."""
     (into / "results").mkdir(parents=True, exist_ok=True)
     (into / "figures").mkdir(parents=True, exist_ok=True)
     path = into / "results" / f"{page.name}.md"
-    path.write_text(page.text, encoding="utf-8")
+    title, rest = page.text.split("\n", 1)
+    path.write_text(f"{title}\n\n{QUICK}{rest}" if quick else page.text, encoding="utf-8")
     written = [path]
     for name, figure in page.figures.items():
         written.extend(save(figure, into / "figures", name))
@@ -197,10 +204,11 @@ def how_it_was_made(results: Results, *, others: Sequence[Results] = ()) -> str:
         if missing
         else ""
     )
+    quickly = " --quick" if record.quick else ""
     return f"""\
 ## How it was made
 
-`arl experiment run {name} && arl experiment report {name} --into docs`
+`arl experiment run {name}{quickly} && arl experiment report {name}{quickly or " --into docs"}`
 
 - Trials: {len(seeds)} per condition, root seeds {seeds[0]} to {seeds[-1]}.
 - Software: {"; ".join(versions)}.

@@ -8,6 +8,7 @@ import pytest
 
 from core.streams import stream
 from studies.experiments import page
+from studies.experiments.keepaway_pages import weights_used
 from studies.experiments.results import read_results
 from studies.experiments.run import SweepError, run_sweep
 from studies.experiments.sweep import MODULES, csv_text, experiment_module, root_seeds
@@ -36,7 +37,15 @@ def games(seed: int, condition: str, gain: float, episodes: int = 200) -> dict[s
     }
 
 
-def played(name: str, folder: Path, gains: dict[str, float], trials: int = 6, commit: str = "abc"):
+def played(
+    name: str,
+    folder: Path,
+    gains: dict[str, float],
+    trials: int = 6,
+    commit: str = "abc",
+    *,
+    quick: bool = False,
+):
     """Return results of an experiment whose trials were never played."""
 
     class Made(Inline):
@@ -44,7 +53,7 @@ def played(name: str, folder: Path, gains: dict[str, float], trials: int = 6, co
             return super().submit(lambda *_: csv_text(games(seed, condition, gains.get(condition, 1.0))))
 
     experiment = experiment_module(name).EXPERIMENT
-    run_sweep(experiment, root_seeds(trials), folder, Made(), software={"commit": commit})
+    run_sweep(experiment, root_seeds(trials), folder, Made(), software={"commit": commit}, quick=quick)
     never = dataclasses.replace(experiment, trial=lambda *_: pytest.fail("a report must not play"))
     return read_results(never, folder)
 
@@ -64,6 +73,32 @@ def test_a_page_says_what_held_and_how_to_do_it_again(name, tmp_path):
     written = page.write_page(found, tmp_path / "docs")
     assert sorted(path.suffix for path in written) == [".md", ".png", ".svg"]
     assert all(path.stat().st_size > 500 for path in written)
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_a_page_of_a_quick_run_says_so_first_and_names_the_commands_of_one(name, tmp_path):
+    results = played(name, tmp_path / "quick", {}, quick=True)
+    found = experiment_module(name).report(results)
+    path, *_ = page.write_page(found, tmp_path, quick=results.record.quick)
+    title, empty, note = path.read_text().splitlines()[:3]
+    assert (title[:2], empty, note[:16]) == ("# ", "", "**A quick run:**")
+    assert f"`arl experiment run {name} --quick && arl experiment report {name} --quick`" in found.text
+    path, *_ = page.write_page(found, tmp_path / "whole")
+    assert "quick run" not in path.read_text()
+
+
+def test_the_weight_of_the_human_is_what_the_scheme_made_of_trust(tmp_path):
+    # The files say 0.4 throughout: what Eq. 4 would have given, whatever the scheme.
+    results = played("robustness-keepaway", tmp_path, {}, trials=1)
+    assert weights_used(results, "eq4-10")[0, -1] == pytest.approx(0.4)
+    assert weights_used(results, "constant-10").tolist() == [[1.0] * 10]
+    # 200 episodes; the last tenth of the time holds the last twenty.
+    assert weights_used(results, "annealed-10")[0, -1] == pytest.approx(
+        np.mean(0.98 ** np.arange(180, 200)), rel=0.05
+    )
+    text = experiment_module("robustness-keepaway").report(results).text
+    _, weights = text.split("Mean weight of the human")
+    assert "| constant w_h = 1 | 1.00 | 1.00 |" in weights
 
 
 @pytest.mark.parametrize("name", ["fig5", "features"])

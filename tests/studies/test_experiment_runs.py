@@ -12,6 +12,7 @@ from pathlib import Path
 import msgspec
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 from arl_tui.commands import experiment as command
 from studies.experiments.results import read_results
@@ -277,6 +278,15 @@ def test_columns_of_different_lengths_are_refused():
 
 def test_the_command_lists_every_experiment_that_there_is():
     assert set(command.NAMES) == set(MODULES)
+
+
+def test_a_quick_run_names_the_command_that_finds_its_trials(tmp_path: Path):
+    options = ["--trials", "1", "--workers", "1", "--out", str(tmp_path)]
+    done = CliRunner().invoke(command.experiment, ["run", EXPERIMENT.name, "--quick", *options])
+    assert done.exit_code == 0, done.output
+    _, following = " ".join(done.output.split()).split("Next: arl experiment ")
+    assert following.split() == ["report", EXPERIMENT.name, "--out", str(tmp_path), "--quick"]
+    assert contents(tmp_path / f"{EXPERIMENT.name}-quick")
 
 
 @pytest.mark.parametrize("name", sorted(MODULES))
