@@ -13,11 +13,8 @@ from tests.data_folder import data_folder
 
 N_EPISODES = 2000
 FINE_TOLERANCE = 0.10
-# Targets that are missed (docs/results/keepaway_fidelity.md). These limits only keep the gaps from growing.
-KNOWN_GAPS = {
-    ("v15_full_hold", "passes per episode"): 0.20,
-    ("v15_360_hold", "flight cycles"): 0.20,
-}
+# A target that is missed by a little (docs/results/keepaway_fidelity.md). The limit only keeps the gap from growing.
+KNOWN_GAPS = {("v15_full_hold", "passes per episode"): 0.15}
 
 
 @pytest.mark.slow
