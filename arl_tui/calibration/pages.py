@@ -138,7 +138,8 @@ class InstructionPage(Reading):
         config = self._schedule.config
         if self._block.practice:
             count = len(self._block.trials)
-            ending = f"First {count} times for practice: you are told how you did."
+            times = "once" if count == 1 else f"{count} times"
+            ending = f"First {times} for practice: you are told how you did."
         elif self._resumed or not config.n_practice:
             ending = "This counts: you are not told how you did."
         else:

@@ -49,7 +49,7 @@ class TrialScreen(Screen[bool], inherit_bindings=False):
     TrialScreen #progress { height: 1; margin-bottom: 1; color: $foreground 70%; }
     TrialScreen #word { height: 1; margin: 1 0; }
     TrialScreen #reminder { height: 2; }
-    TrialScreen #session { height: 1; margin-top: 1; color: $foreground 50%; }
+    TrialScreen #session { height: 1; margin-top: 1; color: $foreground 65%; }
     TrialScreen Center { width: 44; height: auto; }
     """
 

@@ -24,6 +24,8 @@ class ClosingScreen(Page):
         )
     ]
 
+    VERTICAL_BREAKPOINTS = [(0, "-short"), (34, "-tall")]  # noqa: RUF012 - as Textual declares it
+
     def __init__(self, outcome: "Outcome", words: Words) -> None:
         """Prepare.
 
@@ -45,10 +47,12 @@ class ClosingScreen(Page):
             # The end of a traceback says most.
             yield Static(Text("\n".join(details.strip().splitlines()[-10:])), id="trace")
         yield Static(self._what_happened())
-        if len(outcome.tally.practised) >= 2:
+        # Where something failed, the room is for what to do about it.
+        if outcome.trouble is None and len(outcome.tally.practised) >= 2:
             from arl_tui.widgets.learning_curve import LearningCurve  # here: nobody needs it before the end
 
-            yield LearningCurve(outcome.tally.practised, self._words.units[1])
+            yield Static(f"\nIn practice, {self._words.units[1]} per game, block by block:")
+            yield LearningCurve(outcome.tally.practised)
         if outcome.recording is not None:
             what = "The session" if outcome.trouble is None else "Everything up to this moment"
             yield Static(Text(f"{what} is recorded in\n{outcome.recording}"), classes="path")

@@ -3,15 +3,18 @@
 from dataclasses import dataclass, field
 from typing import ClassVar
 
+from textual import events
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical
+from textual.geometry import Size
 from textual.screen import Screen
 from textual.timer import Timer
 from textual.widgets import Static
 
 from arl_tui.palette import STANDARD, Palette, palette_for
 from arl_tui.plain_app import PlainApp
+from arl_tui.screens.covers import SmallWindowScreen, fits_into
 from arl_tui.widgets.board import TetrisBoard
 from arl_tui.widgets.next_piece import NextPiece
 from arl_tui.widgets.stats import Figures, StatsPanel
@@ -21,6 +24,8 @@ from core.tetris.practice import Practice
 
 POLL_S = 1 / 30
 """How often the clock is looked at, seconds."""
+BESIDE, KEYS_END = 38, 20
+"""Columns beside the board, and lines down to the end of what stands there."""
 
 KEYS_HELP = """\
   [b]← →[/b] or [b]h l[/b]    move
@@ -126,6 +131,7 @@ class PracticeScreen(Screen[None], inherit_bindings=False):
         """The rules; the screen only shows them."""
         self._seed = seed
         self._size_of_board = (rows, columns)
+        self._needed = Size(2 * columns + 2 + BESIDE, max(rows + 2, KEYS_END))
         self._gravity = Gravity(round(fall_s * 1e9), clock or MonotonicClock())
         self._board = TetrisBoard(rows, columns, palette=palette)
         self._next = NextPiece(palette=palette)
@@ -190,6 +196,19 @@ class PracticeScreen(Screen[None], inherit_bindings=False):
         """Leave."""
         self.dismiss()
 
+    def on_resize(self, event: events.Resize) -> None:
+        """Ask for a larger window where the game does not fit; it waits."""
+        if not self.is_active or fits_into(self._needed, event.size):
+            return
+        went_on = self._gravity.running
+        self._gravity.stop()
+
+        def go_on(_answer: bool | None) -> None:
+            if went_on:
+                self._gravity.start()
+
+        self.app.push_screen(SmallWindowScreen(self._needed), go_on)
+
     def _draw(self) -> None:
         picture = self.game.picture()
         self._board.show(picture)
@@ -204,6 +223,7 @@ class PracticeScreen(Screen[None], inherit_bindings=False):
 class PracticeApp(PlainApp[int]):
     """Practice on its own; its result is how many rows the last game has cleared."""
 
+    CSS_PATH = "../app.tcss"
     TITLE = "arl practice"
 
     def __init__(

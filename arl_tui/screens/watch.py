@@ -67,8 +67,9 @@ class HelpPage(Page):
             ("d", "letters, half-blocks or braille"),
             ("q", "quit"),
         )
+        widest = max(len(key) for key, _ in rows)
         for key, meaning in rows:
-            yield Static(f"  {key_cap(key)}  {meaning}")
+            yield Static(f"  {key_cap(key)}{' ' * (widest - len(key))}  {meaning}")
         yield Static("Press [reverse] Space [/] to go on", classes="call")
 
     def action_back(self) -> None:

@@ -24,6 +24,7 @@ class TetrisBoard(BlockWidget, CoverableWidget):
         width: auto;
         height: auto;
         border: round $foreground 40%;
+        border-title-color: $foreground 75%;
         border-title-align: center;
     }
     TetrisBoard > .board--cover { background: $surface; color: $foreground; text-style: bold; }

@@ -58,11 +58,12 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
         width: 1fr;
         height: auto;
         border: round $foreground 40%;
+        border-title-color: $foreground 75%;
     }
     FeedbackBar > .feedback--good { background: #1f7a4d; color: #ffffff; text-style: bold; }
     FeedbackBar > .feedback--bad { background: #b3372f; color: #ffffff; text-style: bold; }
     FeedbackBar > .feedback--back { background: #7a6a1f; color: #ffffff; text-style: bold; }
-    FeedbackBar > .feedback--idle { color: $foreground 45%; }
+    FeedbackBar > .feedback--idle { color: $foreground 65%; }
     FeedbackBar > .feedback--note { color: $foreground; }
     FeedbackBar > .feedback--pip { color: $accent; text-style: bold; }
     FeedbackBar > .feedback--spent { color: $foreground 40%; }

@@ -7,31 +7,32 @@ from textual_plot import HiResMode, PlotWidget
 MAX_TICKS = 10
 
 
-class LearningCurve(PlotWidget):
+class LearningCurve(PlotWidget, can_focus=False):
     """A line through the mean performance of each block."""
 
-    DEFAULT_CSS = "LearningCurve { height: 9; margin-top: 1; }"
+    DEFAULT_CSS = """
+    LearningCurve { height: 7; }
+    LearningCurve > .plot--axis { color: $foreground 60%; }
+    LearningCurve > .plot--tick { color: $foreground; }
+    """
 
-    def __init__(self, practised: Sequence[float], unit: str) -> None:
+    def __init__(self, practised: Sequence[float]) -> None:
         """Draw two blocks or more.
 
         Args:
             practised: mean performance of each block.
-            unit: of performances, in the plural.
         """
         super().__init__(allow_pan_and_zoom=False)
-        self._unit = unit
         self._practised = list(practised)
 
     def on_mount(self) -> None:
         """Plot once the plot has made its own preparations, which clear it."""
+        self.margin_top, self.margin_bottom = 0, 1  # there are few lines, and the curve needs them
         self.call_later(self._draw)
 
     def _draw(self) -> None:
         blocks = list(range(1, len(self._practised) + 1))
         self.plot(blocks, self._practised, line_style="bright_cyan", hires_mode=HiResMode.BRAILLE)
-        self.set_xlabel("block of practice")
-        self.set_ylabel(f"{self._unit} per game")
         self.set_xlimits(1, len(blocks))
         top = max(*self._practised, 1.0)
         self.set_ylimits(-0.05 * top, 1.05 * top)  # a little room, or a line along the floor is cut off

@@ -25,6 +25,7 @@ class NextPiece(BlockWidget):
         height: auto;
         padding: 1 1;
         border: round $foreground 40%;
+        border-title-color: $foreground 75%;
         border-title-align: center;
     }
     """

@@ -47,6 +47,7 @@ class StatsPanel(Widget, inherit_bindings=False, can_focus=False):
         width: 1fr;
         height: auto;
         border: round $foreground 40%;
+        border-title-color: $foreground 75%;
         padding: 0 1;
     }
     StatsPanel > .stats--label { color: $foreground 65%; }

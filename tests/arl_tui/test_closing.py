@@ -1,12 +1,16 @@
 """The last screen: what happened, and how practice went."""
 
+from pathlib import Path
+
 import pytest
 from textual.app import App
 
 from arl_tui.app import Outcome
 from arl_tui.live import Tally
 from arl_tui.screens.closing import ClosingScreen
+from arl_tui.widgets.learning_curve import LearningCurve
 from arl_tui.words import KEEPAWAY, TETRIS, Words
+from tests.arl_tui.test_widgets_board import contrast
 
 
 def tally(practised: list[float]) -> Tally:
@@ -16,9 +20,17 @@ def tally(practised: list[float]) -> Tally:
 class Closing(App[None]):
     CSS_PATH = "../../arl_tui/app.tcss"
 
-    def __init__(self, practised: list[float], words: Words = TETRIS) -> None:
+    def __init__(
+        self,
+        practised: list[float],
+        words: Words = TETRIS,
+        *,
+        recording: Path | None = None,
+        trouble: str | None = None,
+    ) -> None:
         super().__init__()
-        self.closing = ClosingScreen(Outcome(recording=None, tally=tally(practised), trouble=None), words)
+        outcome = Outcome(recording=recording, tally=tally(practised), trouble=trouble)
+        self.closing = ClosingScreen(outcome, words)
 
     def on_mount(self) -> None:
         self.push_screen(self.closing)
@@ -41,3 +53,35 @@ async def test_one_block_makes_no_curve(practised):
     async with app.run_test(size=(80, 24)) as pilot:
         await pilot.pause()
         assert len(app.screen.query("LearningCurve")) == 0
+
+
+@pytest.mark.parametrize("size", [(80, 24), (120, 40)], ids=str)
+async def test_the_way_out_and_the_curve_fit_on_one_page_in_colours_that_can_be_read(size):
+    long_path = Path("/home/somebody/studies/of-this-year/recordings/pilot") / f"P01-{'2' * 24}.jsonl"
+    app = Closing([0.8, 1.2, 9.0, 31.0], recording=long_path)
+    async with app.run_test(size=size) as pilot:
+        await pilot.pause()
+        assert app.screen.query_one(".page").max_scroll_y == 0
+        curve = app.screen.query_one(LearningCurve)
+        for part in ("plot--axis", "plot--tick"):
+            style = curve.get_component_styles(part)
+            background, _ = curve.background_colors
+            assert contrast(background + style.color, background) > 4.5
+        heights = {(80, 24): 7, (120, 40): 17}
+        assert curve.size.height == heights[size]
+
+
+async def test_where_something_failed_there_is_no_curve_and_the_way_out_is_in_sight():
+    app = Closing(
+        [0.8, 1.2, 9.0, 31.0], trouble="\n".join(["It has ended.", *[f"line {k}" for k in range(30)]])
+    )
+    async with app.run_test(size=(80, 24)) as pilot:
+        await pilot.pause()
+        assert len(app.screen.query("LearningCurve")) == 0
+        assert app.screen.query_one(".page").max_scroll_y == 0
+        assert contrast(*_colours(app.screen.query_one(".trouble"))) > 4.5
+
+
+def _colours(widget):
+    _, _, background, text = widget.colors
+    return background + text, background

@@ -3,6 +3,7 @@
 import pytest
 
 from arl_tui.palette import palette_for
+from arl_tui.screens.covers import SmallWindowScreen
 from arl_tui.screens.practice import Gravity, PracticeApp
 from core.clock import ManualClock
 from core.tetris.game import Primitive
@@ -149,6 +150,25 @@ def test_gravity_needs_a_positive_interval():
 def test_an_unknown_palette_is_an_error():
     with pytest.raises(ValueError, match="no palette 'pink'"):
         PracticeApp(palette="pink")
+
+
+async def test_a_window_that_is_too_small_stops_the_game_until_it_grows():
+    clock = ManualClock()
+    practice = app(clock)
+    async with practice.run_test(size=(80, 24)) as pilot:
+        await pilot.resize_terminal(59, 24)
+        await pilot.pause()
+        assert isinstance(practice.screen, SmallWindowScreen)
+        row = falling_row(practice)
+        clock.advance_ns(3000 * MS)
+        practice.practice.fall()
+        assert falling_row(practice) == row
+        await pilot.resize_terminal(60, 22)
+        await pilot.pause()
+        assert practice.screen is practice.practice
+        clock.advance_ns(500 * MS)
+        practice.practice.fall()
+        assert falling_row(practice) != row
 
 
 @pytest.mark.parametrize("size", [(80, 24), (120, 40)])
