@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import kernel
+from core.compiled import inner_kernel, kernel
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -83,7 +83,7 @@ def tile_coder(ranges: tuple[Range, ...], n_tilings: int = 32) -> TileCoder:
     )
 
 
-@kernel
+@inner_kernel
 def find_windows(coder: TileCoder, values: Floats, out: Ints) -> None:
     """Write the first active tile of each variable; its active tiles are that one and the next n_tilings - 1.
 
@@ -97,7 +97,7 @@ def find_windows(coder: TileCoder, values: Floats, out: Ints) -> None:
         out[v] = coder.offset[v] + min(max(cell, 0), coder.n_cells[v] - 1)
 
 
-@kernel
+@inner_kernel
 def window_sum(weights: Floats, windows: Ints, n_tilings: int) -> float:
     """Return the sum of the weights of all active tiles; always added in the same order."""
     a, b, c, d = 0.0, 0.0, 0.0, 0.0
@@ -114,7 +114,7 @@ def window_sum(weights: Floats, windows: Ints, n_tilings: int) -> float:
     return (a + b) + (c + d)
 
 
-@kernel
+@inner_kernel
 def add_to_windows(weights: Floats, windows: Ints, n_tilings: int, amount: float) -> None:
     """Add `amount` to the weight of every active tile."""
     for v in range(len(windows)):

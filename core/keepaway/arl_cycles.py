@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.combination.schemes import best_action, choose, takes_control, worst_action
-from core.compiled import kernel
+from core.compiled import inner_kernel, kernel
 from core.feedback.compiled_credit import CreditRule, share_out
 from core.keepaway.game import begin_cycle, finish_cycle
 from core.keepaway.match import CYCLE, Match, Streams, start_episode
@@ -191,7 +191,7 @@ def play(
     return ENDED if ended else STOPPED
 
 
-@kernel
+@inner_kernel
 def _decide(
     match: Match,
     sarsa: Sarsa,
@@ -218,7 +218,7 @@ def _decide(
     match.actions[i] = option
 
 
-@kernel
+@inner_kernel
 def _prefer(sarsa: Sarsa, human: HumanSet, mix: Mix, timeline: Timeline, i: int, windows: Ints) -> int:
     """Return the option that environment and human together prefer; -1 where the human has no say."""
     heard, n = timeline.heard, len(timeline.heard)
@@ -233,7 +233,7 @@ def _prefer(sarsa: Sarsa, human: HumanSet, mix: Mix, timeline: Timeline, i: int,
     return choose(sarsa.values[i], heard, timeline.available, n, mix.form, mix.w_r, mix.w_h)
 
 
-@kernel
+@inner_kernel
 def _compare(values: Floats, timeline: Timeline) -> int:
     """Hold the environment's choice against the human model's; return the option that the latter likes best."""
     n = len(values)
@@ -245,7 +245,7 @@ def _compare(values: Floats, timeline: Timeline) -> int:
     return liked
 
 
-@kernel
+@inner_kernel
 def _show(match: Match, timeline: Timeline, i: int, now_ns: int) -> None:
     """Bring keeper i's decision on screen in place of the step before."""
     step = timeline.counts[STEPS]
@@ -258,7 +258,7 @@ def _show(match: Match, timeline: Timeline, i: int, now_ns: int) -> None:
     timeline.counts[EPISODE_STEPS] += 1
 
 
-@kernel
+@inner_kernel
 def _press(human: HumanSet, presses: Presses, rule: CreditRule, timeline: Timeline) -> None:
     """Make the press that is due; if it counts, every keeper learns from its steps' shares of it."""
     if not make(presses):

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import kernel
+from core.compiled import inner_kernel
 from core.keepaway.motion import direction_deg, length, wrap_deg
 from core.keepaway.pitch import (
     BODY,
@@ -29,7 +29,7 @@ MOST_TURNS = 5
 SLACK = KICK_DISTANCE
 
 
-@kernel
+@inner_kernel
 def cycles_to_point(player: Floats, tx: float, ty: float, limit: int) -> int:
     """Return about how many cycles a player needs to have (tx, ty) in reach: turns, then full dashes."""
     dx, dy = tx - player[X], ty - player[Y]
@@ -55,7 +55,7 @@ def cycles_to_point(player: Floats, tx: float, ty: float, limit: int) -> int:
     return cycles
 
 
-@kernel
+@inner_kernel
 def cycles_to_ball(player: Floats, ball: Floats) -> int:
     """Return about how many cycles a player needs to have the ball in reach; LONGEST_INTERCEPT where it cannot.
 
@@ -74,7 +74,7 @@ def cycles_to_ball(player: Floats, ball: Floats) -> int:
     return LONGEST_INTERCEPT
 
 
-@kernel
+@inner_kernel
 def fastest_to_ball(
     ball: Floats, players: Floats, known: Bools, first: int, last: int, latest: int
 ) -> tuple[int, int]:
@@ -98,7 +98,7 @@ def fastest_to_ball(
     return -1, latest + 1
 
 
-@kernel
+@inner_kernel
 def keeper_to_go(ball: Floats, players: Floats, known: Bools, n_keepers: int) -> int:
     """Return the keeper that goes to the ball: the fastest to where anybody, a taker too, can first have it; -1 for none.
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import kernel
+from core.compiled import inner_kernel, kernel
 from core.keepaway.game import begin_cycle, finish_cycle, play_on
 from core.keepaway.match import (
     CYCLE,
@@ -57,7 +57,7 @@ def keepaway_tiles(config: KeepawayConfig, n_tilings: int = 32) -> TileCoder:
     return tile_coder(tuple(Range(v.low, v.high, v.tile_width) for v in variables), n_tilings)
 
 
-@kernel
+@inner_kernel
 def decide_all(match: Match, sarsa: Sarsa, windows: Ints, rng: np.random.Generator) -> None:
     """Let every deciding keeper choose by its learner; `windows` is scratch of shape (v,)."""
     for i in range(len(match.deciding)):
@@ -66,7 +66,7 @@ def decide_all(match: Match, sarsa: Sarsa, windows: Ints, rng: np.random.Generat
             match.actions[i] = decide(sarsa, i, windows, match.status[CYCLE], rng)
 
 
-@kernel
+@inner_kernel
 def learn_cycle(match: Match, rules: Rules, sarsa: Sarsa, windows: Ints, streams: Streams) -> bool:
     """Play one cycle with keepers that learn; return whether the episode has ended."""
     if begin_cycle(match, rules, streams):

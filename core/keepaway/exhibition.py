@@ -4,19 +4,36 @@ The cycles, streams and choices are those of `core.keepaway.autoplay`: for the s
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
+from core.compiled import kernel
 from core.keepaway.autoplay import decide_all, keepaway_tiles
 from core.keepaway.camera import Camera
-from core.keepaway.game import begin_cycle, finish_cycle, next_episode
-from core.keepaway.match import n_variables, new_match, open_streams
+from core.keepaway.game import begin_cycle, choose_all, finish_cycle, next_episode
+from core.keepaway.match import CYCLE, Match, Streams, n_variables, new_match, open_streams
 from core.keepaway.picture import NOBODY, PitchFrame
-from core.keepaway.pitch import ONGOING, KeepawayConfig
-from core.keepaway.policies import POLICIES, choose
+from core.keepaway.pitch import ONGOING, KeepawayConfig, Rules
+from core.keepaway.policies import POLICIES
 from core.learners.sarsa import Sarsa, end_episode, frozen, new_sarsa
 from core.learners.sarsa_config import SarsaConfig
 
+Ints = NDArray[np.int64]
 Policy = str | Sarsa
 """Name of a benchmark policy ("random", "hold", "hand"), or learners that act and no longer learn."""
+
+
+@kernel
+def _play_cycle(
+    match: Match, rules: Rules, policy: int, sarsa: Sarsa, windows: Ints, streams: Streams
+) -> None:
+    """Play one cycle with a benchmark policy, or with learners where `policy` is NOBODY."""
+    if begin_cycle(match, rules, streams):
+        if policy == NOBODY:
+            decide_all(match, sarsa, windows, streams.policy)
+        else:
+            choose_all(match, rules, policy, streams.policy)
+    if finish_cycle(match, rules, streams):
+        end_episode(sarsa, match.status[CYCLE])
 
 
 class Exhibition:
@@ -54,12 +71,8 @@ class Exhibition:
         """Play one cycle, or set up the next episode where this one has ended; return the picture."""
         if self.frame.ended != ONGOING:
             return self.next_episode()
-        match, rules, streams = self._match, self._rules, self._streams
-        if begin_cycle(match, rules, streams):
-            self._decide()
-        if finish_cycle(match, rules, streams):
-            end_episode(self._sarsa, 0)
-        self.frame = self._camera.look(match)
+        _play_cycle(self._match, self._rules, self._benchmark, self._sarsa, self._windows, self._streams)
+        self.frame = self._camera.look(self._match)
         return self.frame
 
     def next_episode(self) -> PitchFrame:
@@ -80,14 +93,3 @@ class Exhibition:
         order = self._match.order[keeper]
         names = ["Hold", *(self.frame.name(int(order[k])) for k in range(1, self.config.n_actions))]
         return tuple(zip(names, map(float, self._sarsa.values[keeper]), strict=True))
-
-    def _decide(self) -> None:
-        match, rng = self._match, self._streams.policy
-        if self._benchmark == NOBODY:
-            decide_all(match, self._sarsa, self._windows, rng)
-            return
-        rules = self._rules
-        for i in np.flatnonzero(match.deciding):
-            match.actions[i] = choose(
-                self._benchmark, match.variables[i], rules.n_keepers, rules.n_takers, rng
-            )

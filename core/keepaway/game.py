@@ -8,7 +8,7 @@ episodes run these same kernels.
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import kernel
+from core.compiled import inner_kernel, kernel
 from core.keepaway.arrivals import LONGEST_INTERCEPT, cycles_to_ball
 from core.keepaway.match import (
     CLOCK,
@@ -41,7 +41,7 @@ from core.keepaway.variables import observe
 Floats = NDArray[np.float64]
 
 
-@kernel
+@inner_kernel
 def begin_cycle(match: Match, rules: Rules, streams: Streams) -> bool:
     """Perceive; put keepers into their options; mark in `match.deciding` those that have to decide.
 
@@ -55,7 +55,7 @@ def begin_cycle(match: Match, rules: Rules, streams: Streams) -> bool:
         players = match.players if exact else match.seen_players[i]
         sure = exact or match.ball_age[i] <= FORGET_BALL
         if exact and i > 0:  # all know the same
-            match.runner[i] = match.runner[0]
+            match.runner[i, 0], match.runner[i, 1] = match.runner[0, 0], match.runner[0, 1]
         elif exact or (sure and not can_kick(players[i], ball)):
             find_runner(match.runner[i], ball, players, match.known[i], rules)
         decides, starts = assign_keeper(
@@ -77,7 +77,7 @@ def begin_cycle(match: Match, rules: Rules, streams: Streams) -> bool:
     return any_decides
 
 
-@kernel
+@inner_kernel
 def finish_cycle(match: Match, rules: Rules, streams: Streams) -> bool:
     """Carry out the decisions in `match.actions`, command everybody, move everything, and let the referee look.
 
@@ -113,7 +113,7 @@ def finish_cycle(match: Match, rules: Rules, streams: Streams) -> bool:
     return ended
 
 
-@kernel
+@inner_kernel
 def _arrival(match: Match, i: int, ball: Floats, players: Floats, exact: bool) -> int:
     """Return in how many cycles the keeper that keeper i believes fastest has the ball; with exact state reckoned once."""
     row = match.runner[0 if exact else i]
@@ -122,15 +122,19 @@ def _arrival(match: Match, i: int, ball: Floats, players: Floats, exact: bool) -
     return int(row[1])
 
 
+@inner_kernel
+def choose_all(match: Match, rules: Rules, policy: int, rng: np.random.Generator) -> None:
+    """Let every deciding keeper choose by a benchmark policy."""
+    for i in range(rules.n_keepers):
+        if match.deciding[i]:
+            match.actions[i] = choose(policy, match.variables[i], rules.n_keepers, rules.n_takers, rng)
+
+
 @kernel
 def step_cycle(match: Match, rules: Rules, policy: int, streams: Streams) -> bool:
     """Play one cycle with a benchmark policy; return whether the episode has ended."""
     if begin_cycle(match, rules, streams):
-        for i in range(rules.n_keepers):
-            if match.deciding[i]:
-                match.actions[i] = choose(
-                    policy, match.variables[i], rules.n_keepers, rules.n_takers, streams.policy
-                )
+        choose_all(match, rules, policy, streams.policy)
     return finish_cycle(match, rules, streams)
 
 

@@ -5,9 +5,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import kernel
+from core.compiled import inner_kernel
 from core.keepaway.match import Match
-from core.keepaway.motion import length
+from core.keepaway.motion import copy_row, length
 from core.keepaway.pitch import VX, VY, X, Y
 
 Floats = NDArray[np.float64]
@@ -19,7 +19,7 @@ TOLD_DISTANCE = 20.0
 """A player speaks of a ball nearer than this."""
 
 
-@kernel
+@inner_kernel
 def listen(match: Match, i: int, first: int, last: int, rng: np.random.Generator) -> None:
     """Hear one team mate of [first, last): its own place, the ball, and the opponent it saw nearest.
 
@@ -41,7 +41,7 @@ def listen(match: Match, i: int, first: int, last: int, rng: np.random.Generator
     if match.ball_age[speaker] == 0 and _is_news(
         match.seen_ball[speaker], told[speaker], match.seen_ball[i], match.ball_age[i]
     ):
-        match.seen_ball[i] = match.seen_ball[speaker]
+        copy_row(match.seen_ball[speaker], match.seen_ball[i])
         match.ball_age[i] = 1
     rival, nearest = -1, math.inf
     for j in range(told.shape[0]):
@@ -54,7 +54,7 @@ def listen(match: Match, i: int, first: int, last: int, rng: np.random.Generator
         match.player_age[i, rival] = 1
 
 
-@kernel
+@inner_kernel
 def _is_news(ball: Floats, speaker: Floats, mine: Floats, age: int) -> bool:
     """Return whether what a mate says of the ball, just seen from where it stood, is better than what I believe."""
     if length(ball[X] - speaker[X], ball[Y] - speaker[Y]) >= TOLD_DISTANCE:
@@ -64,6 +64,6 @@ def _is_news(ball: Floats, speaker: Floats, mine: Floats, age: int) -> bool:
     return bool(age > 0 and length(ball[VX] - mine[VX], ball[VY] - mine[VY]) > CONTRADICTION)
 
 
-@kernel
+@inner_kernel
 def _copy_place(told: Floats, belief: Floats) -> None:
     belief[X], belief[Y] = told[X], told[Y]

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import kernel
+from core.compiled import inner_kernel
 from core.keepaway.arrivals import LONGEST_INTERCEPT
 from core.keepaway.motion import RADIANS, length, wrap_deg
 from core.keepaway.pitch import (
@@ -58,7 +58,7 @@ MEET_STEP = 0.6
 """The old point is kept only while the ball moves faster than this at the meeting."""
 
 
-@kernel
+@inner_kernel
 def meeting_cycle(me: Floats, ball: Floats, meet: Floats, now: int) -> int:
     """Return in how many cycles to meet the ball; -1 where it cannot be met.
 
@@ -85,7 +85,7 @@ def meeting_cycle(me: Floats, ball: Floats, meet: Floats, now: int) -> int:
     return first
 
 
-@kernel
+@inner_kernel
 def go_to_ball(
     me: Floats, ball: Floats, meet: Floats, now: int, rival_distance: float, facing: float, command: Floats
 ) -> None:
@@ -115,7 +115,7 @@ def go_to_ball(
     move_command(me, bx, by, n, command)
 
 
-@kernel
+@inner_kernel
 def gap_after(me: Floats, ball: Floats, n: int) -> float:
     """Return the distance between player and ball when both roll on for n cycles."""
     dx = ball[X] + BALL_ROLL[n] * ball[VX] - me[X] - PLAYER_ROLL[n] * me[VX]
@@ -123,7 +123,7 @@ def gap_after(me: Floats, ball: Floats, n: int) -> float:
     return length(dx, dy)
 
 
-@kernel
+@inner_kernel
 def close_intercept(me: Floats, ball: Floats, rival_distance: float, facing: float, command: Floats) -> bool:
     """Have the ball in reach within two cycles: by a turn where it comes by itself, else by one dash.
 
@@ -153,7 +153,7 @@ def close_intercept(me: Floats, ball: Floats, rival_distance: float, facing: flo
     return done or comes
 
 
-@kernel
+@inner_kernel
 def _axial(me: Floats, ball: Floats, n: int) -> tuple[float, float, float]:
     """Return where the ball will be after n cycles, along the body's axis and across it, and the axial speed."""
     dx, dy = ball[X] + BALL_ROLL[n] * ball[VX] - me[X], ball[Y] + BALL_ROLL[n] * ball[VY] - me[Y]
@@ -162,7 +162,7 @@ def _axial(me: Floats, ball: Floats, n: int) -> tuple[float, float, float]:
     return cos_body * dx + sin_body * dy, cos_body * dy - sin_body * dx, axial_speed
 
 
-@kernel
+@inner_kernel
 def _gap_after_dash(me: Floats, ball: Floats, power: float) -> float:
     accel = DASH_RATE * power
     dx = ball[X] + ball[VX] - me[X] - me[VX] - accel * math.cos(me[BODY] * RADIANS)
@@ -170,7 +170,7 @@ def _gap_after_dash(me: Floats, ball: Floats, power: float) -> float:
     return length(dx, dy)
 
 
-@kernel
+@inner_kernel
 def _run_into(me: Floats, ball: Floats, command: Floats) -> bool:
     """Dash so that the ball hits the body in the next cycle, where one dash can do that."""
     reach = length(ball[VX], ball[VY]) + PLAYER_SPEED_MAX
@@ -184,7 +184,7 @@ def _run_into(me: Floats, ball: Floats, command: Floats) -> bool:
     return True
 
 
-@kernel
+@inner_kernel
 def _stop_for(me: Floats, ball: Floats, command: Floats) -> bool:
     """Stop where the ball will come near enough in two cycles."""
     dx, dy = ball[X] + BALL_ROLL[2] * ball[VX] - me[X], ball[Y] + BALL_ROLL[2] * ball[VY] - me[Y]
@@ -194,7 +194,7 @@ def _stop_for(me: Floats, ball: Floats, command: Floats) -> bool:
     return True
 
 
-@kernel
+@inner_kernel
 def _one_dash(me: Floats, ball: Floats, facing: float, command: Floats) -> bool:
     """Dash to where the body's line meets a circle around the ball, where that brings the ball into reach.
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import kernel
+from core.compiled import inner_kernel
 from core.keepaway.motion import DEGREES, RADIANS, direction_deg, length, wrap_deg
 from core.keepaway.pitch import (
     BALL_ACCEL_MAX,
@@ -43,7 +43,7 @@ HOLD_FACING_X = 52.5
 """A holder with the ball in place faces (+-52.5, 0), the opponents' goal of the full pitch."""
 
 
-@kernel
+@inner_kernel
 def nearest_to(x: float, y: float, players: Floats, known: Bools, first: int, last: int) -> tuple[int, float]:
     """Return (index, distance) of the known player in [first, last) nearest to a point; (-1, inf) for none."""
     best, best_distance = -1, math.inf
@@ -55,7 +55,7 @@ def nearest_to(x: float, y: float, players: Floats, known: Bools, first: int, la
     return best, best_distance
 
 
-@kernel
+@inner_kernel
 def freeze_ball(me: Floats, ball: Floats, command: Floats) -> None:
     """Stop the ball, or drive it to a point nearer to me when it would stop out of safe reach."""
     rate = own_kick_rate(me, ball)
@@ -75,7 +75,7 @@ def freeze_ball(me: Floats, ball: Floats, command: Floats) -> None:
     send_kick(length(push_x, push_y) / rate, direction_deg(push_x, push_y), me[BODY], command)
 
 
-@kernel
+@inner_kernel
 def kick_close(me: Floats, ball: Floats, relative: float, ratio: float, command: Floats) -> None:
     """Bring the ball next cycle to `relative` degrees off my body at TOUCH_DISTANCE + ratio * KICK_MARGIN."""
     reach = TOUCH_DISTANCE + ratio * KICK_MARGIN
@@ -90,7 +90,7 @@ def kick_close(me: Floats, ball: Floats, relative: float, ratio: float, command:
         send_kick(power, direction_deg(push_x, push_y), me[BODY], command)
 
 
-@kernel
+@inner_kernel
 def hold_ball(
     me: Floats,
     ball: Floats,
@@ -126,7 +126,7 @@ def hold_ball(
     kick_close(me, ball, relative, ratio, command)
 
 
-@kernel
+@inner_kernel
 def pass_speed(distance: float) -> float:
     """Return the speed a pass starts with, so that about PASS_END_SPEED is left after `distance` metres."""
     growth = 1.0 / BALL_DECAY
@@ -134,7 +134,7 @@ def pass_speed(distance: float) -> float:
     return PASS_END_SPEED * float(growth**cycles)
 
 
-@kernel
+@inner_kernel
 def capped_direction(ball: Floats, direction: float, accel: float) -> float:
     """Return where to push with `accel` so that the ball, moving already, leaves in `direction` (degrees)."""
     side = float(ball[VY]) * math.cos(direction * RADIANS) - float(ball[VX]) * math.sin(direction * RADIANS)
@@ -143,7 +143,7 @@ def capped_direction(ball: Floats, direction: float, accel: float) -> float:
     return direction - math.asin(side / accel) * DEGREES
 
 
-@kernel
+@inner_kernel
 def _clear_of_body(me: Floats, ball: Floats, direction: float, speed: float) -> float:
     """Return a speed with which the ball, next cycle, does not lie in my own body."""
     cos_way, sin_way = math.cos(direction * RADIANS), math.sin(direction * RADIANS)
@@ -154,7 +154,7 @@ def _clear_of_body(me: Floats, ball: Floats, direction: float, speed: float) -> 
     return nearest - TOUCH_DISTANCE if speed < nearest else nearest + TOUCH_DISTANCE
 
 
-@kernel
+@inner_kernel
 def pass_ball(me: Floats, ball: Floats, tx: float, ty: float, rival_distance: float, command: Floats) -> None:
     """PassBall: kick towards (tx, ty), or bring the ball into a place from which it can be kicked.
 

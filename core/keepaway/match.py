@@ -5,7 +5,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import kernel
+from core.compiled import inner_kernel, kernel
 from core.keepaway.intercept import MEET_COLUMNS, MEET_CYCLE
 from core.keepaway.motion import length
 from core.keepaway.pitch import (
@@ -225,7 +225,7 @@ def start_episode(match: Match, rules: Rules, rng: np.random.Generator) -> None:
     match.hit[:] = False
 
 
-@kernel
+@inner_kernel
 def _place(ball: Floats, players: Floats, rules: Rules, rng: np.random.Generator) -> None:
     half_length, half_width = rules.half_length, rules.half_width
     turn = int(3.0 * rng.random())
@@ -248,7 +248,7 @@ def _place(ball: Floats, players: Floats, rules: Rules, rng: np.random.Generator
     ball[VX], ball[VY] = 0.0, 0.0
 
 
-@kernel
+@inner_kernel
 def _draw_phases(phase: Ints, rng: np.random.Generator) -> None:
     """Draw when each player's visual messages come: often as the one before it, else in any phase."""
     shared = 0
@@ -259,7 +259,7 @@ def _draw_phases(phase: Ints, rng: np.random.Generator) -> None:
         phase[i] = shared
 
 
-@kernel
+@inner_kernel
 def referee(ball: Floats, players: Floats, status: Ints, rules: Rules) -> None:
     """Look once per cycle: end the episode, or count possession.
 
@@ -276,7 +276,7 @@ def referee(ball: Floats, players: Floats, status: Ints, rules: Rules) -> None:
         status[TAKE_COUNT] = 0
 
 
-@kernel
+@inner_kernel
 def _any_in_reach(ball: Floats, players: Floats, first: int, last: int) -> bool:
     for i in range(first, last):
         if length(ball[X] - players[i, X], ball[Y] - players[i, Y]) < KICK_DISTANCE:
@@ -284,7 +284,7 @@ def _any_in_reach(ball: Floats, players: Floats, first: int, last: int) -> bool:
     return False
 
 
-@kernel
+@inner_kernel
 def is_stuck(match: Match) -> bool:
     """Return whether the ball has not left a circle of 3 m for 100 cycles; its clock starts anew then.
 
@@ -299,7 +299,7 @@ def is_stuck(match: Match) -> bool:
     return bool(over)
 
 
-@kernel
+@inner_kernel
 def drop_ball(match: Match) -> None:
     """Stop the ball where it is; whoever stands within 9.15 m of it is put back to that distance, at rest."""
     ball = match.ball
@@ -308,7 +308,7 @@ def drop_ball(match: Match) -> None:
         _clear_from_ball(ball, match.players[i])
 
 
-@kernel
+@inner_kernel
 def _clear_from_ball(ball: Floats, player: Floats) -> None:
     dx, dy = player[X] - ball[X], player[Y] - ball[Y]
     distance = length(dx, dy)

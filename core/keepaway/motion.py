@@ -9,7 +9,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import kernel
+from core.compiled import inner_kernel
 from core.keepaway.pitch import (
     ANGLE,
     BALL_ACCEL_MAX,
@@ -55,7 +55,7 @@ COLLISION_FACTOR = -0.1
 """What a collision leaves of a velocity."""
 
 
-@kernel
+@inner_kernel
 def wrap_deg(angle: float) -> float:
     """Return `angle` (degrees, any turn count) in (-180, 180]."""
     while angle > 180.0:
@@ -65,19 +65,26 @@ def wrap_deg(angle: float) -> float:
     return angle
 
 
-@kernel
+@inner_kernel
 def direction_deg(dx: float, dy: float) -> float:
     """Return the direction of a vector, degrees in (-180, 180]; 0 for the null vector."""
     return math.atan2(dy, dx) * DEGREES
 
 
-@kernel
+@inner_kernel
 def length(dx: float, dy: float) -> float:
     """Return the Euclidean length of a vector."""
     return math.sqrt(dx * dx + dy * dy)
 
 
-@kernel
+@inner_kernel
+def copy_row(row: Floats, out: Floats) -> None:
+    """Write one row into another of the same length (assigning rows would make room for a copy of overlapping ones)."""
+    for column in range(len(row)):
+        out[column] = row[column]
+
+
+@inner_kernel
 def kick_rate(distance: float, angle_deg: float) -> float:
     """Return the acceleration per unit of kick power.
 
@@ -88,7 +95,7 @@ def kick_rate(distance: float, angle_deg: float) -> float:
     return KICK_RATE * (1.0 - 0.25 * angle_deg / 180.0 - 0.25 * (distance - TOUCH_DISTANCE) / KICK_MARGIN)
 
 
-@kernel
+@inner_kernel
 def apply_commands(
     ball: Floats,
     players: Floats,
@@ -118,14 +125,14 @@ def apply_commands(
         players[i, NECK] = min(max(neck, -NECK_MAX_DEG), NECK_MAX_DEG)
 
 
-@kernel
+@inner_kernel
 def _dash(player: Floats, power: float, push: Floats) -> None:
     accel = DASH_RATE * power
     push[X] += accel * math.cos(player[BODY] * RADIANS)
     push[Y] += accel * math.sin(player[BODY] * RADIANS)
 
 
-@kernel
+@inner_kernel
 def _kick(
     ball: Floats, player: Floats, power: float, angle: float, push: Floats, rng: np.random.Generator
 ) -> None:
@@ -147,7 +154,7 @@ def _kick(
     push[Y] += size * math.sin(turn)
 
 
-@kernel
+@inner_kernel
 def move_object(
     row: Floats,
     push: Floats,
@@ -181,7 +188,7 @@ def move_object(
     row[VY] *= decay
 
 
-@kernel
+@inner_kernel
 def move_all(ball: Floats, players: Floats, push: Floats, rng: np.random.Generator) -> None:
     """Move the ball, then the players in order of their index."""
     move_object(ball, push[0], BALL_ACCEL_MAX, BALL_SPEED_MAX, BALL_NOISE, BALL_DECAY, rng)
@@ -191,7 +198,7 @@ def move_all(ball: Floats, players: Floats, push: Floats, rng: np.random.Generat
         )
 
 
-@kernel
+@inner_kernel
 def _overlap(a: Floats, b: Floats, reach: float, moves: Floats, row_a: int, row_b: int) -> bool:
     """Add to `moves` (columns: sum of shifts in x, in y, their number) what parts two overlapping objects."""
     dx, dy = b[X] - a[X], b[Y] - a[Y]
@@ -211,7 +218,7 @@ def _overlap(a: Floats, b: Floats, reach: float, moves: Floats, row_a: int, row_
     return True
 
 
-@kernel
+@inner_kernel
 def collide(ball: Floats, players: Floats, moves: Floats, hit: NDArray[np.bool_]) -> None:
     """Part overlapping objects; every object that collided keeps -0.1 of its velocity.
 
@@ -244,7 +251,7 @@ def collide(ball: Floats, players: Floats, moves: Floats, hit: NDArray[np.bool_]
             players[i, VY] *= COLLISION_FACTOR
 
 
-@kernel
+@inner_kernel
 def _shift(row: Floats, move: Floats, hit: NDArray[np.bool_], index: int) -> None:
     if move[2] > 0.0:
         row[X] += move[0] / move[2]

@@ -7,7 +7,7 @@ keeper fastest to it goes to it and the others get open; with no idea where the 
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import kernel
+from core.compiled import inner_kernel
 from core.keepaway.arrivals import keeper_to_go
 from core.keepaway.intercept import go_to_ball
 from core.keepaway.kicking import KEEPER_HOLD_RATIO, hold_ball, nearest_to, pass_ball
@@ -52,7 +52,7 @@ KEEPERS_FACE = 0.0
 SEARCH_TURN = 60.0
 
 
-@kernel
+@inner_kernel
 def begin_option(row: Ints, option: int, target: int, anew: bool, cycle: int) -> bool:
     """Put the player of this row of `Match.options` into an option.
 
@@ -65,13 +65,13 @@ def begin_option(row: Ints, option: int, target: int, anew: bool, cycle: int) ->
     return bool(starts)
 
 
-@kernel
+@inner_kernel
 def can_kick(me: Floats, ball: Floats) -> bool:
     """Return whether a player (row of x, y, ...) has the ball within its kick distance."""
     return length(ball[X] - me[X], ball[Y] - me[Y]) < KICK_DISTANCE
 
 
-@kernel
+@inner_kernel
 def open_decision(
     i: int, row: Ints, players: Floats, known: Bools, n_keepers: int, order: Ints, cycle: int
 ) -> tuple[bool, bool]:
@@ -92,7 +92,7 @@ def open_decision(
     return True, False
 
 
-@kernel
+@inner_kernel
 def take_decision(row: Ints, action: int, order: Ints, cycle: int) -> bool:
     """Start the option a keeper has decided on; `order` holds the players by distance. Returns True."""
     row[ACTION], row[ACTION_CYCLE] = action, cycle
@@ -101,7 +101,7 @@ def take_decision(row: Ints, action: int, order: Ints, cycle: int) -> bool:
     return begin_option(row, HOLD_BALL, -1, True, cycle)
 
 
-@kernel
+@inner_kernel
 def assign_keeper(
     i: int,
     row: Ints,
@@ -136,7 +136,7 @@ def assign_keeper(
     return False, begin_option(row, option, -1, False, cycle)
 
 
-@kernel
+@inner_kernel
 def command_keeper(
     i: int,
     row: Ints,
@@ -183,13 +183,13 @@ def command_keeper(
         send_turn(SEARCH_TURN, length(me[VX], me[VY]), command)
 
 
-@kernel
+@inner_kernel
 def find_runner(runner: Ints, ball: Floats, players: Floats, known: Bools, rules: Rules) -> None:
     """Write which keeper is believed to have to go to the ball, and -1 for not yet reckoned, to `runner`, shape (2,)."""
     runner[0], runner[1] = keeper_to_go(ball, players, known, rules.n_keepers), -1
 
 
-@kernel
+@inner_kernel
 def turn_neck(command: Floats, option: int, ball: Floats, me: Floats) -> None:
     """Look at the ball; while getting open, at the centre of the region; while searching, straight ahead.
 

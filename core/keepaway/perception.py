@@ -6,7 +6,7 @@ opponent is thought to lie still - and these, not the rounding of what is seen, 
 
 import numpy as np
 
-from core.compiled import kernel
+from core.compiled import inner_kernel
 from core.keepaway.hearing import listen
 from core.keepaway.match import NEVER_SEEN, Match
 from core.keepaway.pitch import Rules
@@ -18,7 +18,7 @@ FORGET_PLAYER = 12
 FORGET_BALL = 10
 
 
-@kernel
+@inner_kernel
 def perceive(match: Match, rules: Rules, rng: np.random.Generator) -> None:
     """Bring every player's beliefs to the present cycle.
 

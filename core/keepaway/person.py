@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.clock import NS_PER_S
-from core.compiled import kernel
+from core.compiled import inner_kernel
 from core.feedback.config import TrainerConfig
 from core.feedback.trainers import SimulatedTrainer, draw_delay_s, judgement
 from core.keepaway.match import Match
@@ -132,7 +132,7 @@ def noticed_per_cycle(per_s: float) -> float:
     return float(1.0 - (1.0 - per_s) ** CYCLE_S)
 
 
-@kernel
+@inner_kernel
 def would_choose(watcher: Watcher, match: Match, rules: Rules, i: int) -> int:
     """Return the option the participant would have chosen in place of keeper i, which decides."""
     variables = match.variables[i]
@@ -151,7 +151,7 @@ def would_choose(watcher: Watcher, match: Match, rules: Rules, i: int) -> int:
     return wanted
 
 
-@kernel
+@inner_kernel
 def lay_choice(variables: Floats, n_keepers: int, n_takers: int) -> int:
     """Return what a lay person would do: pass to the mate farthest from all takers when one is near, else hold."""
     if variables[n_keepers] > LAY_DANGER_M:
@@ -164,7 +164,7 @@ def lay_choice(variables: Floats, n_keepers: int, n_takers: int) -> int:
     return best
 
 
-@kernel
+@inner_kernel
 def watch_step(
     watcher: Watcher,
     presses: Presses,

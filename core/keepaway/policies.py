@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import kernel
+from core.compiled import inner_kernel
 
 Floats = NDArray[np.float64]
 
@@ -20,7 +20,7 @@ DISTANCE_SCORE: Final = 4.0
 """Score of a pass per metre between its receiver and the taker nearest to the receiver."""
 
 
-@kernel
+@inner_kernel
 def hand_coded(variables: Floats, n_keepers: int, n_takers: int) -> int:
     """Hold while the nearest taker is farther than 5 m; else the best of 90 and 4 * distance + angle per pass."""
     if variables[n_keepers] > SAFE_TAKER_DISTANCE:
@@ -34,7 +34,7 @@ def hand_coded(variables: Floats, n_keepers: int, n_takers: int) -> int:
     return best
 
 
-@kernel
+@inner_kernel
 def choose(policy: int, variables: Floats, n_keepers: int, n_takers: int, rng: np.random.Generator) -> int:
     """Return the action of a benchmark policy: 0 holds, a >= 1 passes to the a-th nearest keeper."""
     if policy == RANDOM:

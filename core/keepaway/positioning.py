@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import kernel
+from core.compiled import inner_kernel
 from core.keepaway.motion import RADIANS, direction_deg, length, wrap_deg
 from core.keepaway.pitch import BODY, INERTIA, PLAYER_DECAY, VX, VY, X, Y
 from core.keepaway.prediction import (
@@ -27,7 +27,7 @@ WHEN_TO_TURN = 7.0
 FINAL_ROLL = 1.0 / (1.0 - PLAYER_DECAY)
 
 
-@kernel
+@inner_kernel
 def open_for_pass(
     fx: float, fy: float, tx: float, ty: float, players: Floats, known: Bools, first: int, last: int
 ) -> bool:
@@ -46,7 +46,7 @@ def open_for_pass(
     return True
 
 
-@kernel
+@inner_kernel
 def congestion(me: int, x: float, y: float, players: Floats, known: Bools, enough: float) -> float:
     """Return the sum of 1 / distance from a point to all other known players; stop adding at `enough`."""
     total = 0.0
@@ -59,7 +59,7 @@ def congestion(me: int, x: float, y: float, players: Floats, known: Bools, enoug
     return total
 
 
-@kernel
+@inner_kernel
 def open_point(
     me: int,
     fx: float,
@@ -82,7 +82,7 @@ def open_point(
     return best_x, best_y
 
 
-@kernel
+@inner_kernel
 def move_to(me: Floats, tx: float, ty: float, command: Floats) -> None:
     """Turn towards a point or dash to it; stop first where turning would take three cycles."""
     dx, dy = tx - me[X] - FINAL_ROLL * me[VX], ty - me[Y] - FINAL_ROLL * me[VY]
@@ -105,7 +105,7 @@ def move_to(me: Floats, tx: float, ty: float, command: Floats) -> None:
         send_turn(off, speed, command)
 
 
-@kernel
+@inner_kernel
 def get_open(
     me: int,
     ball: Floats,

@@ -8,7 +8,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import kernel
+from core.compiled import inner_kernel
 from core.keepaway.motion import RADIANS, direction_deg, kick_rate, length, wrap_deg
 from core.keepaway.pitch import (
     ANGLE,
@@ -50,20 +50,20 @@ FULL_DASH: Floats = DASH_RATE * MAX_POWER * np.cumsum(np.append(0.0, PLAYER_ROLL
 """How far n full dashes take a player from rest, shape (HORIZON,)."""
 
 
-@kernel
+@inner_kernel
 def cut(value: float) -> float:
     """Cut the fraction off, as the players do; what is an integer but for rounding stays that integer."""
     return float(int(value + math.copysign(1e-9, value)))
 
 
-@kernel
+@inner_kernel
 def send_dash(power: float, command: Floats) -> None:
     """Write a dash; power is clipped to +-100 and cut to an integer."""
     command[KIND] = DASH
     command[POWER] = cut(min(max(power, -MAX_POWER), MAX_POWER))
 
 
-@kernel
+@inner_kernel
 def send_turn(angle: float, speed: float, command: Floats) -> None:
     """Write the turn that turns a body moving at `speed` by `angle` degrees, as far as that is possible."""
     moment = wrap_deg(angle) * (1.0 + INERTIA * speed)
@@ -71,7 +71,7 @@ def send_turn(angle: float, speed: float, command: Floats) -> None:
     command[ANGLE] = cut(min(max(moment, -180.0), 180.0))
 
 
-@kernel
+@inner_kernel
 def send_kick(power: float, global_direction: float, body: float, command: Floats) -> None:
     """Write a kick in a global direction; power is clipped to 0..100."""
     command[KIND] = KICK
@@ -79,7 +79,7 @@ def send_kick(power: float, global_direction: float, body: float, command: Float
     command[ANGLE] = cut(wrap_deg(global_direction - body))
 
 
-@kernel
+@inner_kernel
 def own_kick_rate(me: Floats, ball: Floats) -> float:
     """Return the acceleration per unit of power with the ball where it is."""
     dx, dy = ball[X] - me[X], ball[Y] - me[Y]
@@ -87,7 +87,7 @@ def own_kick_rate(me: Floats, ball: Floats) -> float:
     return kick_rate(length(dx, dy), off_axis)
 
 
-@kernel
+@inner_kernel
 def turn_body_to(me: Floats, x: float, y: float, cycles: int, command: Floats) -> None:
     """Turn towards a point, seen from where the player will have rolled to after `cycles`."""
     roll = PLAYER_ROLL[cycles]
@@ -95,7 +95,7 @@ def turn_body_to(me: Floats, x: float, y: float, cycles: int, command: Floats) -
     send_turn(direction_deg(dx, dy) - me[BODY], length(me[VX], me[VY]), command)
 
 
-@kernel
+@inner_kernel
 def dash_power(forward: float, axial_speed: float, cycles: int) -> float:
     """Return the power that covers `forward` metres along the body in `cycles` >= 1 cycles of one dash."""
     speed = forward / float(PLAYER_ROLL[max(cycles, 1)])
@@ -103,7 +103,7 @@ def dash_power(forward: float, axial_speed: float, cycles: int) -> float:
     return min(max((speed - axial_speed) / DASH_RATE, -MAX_POWER), MAX_POWER)
 
 
-@kernel
+@inner_kernel
 def step_meant(me: Floats, command: Floats) -> tuple[float, float]:
     """Return how far a command takes a player where nobody stands in its way, without noise, metres along x and y."""
     step_x, step_y = me[VX], me[VY]
@@ -118,7 +118,7 @@ def step_meant(me: Floats, command: Floats) -> tuple[float, float]:
     return step_x, step_y
 
 
-@kernel
+@inner_kernel
 def off_course(dx: float, dy: float, distance: float, cos_body: float, sin_body: float) -> bool:
     """Return whether the move policy turns.
 
@@ -139,7 +139,7 @@ def off_course(dx: float, dy: float, distance: float, cos_body: float, sin_body:
     return cos_body * dx + sin_body * dy < 0.0 and distance > TURN_BACK_DISTANCE
 
 
-@kernel
+@inner_kernel
 def move_command(me: Floats, tx: float, ty: float, cycles: int, command: Floats) -> None:
     """Write the move policy's command towards (tx, ty) with `cycles` >= 1 cycles left."""
     x, y, vx, vy, body = me[X], me[Y], me[VX], me[VY], me[BODY]
@@ -153,14 +153,14 @@ def move_command(me: Floats, tx: float, ty: float, cycles: int, command: Floats)
         send_dash(dash_power(forward, cos_body * vx + sin_body * vy, cycles), command)
 
 
-@kernel
+@inner_kernel
 def _too_far(dx: float, dy: float, speed: float, cycles: int, within: float) -> bool:
     """Return whether not even full dashes in the right direction cover (dx, dy) but for `within`."""
     reach = within + FULL_DASH[cycles] + PLAYER_ROLL[cycles] * speed + 1e-9
     return bool(dx * dx + dy * dy > reach * reach)
 
 
-@kernel
+@inner_kernel
 def can_arrive(me: Floats, tx: float, ty: float, cycles: int, within: float) -> bool:
     """Return whether `cycles` cycles of the move policy, without noise, end less than `within` from (tx, ty).
 

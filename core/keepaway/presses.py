@@ -9,7 +9,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import kernel
+from core.compiled import inner_kernel, kernel
 from core.keys import NS_PER_MS, KeyConfig
 
 Floats = NDArray[np.float64]
@@ -92,7 +92,7 @@ def begin_episode(presses: Presses) -> None:
     presses.counts[ACCEPTED] = 0
 
 
-@kernel
+@inner_kernel
 def plan(presses: Presses, time_ns: int, value: float, step: int, deliberate: bool) -> None:
     """Put a press among those to come."""
     n = presses.counts[WAITING]
@@ -111,13 +111,13 @@ def plan(presses: Presses, time_ns: int, value: float, step: int, deliberate: bo
     presses.counts[WAITING] += 1
 
 
-@kernel
+@inner_kernel
 def is_due(presses: Presses, now_ns: int) -> bool:
     """Return whether a press is to be made now."""
     return bool(presses.counts[WAITING] > 0 and presses.due_ns[0] <= now_ns)
 
 
-@kernel
+@inner_kernel
 def make(presses: Presses) -> bool:
     """Make the press that is due first; return whether it counts. Its time and value: `made_ns`, `made_value`."""
     place = presses.counts[MADE]

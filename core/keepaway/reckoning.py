@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import kernel
+from core.compiled import inner_kernel
 from core.keepaway.arrivals import LONGEST_INTERCEPT, fastest_to_ball
 from core.keepaway.match import NEVER_SEEN
 from core.keepaway.motion import RADIANS, direction_deg, kick_rate, length, wrap_deg
@@ -41,7 +41,7 @@ BUMPED_DISTANCE = 0.2
 NOT_FOUND = -2
 
 
-@kernel
+@inner_kernel
 def reckon_players(
     i: int,
     truth: Floats,
@@ -90,7 +90,7 @@ def reckon_players(
             beliefs[j, VY] *= PLAYER_DECAY
 
 
-@kernel
+@inner_kernel
 def feel_myself(body: Floats, belief: Floats, command: Floats, collided: bool) -> None:
     """Know one's own velocity; advance one's own position by the way covered, one's direction by the turn meant.
 
@@ -110,7 +110,7 @@ def feel_myself(body: Floats, belief: Floats, command: Floats, collided: bool) -
     belief[NECK] = body[NECK]
 
 
-@kernel
+@inner_kernel
 def reckon_ball(ball: Floats, me: Floats, command: Floats, bumped: bool) -> None:
     """Move the believed ball by one cycle, with the effect of my own kick, without noise.
 
@@ -138,7 +138,7 @@ def reckon_ball(ball: Floats, me: Floats, command: Floats, bumped: bool) -> None
         _bump(ball, me)
 
 
-@kernel
+@inner_kernel
 def _bump(ball: Floats, me: Floats) -> None:
     """I ran into the ball: it lies just beside me and has lost its speed."""
     dx, dy = ball[X] - me[X], ball[Y] - me[Y]
@@ -149,7 +149,7 @@ def _bump(ball: Floats, me: Floats) -> None:
     ball[VY] *= -0.1
 
 
-@kernel
+@inner_kernel
 def still_near_opponent(ball: Floats, players: Floats, known: Bools, first: int, last: int) -> None:
     """A ball within an opponent's reach is thought to lie still."""
     for j in range(first, last):
@@ -157,7 +157,7 @@ def still_near_opponent(ball: Floats, players: Floats, known: Bools, first: int,
             ball[VX], ball[VY] = 0.0, 0.0
 
 
-@kernel
+@inner_kernel
 def _reckon_opponent(player: Floats, ball: Floats, runs: bool, forward: float) -> None:
     if runs:
         dx, dy = ball[X] - player[X], ball[Y] - player[Y]

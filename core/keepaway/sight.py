@@ -5,9 +5,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import kernel
+from core.compiled import inner_kernel
 from core.keepaway.match import CLOCK, NEVER_SEEN, SEE_PERIOD, Match
-from core.keepaway.motion import DEGREES, RADIANS, direction_deg, length, wrap_deg
+from core.keepaway.motion import DEGREES, RADIANS, copy_row, direction_deg, length, wrap_deg
 from core.keepaway.pitch import BALL_NOISE, BODY, KICK_DISTANCE, NECK, VX, VY, Rules, X, Y
 from core.keepaway.reckoning import still_near_opponent
 
@@ -33,25 +33,25 @@ AWAY = 3
 ACROSS = 4
 
 
-@kernel
+@inner_kernel
 def rounded(value: float, step: float) -> float:
     """Return the multiple of `step` nearest to `value`."""
     return math.floor(value / step + 0.5) * step
 
 
-@kernel
+@inner_kernel
 def seen_distance(distance: float) -> float:
     """Return a distance as the server reports it: steps of about 10 %, then of 0.1 m."""
     return rounded(math.exp(rounded(math.log(max(distance, 1e-3)), LOG_STEP)), DISTANCE_STEP)
 
 
-@kernel
+@inner_kernel
 def sees(match: Match, i: int) -> bool:
     """Return whether player i gets a visual message in this cycle."""
     return bool((match.status[CLOCK] + match.phase[i]) % SEE_PERIOD != SEE_PERIOD - 1)
 
 
-@kernel
+@inner_kernel
 def measure(a: Floats, b: Floats, quantise: bool, out: Floats) -> None:
     """Measure object b from object a (rows of x, y, vx, vy): what both see of each other is the same.
 
@@ -77,14 +77,14 @@ def measure(a: Floats, b: Floats, quantise: bool, out: Floats) -> None:
     out[AWAY], out[ACROSS] = away, across
 
 
-@kernel
+@inner_kernel
 def look(match: Match, rules: Rules, rng: np.random.Generator) -> None:
     """Let those who get a visual message take it in: rounded distances, directions and their changes."""
     n = rules.n_keepers + rules.n_takers
     sight = match.sight
     for i in range(n):
         if sees(match, i):  # flags are seen finely enough to know one's own place and direction
-            match.seen_players[i, i] = match.players[i]
+            copy_row(match.players[i], match.seen_players[i, i])
             match.player_age[i, i] = 0
     for i in range(n):
         for j in range(i + 1, n):
@@ -120,13 +120,13 @@ def look(match: Match, rules: Rules, rng: np.random.Generator) -> None:
                 still_near_opponent(match.seen_ball[i], match.seen_players[i], match.known[i], first, last)
 
 
-@kernel
+@inner_kernel
 def in_view(me: Floats, direction: float, view_angle: float) -> bool:
     """Return whether a global direction lies in the field of view around body + neck."""
     return view_angle >= 360.0 or abs(wrap_deg(direction - me[BODY] - me[NECK])) <= 0.5 * view_angle
 
 
-@kernel
+@inner_kernel
 def _look_at(
     me: Floats,
     other: Floats,
@@ -148,7 +148,7 @@ def _look_at(
     return True
 
 
-@kernel
+@inner_kernel
 def _look_at_ball(me: Floats, sight: Floats, expected: bool, rules: Rules, belief: Floats) -> bool:
     """Let `me` see the ball, measured in `sight`; return whether it did."""
     seen = in_view(me, sight[DIRECTION], rules.view_angle)
@@ -162,7 +162,7 @@ def _look_at_ball(me: Floats, sight: Floats, expected: bool, rules: Rules, belie
     return True
 
 
-@kernel
+@inner_kernel
 def _note(me: Floats, sight: Floats, direction: float, quantise: bool, moving: bool, belief: Floats) -> None:
     """Write the place, and with `moving` the velocity, of something measured into `belief`."""
     if quantise:

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import kernel
+from core.compiled import inner_kernel
 from core.keepaway.intercept import go_to_ball
 from core.keepaway.kicking import TAKER_HOLD_RATIO, hold_ball, nearest_to
 from core.keepaway.match import (
@@ -32,7 +32,7 @@ BLOCK_CLOSE_ENOUGH = 2.0
 BLOCK_LOOK_TURN = 80.0
 
 
-@kernel
+@inner_kernel
 def _rank(i: int, x: float, y: float, players: Floats, known: Bools, first: int) -> int:
     """Return how many known players of [first, n) are nearer to a point than player i (ties: lower index)."""
     mine = length(players[i, X] - x, players[i, Y] - y)
@@ -45,7 +45,7 @@ def _rank(i: int, x: float, y: float, players: Floats, known: Bools, first: int)
     return rank
 
 
-@kernel
+@inner_kernel
 def in_cone(fx: float, fy: float, tx: float, ty: float, players: Floats, known: Bools, first: int) -> int:
     """Return how many known players of [first, n) stand in the pass cone from f to t."""
     dx, dy = tx - fx, ty - fy
@@ -59,7 +59,7 @@ def in_cone(fx: float, fy: float, tx: float, ty: float, players: Floats, known: 
     return count
 
 
-@kernel
+@inner_kernel
 def most_open_keeper(ball: Floats, players: Floats, known: Bools, n_keepers: int) -> int:
     """Return the keeper, not the one at the ball, with the fewest takers in the way of a pass; -1 for none."""
     holder = nearest_to(ball[X], ball[Y], players, known, 0, n_keepers)[0]
@@ -72,7 +72,7 @@ def most_open_keeper(ball: Floats, players: Floats, known: Bools, n_keepers: int
     return best
 
 
-@kernel
+@inner_kernel
 def block_pass(me: Floats, ball: Floats, mark: Floats, cycle: int, command: Floats) -> None:
     """BlockPass: stand 4 m from the marked keeper on the ball's side; look around when there."""
     dx, dy = ball[X] - mark[X], ball[Y] - mark[Y]
@@ -85,7 +85,7 @@ def block_pass(me: Floats, ball: Floats, mark: Floats, cycle: int, command: Floa
         move_to(me, x, y, command)
 
 
-@kernel
+@inner_kernel
 def command_taker(
     i: int,
     row: Ints,
@@ -125,7 +125,7 @@ def command_taker(
     return begin_option(row, GO_TO_BALL, -1, False, cycle)
 
 
-@kernel
+@inner_kernel
 def _mate_has_ball(i: int, ball: Floats, players: Floats, known: Bools, n_keepers: int) -> bool:
     """Return whether the player nearest to the ball is a team mate of taker i who can kick it."""
     n = players.shape[0]

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import kernel
+from core.compiled import inner_kernel
 from core.keepaway.motion import DEGREES
 from core.keepaway.pitch import KeepawayConfig, X, Y
 
@@ -59,7 +59,7 @@ def state_variables(config: KeepawayConfig) -> tuple[StateVariable, ...]:
     )
 
 
-@kernel
+@inner_kernel
 def sort_by_distance(me: int, players: Floats, first: int, last: int, order: Ints) -> None:
     """Write the players [first, last) into order[first:last], nearest to `me` first (stable)."""
     for j in range(first, last):
@@ -76,7 +76,7 @@ def sort_by_distance(me: int, players: Floats, first: int, last: int, order: Int
         order[place] = j
 
 
-@kernel
+@inner_kernel
 def observe(me: int, players: Floats, n_keepers: int, order: Ints, out: Floats) -> None:
     """Compute the state variables of keeper `me`.
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import kernel
+from core.compiled import inner_kernel
 from core.learners.human_config import TileModel
 from core.learners.human_tiles import move_tiles
 from core.tile_coding import TileCoder, window_sum
@@ -51,7 +51,7 @@ def new_human_set(config: TileModel, coder: TileCoder, n_learners: int, n_option
     )
 
 
-@kernel
+@inner_kernel
 def human_values(human: HumanSet, k: int, windows: Ints, out: Floats) -> None:
     """Write H(s, o) of learner k for every option, in units of a press.
 
@@ -66,7 +66,7 @@ def human_values(human: HumanSet, k: int, windows: Ints, out: Floats) -> None:
         out[option] = window_sum(weights[option], windows, human.n_tilings)
 
 
-@kernel
+@inner_kernel
 def learn_sample(
     human: HumanSet, k: int, windows: Ints, option: int, label: float, sample_weight: float
 ) -> None:
@@ -86,7 +86,7 @@ def learn_sample(
     human.samples[0] += 1
 
 
-@kernel
+@inner_kernel
 def _note(state: Floats, prediction: float, label: float, weight: float) -> None:
     """Take in a prediction made before the press was known (`core.learners.consistency.Consistency.note`)."""
     told = prediction - state[2]

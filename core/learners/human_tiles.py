@@ -5,7 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import kernel
+from core.compiled import inner_kernel
 from core.feedback.samples import Sample
 from core.learners.human_config import HumanModelConfig, TileModel
 from core.learners.human_reward import HumanRewardModel
@@ -14,7 +14,7 @@ from core.tile_coding import Tiling, add_to_windows, row_values, runs
 Floats = NDArray[np.float64]
 
 
-@kernel
+@inner_kernel
 def move_tiles(
     windows: NDArray[np.int64], label: float, weight: float, step_size: float, weights: Floats, n_tilings: int
 ) -> None:

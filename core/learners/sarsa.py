@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import kernel
+from core.compiled import inner_kernel
 from core.learners.sarsa_config import SarsaConfig
 from core.tile_coding import TileCoder, add_to_windows, window_sum
 
@@ -19,6 +19,7 @@ __all__ = [
     "Sarsa",
     "SarsaConfig",
     "action_values",
+    "best_or_tied",
     "decide",
     "end_episode",
     "forget_episode",
@@ -101,7 +102,7 @@ def frozen(sarsa: Sarsa, exploration: float = 0.0) -> Sarsa:
     )
 
 
-@kernel
+@inner_kernel
 def reward_of(cycles: int, discount: float) -> float:
     """Return the reward of `cycles` cycles of play, 1 for each, discounted from the option's start."""
     if discount == 1.0:
@@ -109,14 +110,22 @@ def reward_of(cycles: int, discount: float) -> float:
     return (1.0 - math.pow(discount, float(cycles))) / (1.0 - discount)
 
 
-@kernel
+@inner_kernel
 def greedy_or_random(values: Floats, exploration: float, rng: np.random.Generator) -> int:
     """Return the best action, ties broken at random; with probability `exploration` any. Draws twice."""
     explore, pick = rng.random() < exploration, rng.random()
-    n = len(values)
     if explore:
-        return int(pick * n)
-    best = values.max()
+        return int(pick * len(values))
+    return best_or_tied(values, pick)
+
+
+@inner_kernel
+def best_or_tied(values: Floats, pick: float) -> int:
+    """Return the best action; of equally good ones that at the share `pick`, in [0, 1), of them."""
+    n = len(values)
+    best = values[0]
+    for a in range(1, n):
+        best = max(best, values[a])
     n_best = 0
     for a in range(n):
         n_best += values[a] == best
@@ -129,7 +138,7 @@ def greedy_or_random(values: Floats, exploration: float, rng: np.random.Generato
     return 0
 
 
-@kernel
+@inner_kernel
 def action_values(sarsa: Sarsa, k: int, windows: Ints, out: Floats) -> None:
     """Write Q(s, a) of learner k for every action, in cycles still to come."""
     weights = sarsa.weights[min(k, sarsa.weights.shape[0] - 1)]
@@ -137,7 +146,7 @@ def action_values(sarsa: Sarsa, k: int, windows: Ints, out: Floats) -> None:
         out[a] = window_sum(weights[a], windows, sarsa.coder.n_tilings)
 
 
-@kernel
+@inner_kernel
 def decide(sarsa: Sarsa, k: int, windows: Ints, time: int, rng: np.random.Generator) -> int:
     """Choose learner k's action in the state with these active tiles, and learn from the option that ended.
 
@@ -161,7 +170,7 @@ def decide(sarsa: Sarsa, k: int, windows: Ints, time: int, rng: np.random.Genera
     return action
 
 
-@kernel
+@inner_kernel
 def take_action(sarsa: Sarsa, k: int, windows: Ints, action: int, time: int, before: float) -> None:
     """Learn from learner k's ended option, now that `action` is chosen, and remember the new decision.
 
@@ -175,14 +184,15 @@ def take_action(sarsa: Sarsa, k: int, windows: Ints, action: int, time: int, bef
         _learn(sarsa, k, target - before)
         _decay_traces(sarsa, k, passed * sarsa.trace_decay)
     sarsa.extra[k] = 0.0
-    sarsa.windows[k] = windows
+    for v in range(len(windows)):
+        sarsa.windows[k, v] = windows[v]
     sarsa.last_action[k] = action
     sarsa.last_time[k] = time
     if sarsa.step_size > 0.0:
         _mark(sarsa, k)
 
 
-@kernel
+@inner_kernel
 def observe_action(sarsa: Sarsa, k: int, windows: Ints, action: int, time: int) -> None:
     """Learn from learner k's ended option and note the new decision: `decide` where somebody else has chosen.
 
@@ -200,7 +210,7 @@ def observe_action(sarsa: Sarsa, k: int, windows: Ints, action: int, time: int) 
     take_action(sarsa, k, windows, action, time, before)
 
 
-@kernel
+@inner_kernel
 def end_episode(sarsa: Sarsa, time: int) -> None:
     """Give every learner that decided the reward up to the episode's end, and forget traces and decisions."""
     for k in range(len(sarsa.last_time)):
@@ -214,7 +224,7 @@ def end_episode(sarsa: Sarsa, time: int) -> None:
         sarsa.traces[:] = 0.0
 
 
-@kernel
+@inner_kernel
 def forget_episode(sarsa: Sarsa) -> None:
     """Forget traces and decisions of an episode that was broken off: nobody knows what came of its last options."""
     sarsa.last_time[:] = NOT_YET
@@ -223,14 +233,14 @@ def forget_episode(sarsa: Sarsa) -> None:
         sarsa.traces[:] = 0.0
 
 
-@kernel
+@inner_kernel
 def last_value(sarsa: Sarsa, k: int) -> float:
     """Return the value that learner k's last decision has now, in cycles; it must have decided in this episode."""
     weights = sarsa.weights[min(k, sarsa.weights.shape[0] - 1)]
     return window_sum(weights[sarsa.last_action[k]], sarsa.windows[k], sarsa.coder.n_tilings)
 
 
-@kernel
+@inner_kernel
 def _learn(sarsa: Sarsa, k: int, error: float) -> None:
     """W += alpha * error * trace; without traces only the last decision's tiles have one."""
     weights = sarsa.weights[min(k, sarsa.weights.shape[0] - 1)]
@@ -243,7 +253,7 @@ def _learn(sarsa: Sarsa, k: int, error: float) -> None:
             weights[a, t] += amount * sarsa.traces[k, a, t]
 
 
-@kernel
+@inner_kernel
 def _decay_traces(sarsa: Sarsa, k: int, decay: float) -> None:
     for a in range(sarsa.traces.shape[1]):
         for t in range(sarsa.traces.shape[2]):
@@ -251,7 +261,7 @@ def _decay_traces(sarsa: Sarsa, k: int, decay: float) -> None:
             sarsa.traces[k, a, t] = trace if trace >= sarsa.least_trace else 0.0
 
 
-@kernel
+@inner_kernel
 def _mark(sarsa: Sarsa, k: int) -> None:
     """Make the tiles of the last decision eligible."""
     if sarsa.traces.shape[2] == 0:

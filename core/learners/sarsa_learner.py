@@ -8,9 +8,9 @@ from core.learners.sarsa import (
     NOT_YET,
     SarsaConfig,
     action_values,
+    best_or_tied,
     end_episode,
     forget_episode,
-    greedy_or_random,
     new_sarsa,
     observe_action,
 )
@@ -45,11 +45,10 @@ class SarsaLearner:
 
     def act(self, values: Floats, preferred: int) -> int:
         """Return the preferred action, or the best one where there is none; with probability epsilon any."""
-        exploration = self.sarsa.exploration
-        if preferred < 0:
-            return int(greedy_or_random(values, exploration, self._rng))
         explore, pick = self._rng.random(), self._rng.random()
-        return int(pick * len(values)) if explore < exploration else preferred
+        if explore < self.sarsa.exploration:
+            return int(pick * len(values))
+        return int(best_or_tied(values, pick)) if preferred < 0 else preferred
 
     def took(
         self,
