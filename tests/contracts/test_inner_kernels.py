@@ -4,7 +4,6 @@ import ast
 import sys
 from pathlib import Path
 
-import numba
 import numpy as np
 import pytest
 
@@ -98,6 +97,8 @@ def _sum_of_last_rows(rows, out):
 @pytest.mark.jit
 @pytest.mark.parametrize(("options", "counts"), [(INNER, False), ({}, True)])
 def test_code_of_inner_kernels_counts_no_references(options, counts):
+    import numba  # only after core.compiled has named the folder of its cache
+
     # Not `inner_kernel` itself: a function that comes from the cache has no text to look at.
     summed, out = numba.njit(**options)(_sum_of_last_rows), np.zeros(1)
     summed(np.arange(6.0).reshape(3, 2), out)
