@@ -9,6 +9,9 @@ from core.episode import SessionEnded
 from core.protocol import Protocol, protocol_from
 from core.recording.reader import Recording, RecordingError, read_recording
 
+GETTING_READY = "Getting ready; the first time this takes a minute or two ..."
+"""Said where everything may have to be compiled first."""
+
 
 def read_or_stop(path: Path, *, allow_truncated: bool) -> Recording:
     """Read a recording; stop with the reason where that is impossible."""

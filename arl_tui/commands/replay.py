@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from arl_tui.commands.credit import what_if_delays
-from arl_tui.commands.exact import protocol_of, read_or_stop, run_again
+from arl_tui.commands.exact import GETTING_READY, protocol_of, read_or_stop, run_again
 from arl_tui.commands.play import read_protocol
 from arl_tui.words import words_of
 from core.feedback.delays import describe
@@ -43,6 +43,7 @@ def replay_recording(
     if not credits and not schemes:
         if csv_path or plot_path:
             raise click.UsageError("--csv and --plot write what --credit and --scheme compare: name a rule")
+        click.echo(GETTING_READY, err=True)
         run_again(recording)
         return
     chosen = protocol_of(recording) if protocol is None else read_protocol(protocol)
@@ -102,13 +103,19 @@ def compare(
 
 def table(rows: "Iterable[WhatIfRow]", units: str = "lines") -> Iterable[str]:
     """Yield the lines of the table; `units` is what is counted per game."""
-    yield f"{'credit':24} {'scheme':18} {units + ' per game':>26} {'log-loss (rate)':>16} {'on steps':>8}  w_h over episodes"
-    for row in rows:
-        lines = f"{row.lines.estimate:.1f} [{row.lines.low:.1f}, {row.lines.high:.1f}]"
-        capped = f" {row.capped:.0%} cut" if row.capped else ""
+    rows = list(rows)
+    scores = [
+        f"{row.lines.estimate:.1f} [{row.lines.low:.1f}, {row.lines.high:.1f}]"
+        + (f" {row.capped:.0%} cut" if row.capped else "")
+        for row in rows
+    ]
+    head = f"{units} per game"
+    wide = max(len(text) for text in (head, *scores))
+    yield f"{'credit':24} {'scheme':18} {head:>{wide}} {'log-loss (rate)':>16} {'on steps':>8}  w_h over episodes"
+    for row, score in zip(rows, scores, strict=True):
         loss = f"{row.log_loss:.3f} ({row.log_loss_of_the_rate:.3f})"
         trend = " ".join(f"{value:.2f}" for value in _evenly(row.w_h))
-        yield f"{row.credit:24} {row.scheme:18} {lines + capped:>26} {loss:>16} {row.credited:>8.0%}  {trend}"
+        yield f"{row.credit:24} {row.scheme:18} {score:>{wide}} {loss:>16} {row.credited:>8.0%}  {trend}"
 
 
 def _evenly(values: Sequence[float]) -> list[float]:

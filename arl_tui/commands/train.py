@@ -52,13 +52,14 @@ def train(
 
     The same seed gives the same policy. An hour of play takes a second or so.
     """
+    from arl_tui.commands.exact import GETTING_READY
     from core.learners.sarsa import SarsaConfig
 
     if not save.parent.is_dir():
         raise click.BadParameter(f"there is no folder {str(save.parent)!r}", param_hint="--save")
     config = task(None, keepers=keepers, takers=takers, size=size, vision=vision)
     learner = SarsaConfig(shared_weights=shared, trace_decay=trace_decay)
-    click.echo("Getting ready; the first time this takes a minute or two ...", err=True)
+    click.echo(GETTING_READY, err=True)
     from studies.experiments.keepaway_learning import LearningRun
 
     run = LearningRun(config, learner, secrets.randbits(63) if seed is None else seed, hours)
@@ -66,12 +67,12 @@ def train(
     from core.keepaway.policy_file import N_LAST
 
     durations = [float(duration) for block in blocks for duration in block.duration_s]
-    first, last = durations[:N_LAST], durations[-N_LAST:]
     write(save, run, sarsa, durations)
-    click.echo(
-        f"{len(durations):,} episodes in {hours:g} simulated hours; mean duration {mean(first):.1f} s over the first "
-        f"{len(first)}, {mean(last):.1f} s over the last {len(last)}"
-    )
+    means = f"{mean(durations):.1f} s"
+    if len(durations) >= 2 * N_LAST:
+        first, last = mean(durations[:N_LAST]), mean(durations[-N_LAST:])
+        means = f"{first:.1f} s over the first {N_LAST}, {last:.1f} s over the last {N_LAST}"
+    click.echo(f"{len(durations):,} episodes in {hours:g} simulated hours; mean duration {means}")
     click.echo(f"Policy: {save}")
     click.echo(f"Look at it: arl watch keepaway --policy {save}")
 

@@ -8,9 +8,12 @@ import pytest
 from click.testing import CliRunner, Result
 
 from arl_tui.cli import main
+from arl_tui.commands.replay import table as table_of
 from core.episode import EpisodeEnded, StopAsked
 from core.recording.reader import read_recording
 from core.recording.recorder import LineWriter
+from studies.statistics import Interval
+from studies.what_if import WhatIfRow
 from tests.data_folder import REPOSITORY, data_folder
 
 GOLDEN = REPOSITORY / "recordings" / "reference" / "tetris-linear-equation-4.jsonl"
@@ -50,6 +53,18 @@ def test_a_session_whose_learner_died_replays_up_to_there(tmp_path: Path) -> Non
     result = run("replay", tmp_path / "died.jsonl")
     assert result.exit_code == 0, result.output
     assert "cut off" in result.output
+
+
+def test_columns_stand_below_each_other_however_long_the_scores_are() -> None:
+    rows = [
+        WhatIfRow(rule, "human-only", (0.5,), 0.11, 0.18, share, Interval(score, score - 1, score + 1), cut)
+        for rule, score, cut, share in (("current", 4.7, 0.0, 0.98), ("uniform:0.2,0.8", 101975.3, 0.8, 1.0))
+    ]
+    head, *lines = table_of(rows)
+    for heading, texts in (("log-loss (rate)", ["0.110 (0.180)"] * 2), ("on steps", ["98%", "100%"])):
+        end = head.index(heading) + len(heading)
+        assert [line[:end].endswith(text) for line, text in zip(lines, texts, strict=True)] == [True, True]
+    assert "101975.3 [101974.3, 101976.3] 80% cut" in lines[1]
 
 
 def test_what_if_prints_a_row_per_rule_and_writes_table_and_figure(tmp_path: Path) -> None:

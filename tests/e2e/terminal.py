@@ -39,6 +39,11 @@ class Terminal:
         for name in ("TMUX", "STY", "SSH_CONNECTION", "NO_COLOR", "TEXTUAL_DRIVER", "COLUMNS", "LINES"):
             environment.pop(name, None)
         environment |= exported or {}
+        self.mark = b""
+        """Bytes whose arrival is timed."""
+        self.mark_ns: list[int] = []
+        """When the mark was read, before anything was made of it: ns of the monotonic clock."""
+        self._tail = b""
         self._screen = pyte.Screen(columns, lines)
         self._stream = pyte.ByteStream(self._screen)
         self.child = pexpect.spawn(
@@ -61,12 +66,21 @@ class Terminal:
         end = time.monotonic() + duration_s
         while (left := end - time.monotonic()) > 0:
             try:
-                self._stream.feed(self.child.read_nonblocking(65536, timeout=left))
+                read = self.child.read_nonblocking(65536, timeout=left)
             except pexpect.TIMEOUT:
                 return True
             except pexpect.EOF:
                 return False
+            self._time_mark(read, time.monotonic_ns())
+            self._stream.feed(read)
         return True
+
+    def _time_mark(self, read: bytes, now_ns: int) -> None:
+        if self.mark:
+            recent = self._tail + read  # what is read may begin anywhere in it
+            if self.mark in recent:
+                self.mark_ns.append(now_ns)
+            self._tail = recent[1 - len(self.mark) :]
 
     @property
     def text(self) -> str:

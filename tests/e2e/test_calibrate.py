@@ -61,6 +61,7 @@ class Participant:
         seeing = False
         end = time.monotonic() + PATIENCE_S
         while time.monotonic() < end and len(self.delays_s) < answers:
+            self.terminal.mark_ns.clear()
             assert self.terminal.pump(0.002), f"the program has ended:\n{self.terminal.text}"
             seen_ns = time.monotonic_ns()
             text = self.terminal.text
@@ -71,6 +72,8 @@ class Participant:
                 self.terminal.press("\r")
             before, seeing = seeing, GO_ON not in text and self._sees(text)
             if seeing and not before:
+                # Drawing a picture takes the robot some ms: where its bytes can be told, their arrival counts.
+                seen_ns = self.terminal.mark_ns[0] if self.terminal.mark_ns else seen_ns
                 delay_s = DELAYS_S[len(self.delays_s) % len(DELAYS_S)]
                 time.sleep(delay_s)
                 self.delays_s.append((self.terminal.press(self._key) - seen_ns) / 1e9)
@@ -135,7 +138,9 @@ def test_judgements_of_the_real_board_are_timed_from_the_drop(tmp_path: Path) ->
 @pytest.mark.slow
 def test_events_of_keepaway_are_timed_from_the_picture_with_the_mark(tmp_path: Path) -> None:
     with calibrate(tmp_path, "feedback-lag", 6, "--game", "keepaway") as terminal:
-        participant = Participant(terminal, lambda text: f" {MARK} " in text, "j")
+        terminal.mark = f" {MARK} ".encode()
+        # The instruction has the mark, too, and may still be half on screen.
+        participant = Participant(terminal, lambda text: f" {MARK} " in text and "P pause" in text, "j")
         participant.live()
         terminal.press("\r")
         terminal.wait_for_exit()
@@ -144,8 +149,9 @@ def test_events_of_keepaway_are_timed_from_the_picture_with_the_mark(tmp_path: P
     assert len(records) == len([record for record in the_file(tmp_path).trials if not record.catch])
     assert {(record.condition, record.status) for record in records} == {(KEPT, "ok"), (LOST, "wrong key")}
     errors = errors_ms(records, participant.delays_s)
-    # The robot parses 30 pitches a second and falls behind, which makes its own delays seem short: never too long.
-    assert -10.0 < min(errors) < 30.0, errors
+    # A picture of more than 8 kB leaves in part before the flush that is stamped, up to two switches of threads (5 ms each).
+    assert min(errors) > -10.0, errors
+    assert median(errors) < 15.0, errors
 
 
 def test_a_killed_calibration_keeps_every_finished_trial_and_goes_on(tmp_path: Path) -> None:
