@@ -268,7 +268,14 @@ class SummaryPage(Reading, inherit_bindings=False):
         if {SIMPLE, FEEDBACK_LAG} <= tasks:
             yield "[dim]Reacting is not judging: the agent is taught with the delay of judging.[/]"
         for task, reason in self._fitted.failures.items():
-            yield f"[b]{task}[/]: no result. {reason.replace('[', '(').replace(']', ')')}"
+            yield f"[b]{title_of(task)}[/]: no result: {reason.replace('[', '(').replace(']', ')')}"
+
+
+def title_of(task: str) -> str:
+    """Return what the participant knows a task as; `task` may be followed by a comma and more."""
+    name, comma, more = task.partition(",")
+    titles = {"all": "All tasks"} | {str(known): title for known, title in TITLES.items()}
+    return f"{titles.get(name, name)}{comma}{more}"
 
 
 def result_words(delay: TaskDelay) -> str:

@@ -9,6 +9,7 @@ import pytest
 from textual.pilot import Pilot
 
 from arl_tui.calibration import pages, trial_screen
+from arl_tui.calibration.fitting import Fitted
 from arl_tui.calibration.helper import HelperError, ask_helper
 from arl_tui.calibration.trial_screen import TrialScreen
 from arl_tui.palette import palette_for
@@ -178,6 +179,14 @@ async def stop_in_second_task(folder: Path, given_seed: int = 3) -> None:
         await pilot.press("enter")
     assert app.return_value is not None
     assert not app.return_value.finished
+
+
+@pytest.mark.parametrize(
+    ("task", "title"), [("choice", "Left or right"), ("feedback lag, pooled", "Judge the computer, pooled")]
+)
+async def test_a_task_without_a_result_is_called_as_the_participant_knows_it(task: str, title: str) -> None:
+    page = pages.SummaryPage(Fitted(failures={task: "only [3] responses"}), finished=True, trouble=None)
+    assert list(page.paragraphs()) == [f"[b]{title}[/]: no result: only (3) responses"]
 
 
 async def test_who_stops_goes_on_where_they_stopped(tmp_path: Path) -> None:

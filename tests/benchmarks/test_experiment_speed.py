@@ -1,4 +1,4 @@
-"""CPU seconds of a trial: `pytest -m benchmark_run tests/benchmarks/test_experiment_speed.py -s`."""
+"""CPU seconds of a trial: `pytest -m benchmark_run tests/benchmarks/test_experiment_speed.py -s -n 0`."""
 
 import time
 

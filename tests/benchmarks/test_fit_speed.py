@@ -1,4 +1,4 @@
-"""Speeds of the reaction-time fits: CPU seconds, medians. Run with `pytest -m benchmark_run -s`."""
+"""Speeds of the reaction-time fits: CPU seconds, medians. Run with `pytest -n 0 -m benchmark_run -s tests/benchmarks/test_fit_speed.py`."""
 
 import resource
 import statistics

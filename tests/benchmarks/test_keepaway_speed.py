@@ -1,4 +1,4 @@
-"""Cycles per CPU second on one core: `pytest -m benchmark_run tests/benchmarks/test_keepaway_speed.py -s`."""
+"""Cycles per CPU second on one core: `pytest -m benchmark_run tests/benchmarks/test_keepaway_speed.py -s -n 0`."""
 
 import statistics
 import time

@@ -1,4 +1,4 @@
-"""Speeds of Tetris, in CPU time on one core: medians of interleaved runs. Run with `pytest -m benchmark_run -s`.
+"""Speeds of Tetris, in CPU time on one core: medians of interleaved runs. Run with `pytest -n 0 -m benchmark_run -s tests/benchmarks/test_tetris_speed.py`.
 
 The slow thing beside it is the naive twin, which anybody can run. The C reference (MDPTetris, gcc -O2) was measured at
 212,592 pieces/s for the same work (greedy, 21 features, the published record weights) on the machine the project was
