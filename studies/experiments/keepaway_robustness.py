@@ -8,7 +8,7 @@ from studies.experiments.keepaway_pages import SCORES_TEXT, by_time, weights_use
 from studies.experiments.keepaway_settings import DEPARTURES, arl, person, sarsa_alone
 from studies.experiments.keepaway_trial import KeepawayTrial, quick, run_trial
 from studies.experiments.page import Page
-from studies.experiments.rates import AtRate, rates_figure, ratios_table, weights_table
+from studies.experiments.rates import AtRate, rates_figure, ratios_table, summary, weights_table
 from studies.experiments.results import Results
 from studies.experiments.sweep import Condition, Experiment
 
@@ -73,6 +73,7 @@ A simulated person watches every episode, presses at most 2 keys in it, and errs
 {len(results.seeds)} trials, paired by seed. Ratio of scores to Sarsa without a person, with 95 % interval:
 
 {ratios_table(found, WRONG_PERCENT)}
+{summary(found)}
 ![Every rule at every rate](../figures/robustness-keepaway.png)
 
 Mean weight of the human in the last tenth of the time:

@@ -15,6 +15,8 @@ from studies.statistics import Interval
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+MOSTLY_WRONG = 80
+"""Rate in per cent from which somebody is an adversary."""
 TICKS = (0.1, 0.2, 0.5, 0.8, 1, 1.25, 2, 5, 10, 20, 50)
 
 
@@ -40,6 +42,25 @@ def ratios_table(found: ByRule, rates: Sequence[int]) -> str:
 def weights_table(found: ByRule, rates: Sequence[int]) -> str:
     """Return mean weights, a row per rule."""
     return _table(found, rates, lambda cell: f"{round(cell.weight, 2) + 0.0:.2f}")
+
+
+def summary(found: ByRule) -> str:
+    """Return which rules do no harm at any rate, and which use somebody who errs at 80 % or more, by their 95 % intervals."""
+    harmless = [rule for rule, cells in found.items() if all(cell.ratio.high >= 1 for cell in cells.values())]
+    adversary = [
+        rule
+        for rule, cells in found.items()
+        if (wrong := [cell for rate, cell in cells.items() if rate >= MOSTLY_WRONG])
+        and all(cell.ratio.low > 1 for cell in wrong)
+    ]
+    return f"""\
+Significantly below the environment alone at no rate: {_listed(harmless)}. Significantly above it wherever {MOSTLY_WRONG} % or more are
+wrong: {_listed(adversary)}.
+"""
+
+
+def _listed(rules: Sequence[str]) -> str:
+    return ", ".join(f"*{rule}*" for rule in rules) or "none"
 
 
 def rates_figure(found: ByRule, rates: Sequence[int]) -> Figure:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from studies.comparison import Verdict
 from studies.experiments import page
 from studies.experiments.page import Page
-from studies.experiments.rates import AtRate, ByRule, rates_figure, ratios_table, weights_table
+from studies.experiments.rates import AtRate, ByRule, rates_figure, ratios_table, summary, weights_table
 from studies.experiments.results import Results
 from studies.experiments.robustness import (
     ENVIRONMENT,
@@ -96,6 +96,7 @@ Ratio to the environment alone, with 95 % interval. (Ours: on its fresh seeds; t
 fixed.)
 
 {ratios_table(by_rule, RATES)}
+{summary(by_rule)}
 Mean weight of the human over the last 100 episodes:
 
 {weights_table(by_rule, RATES)}

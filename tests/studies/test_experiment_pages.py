@@ -9,9 +9,11 @@ import pytest
 from core.streams import stream
 from studies.experiments import page
 from studies.experiments.keepaway_pages import weights_used
+from studies.experiments.rates import AtRate, summary
 from studies.experiments.results import read_results
 from studies.experiments.run import SweepError, run_sweep
 from studies.experiments.sweep import MODULES, csv_text, experiment_module, root_seeds
+from studies.statistics import Interval
 from tests.studies.test_experiment_runs import Inline
 
 PAGES = ("fig5", "fig6", "features", "robustness", "robustness-keepaway")
@@ -181,6 +183,26 @@ def test_a_rules_ratio_stands_in_the_column_of_its_rate(tmp_path):
     (row,) = (line for line in text.splitlines() if line.startswith("| signed agreement with a margin | 1 "))
     cells = [cell.strip() for cell in row.strip("|").split("|")]
     assert [cell.startswith("3 [") for cell in cells[1:]] == [False] * 4 + [True, False]
+
+
+def test_rules_are_summed_up_by_their_intervals():
+    def cells(**rates):
+        return {
+            int(rate[1:]): AtRate(Interval(middle, middle - 0.2, middle + 0.2), 0.0)
+            for rate, middle in rates.items()
+        }
+
+    text = summary(
+        {
+            "careful": cells(r10=1.5, r80=1.0, r100=0.9),
+            "clever": cells(r10=1.0, r80=1.3, r100=1.4),
+            "rash": cells(r10=2.0, r80=1.3, r100=0.7),
+            "untried": cells(r10=1.5),
+        }
+    )
+    assert "at no rate: *careful*, *clever*, *untried*." in text
+    assert "are\nwrong: *clever*." in text
+    assert "at no rate: none." in summary({"rash": cells(r50=0.5)})
 
 
 def test_trials_of_people_that_were_not_played_are_said_to_be_missing(tmp_path):
