@@ -43,6 +43,11 @@ CLAIMS: tuple[Claim, ...] = (
     ("linear-gamma", "exponential-gamma", "the linear scheme does better than the exponential one"),
     ("linear-gamma-fixed", "sarsa", "(ours) with w_h fixed at 1: linear with gamma against Sarsa"),
     ("linear-gamma-fixed", "linear-no-gamma-fixed", "(ours) with w_h fixed at 1: gamma against none"),
+    (
+        "linear-gamma-fixed",
+        "exponential-gamma-fixed",
+        "(ours) with w_h fixed at 1: linear against exponential",
+    ),
     ("linear-gamma-fixed", "linear-gamma", "(ours) w_h fixed at 1 against Eq. 4"),
 )
 """Of the paper, section 4, and ours beside them."""

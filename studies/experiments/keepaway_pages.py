@@ -38,6 +38,22 @@ def by_time(results: Results, condition: str, column: str, bins: int = BINS) -> 
     return np.array([mean_by_time(trial, column, hours, bins) for trial in results.trials[condition]])
 
 
+def by_episode(results: Results, condition: str, column: str, bins: int = BINS) -> tuple[Floats, Floats]:
+    """Return a column's means over equal blocks of episodes, up to the fewest episodes that any trial has.
+
+    Returns:
+        The last episode of each block, shape (bins,), and the means, shape (trials, bins); fewer bins than asked for where
+        there are fewer episodes.
+    """
+    fewest = min(len(trial[column]) for trials in results.trials.values() for trial in trials)
+    bins = min(bins, fewest)
+    block = fewest // bins
+    means = [
+        trial[column][: bins * block].reshape(bins, block).mean(axis=1) for trial in results.trials[condition]
+    ]
+    return block * (np.arange(bins) + 1.0), np.array(means)
+
+
 def weights_used(results: Results, condition: str, bins: int = 10) -> Floats:
     """Return the mean w_h that choices were made with over equal parts of simulated time, shape (trials, bins).
 
@@ -79,17 +95,26 @@ def smooth(curves: Floats, window: int = WINDOW) -> Floats:
 
 
 def curves_figure(results: Results) -> Figure:
-    """Draw durations, and beside them w_h, against simulated time."""
-    figure = page.new_figure(7.2, 3.6)
-    left, right = figure.subplots(1, 2)
-    x = _hours(results) * (np.arange(BINS) + 1.0) / BINS
-    for axes, column in ((left, "seconds"), (right, "w_h")):
+    """Draw durations against simulated time and against episodes, and w_h against simulated time."""
+    figure = page.new_figure(7.2, 6.0)
+    (by_hours, by_episodes), (weights, words) = figure.subplots(2, 2)
+    hours = _hours(results) * (np.arange(BINS) + 1.0) / BINS
+    for axes, column in ((by_hours, "seconds"), (weights, "w_h")):
         curves = {results.label(n): smooth(by_time(results, n, column)) for n in results.conditions}
-        page.draw_curves(axes, x, curves)
-    left.set(xlabel="simulated hours", ylabel="seconds per episode")
-    left.set_ylim(bottom=0.0)
-    left.legend(frameon=False, fontsize="x-small")
-    right.set(xlabel="simulated hours", ylabel="weight of the human, $w_h$")
+        page.draw_curves(axes, hours, curves)
+        axes.set_xlabel("simulated hours")
+    blocks = {n: by_episode(results, n, "seconds") for n in results.conditions}
+    episodes = next(iter(blocks.values()))[0]
+    page.draw_curves(
+        by_episodes, episodes, {results.label(n): smooth(block[1]) for n, block in blocks.items()}
+    )
+    by_episodes.set_xlabel("episodes")
+    for axes in (by_hours, by_episodes):
+        axes.set_ylabel("seconds per episode")
+        axes.set_ylim(bottom=0.0)
+    weights.set_ylabel("weight of the human, $w_h$")
+    words.axis("off")
+    words.legend(*by_hours.get_legend_handles_labels(), loc="center", frameon=False, fontsize="small")
     return figure
 
 
@@ -116,7 +141,8 @@ def report_page(
 {page.claims_table("claim", [words for *_, words in claimed], verdicts[: len(claimed)])}
 ![Learning curves](../figures/{name}.png)
 
-Means over {len(results.seeds)} trials with 95 % bootstrap bands, running means over an eighth of the time. {introduction}
+Means over {len(results.seeds)} trials with 95 % bootstrap bands, running means over an eighth of the time, or of the
+episodes that every trial has. {introduction}
 
 ## Scores
 

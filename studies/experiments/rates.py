@@ -17,7 +17,11 @@ if TYPE_CHECKING:
 
 MOSTLY_WRONG = 80
 """Rate in per cent from which somebody is an adversary."""
-TICKS = (0.1, 0.2, 0.5, 0.8, 1, 1.25, 2, 5, 10, 20, 50)
+WIDE_TICKS = (0.2, 0.5, 1, 2, 5, 10, 20, 50)
+FINE_TICKS = (0.5, 0.6, 0.8, 1, 1.25, 1.5, 2)
+"""Of ratios, where all of them lie within a factor of 3 or so of 1."""
+LOWEST_DRAWN = 0.2
+"""Smaller ratios are for the table: they would press all others together."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +89,9 @@ def rates_figure(found: ByRule, rates: Sequence[int]) -> Figure:
     left.set(xlabel="wrong presses (%)", ylabel="score / environment only", yscale="log", xticks=rates)
     right.set(xlabel="wrong presses (%)", ylabel="$w_h$ at the end", xticks=rates)
     low, high = left.get_ylim()
-    ticks = [tick for tick in TICKS if low <= tick <= high]
+    low = max(low, LOWEST_DRAWN)
+    left.set_ylim(low, high)
+    ticks = [tick for tick in (FINE_TICKS if high / low < 6 else WIDE_TICKS) if low <= tick <= high]
     left.set_yticks(ticks)
     left.set_yticklabels([f"{tick:g}" for tick in ticks])
     left.set_yticks([], minor=True)

@@ -8,7 +8,7 @@ import pytest
 
 from core.streams import stream
 from studies.experiments import page
-from studies.experiments.keepaway_pages import weights_used
+from studies.experiments.keepaway_pages import by_episode, weights_used
 from studies.experiments.rates import AtRate, summary
 from studies.experiments.results import read_results
 from studies.experiments.run import SweepError, run_sweep
@@ -183,6 +183,15 @@ def test_a_rules_ratio_stands_in_the_column_of_its_rate(tmp_path):
     (row,) = (line for line in text.splitlines() if line.startswith("| signed agreement with a margin | 1 "))
     cells = [cell.strip() for cell in row.strip("|").split("|")]
     assert [cell.startswith("3 [") for cell in cells[1:]] == [False] * 4 + [True, False]
+
+
+def test_means_by_episode_are_over_blocks_that_every_trial_has(tmp_path):
+    long, short = {"seconds": np.arange(20.0)}, {"seconds": np.arange(9.0)}
+    results = dataclasses.replace(played("fig7", tmp_path, {}, trials=2), trials={"sarsa": (long, short)})
+    last, means = by_episode(results, "sarsa", "seconds", bins=4)
+    assert last.tolist() == [2, 4, 6, 8]
+    assert means.tolist() == [[0.5, 2.5, 4.5, 6.5]] * 2
+    assert len(by_episode(results, "sarsa", "seconds", bins=40)[0]) == 9
 
 
 def test_rules_are_summed_up_by_their_intervals():
