@@ -53,6 +53,24 @@ EXPERIMENT = Experiment(
 
 DRAWN = ("margin", "tried", "eq4", "annealed", "constant")
 """Rules in the figure."""
+WHY = """\
+## Why rules of trust misjudge people here
+
+*Agreement misleads.* Sarsa that has not learned yet passes in nearly every cycle, and keeps the ball longer so than by holding alone. Good people blame
+most of these passes: they are right, and every measure of agreement with what the keepers do says that they are wrong.
+
+*Single episodes mislead, too.* Sarsa's values belong to the policy that is played. An episode played under another w_h than those before it is played with
+values that do not fit, and with a human model that was told of other situations: it is shorter, whoever the person is. What listening is worth
+shows only where keepers listen all the time, and learn so: that is the row of constant w_h ([measured on pilot seeds](../decisions/keepaway-experiments.md)).
+
+*Anybody helps a little.* Random presses (50 % wrong) make keepers better as well, by constant w_h and by trust by trial, whose mean w_h is near 0: young Sarsa
+tries one action in a hundred, and gains from whoever makes it try more. So what a rule makes of people is to be read against the column of 50 %, not against 1. By that measure
+only the constant weight uses people who know the game, and what it loses with an adversary is small.
+
+So a rule for Keepaway would have to compare keepers that have learned with the person and keepers that have learned without. We have none.
+
+"""
+"""What the page says of the rules whatever came out; found on pilot seeds."""
 RULES = {name: label for name, (label, _) in _rules(0.0).items()}
 
 
@@ -82,6 +100,8 @@ A simulated person watches every episode, presses at most 2 keys in it, and errs
 Mean weight of the human in the last tenth of the time:
 
 {weights_table(found, WRONG_PERCENT)}
+{WHY}## Scores
+
 {SCORES_TEXT}
 {page.summary_table(scores, "seconds per episode")}
 ## How to read this
