@@ -51,7 +51,7 @@ def by_episode(results: Results, condition: str, column: str, bins: int = BINS) 
     means = [
         trial[column][: bins * block].reshape(bins, block).mean(axis=1) for trial in results.trials[condition]
     ]
-    return block * (np.arange(bins) + 1.0), np.array(means)
+    return np.asarray(block * (np.arange(bins) + 1.0), np.float64), np.array(means)
 
 
 def weights_used(results: Results, condition: str, bins: int = 10) -> Floats:
