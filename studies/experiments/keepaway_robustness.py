@@ -2,7 +2,11 @@
 
 from collections.abc import Iterator
 
+import msgspec
+
 from core.combination.config import Annealed, Constant, Equation4, Equation5, Signed, Tried
+from core.feedback.persons import persons
+from core.keepaway.person_config import KeepawayPersonConfig
 from studies.experiments import page
 from studies.experiments.keepaway_pages import SCORES_TEXT, by_time, weights_used
 from studies.experiments.keepaway_settings import DEPARTURES, arl, person, sarsa_alone
@@ -18,9 +22,26 @@ HOURS = 2.0
 """Shorter than Fig. 7: there are more than forty conditions, and people make their difference early."""
 
 
-def _rules(wrong: float) -> dict[str, tuple[str, KeepawayTrial]]:
-    """Return name -> (label, trial) of every rule against a person with this share of wrong presses, in [0, 1]."""
-    someone = person(wrong)
+PEOPLE = ("lay", "hesitant", "instructed", "bursty", "hasty", "slow", "tiring", "leaves")
+"""Simulated people by name (`core.feedback.persons`) beside the rates. (There is no *myopic* one: an option has no immediate effect.)"""
+TRIED_ON_PEOPLE = ("margin", "constant", "tried")
+"""Rules that they meet."""
+
+
+def somebody(name: str) -> KeepawayPersonConfig:
+    """Return a named person who is as talkative as the person of Fig. 7."""
+    usual = person()
+    trainer = msgspec.structs.replace(
+        persons()[name],
+        press_probability=usual.trainer.press_probability,
+        max_presses=usual.trainer.max_presses,
+        mean_presses=usual.trainer.mean_presses,
+    )
+    return msgspec.structs.replace(usual, trainer=trainer)
+
+
+def _rules(someone: KeepawayPersonConfig) -> dict[str, tuple[str, KeepawayTrial]]:
+    """Return name -> (label, trial) of every rule with this person."""
     return {
         "annealed": ("annealed, 0.98 per episode", arl(Annealed(), watched_by=someone, hours=HOURS)),
         "constant": ("constant w_h = 1", arl(Constant(), watched_by=someone, hours=HOURS)),
@@ -38,8 +59,13 @@ def _rules(wrong: float) -> dict[str, tuple[str, KeepawayTrial]]:
 def _conditions() -> Iterator[Condition]:
     yield Condition("sarsa", "Sarsa", sarsa_alone(HOURS))
     for percent in WRONG_PERCENT:
-        for name, (label, trial) in _rules(percent / 100).items():
+        for name, (label, trial) in _rules(person(percent / 100)).items():
             yield Condition(f"{name}-{percent}", f"{label}, {percent} % wrong", trial)
+    for someone in PEOPLE:
+        rules = _rules(somebody(someone))
+        for name in TRIED_ON_PEOPLE:
+            label, trial = rules[name]
+            yield Condition(f"{name}-{someone}", f"{label}, {someone}", trial)
 
 
 EXPERIMENT = Experiment(
@@ -71,7 +97,7 @@ So a rule for Keepaway would have to compare keepers that have learned with the 
 
 """
 """What the page says of the rules whatever came out; found on pilot seeds."""
-RULES = {name: label for name, (label, _) in _rules(0.0).items()}
+RULES = {name: label for name, (label, _) in _rules(person()).items()}
 
 
 def report(results: Results) -> Page:

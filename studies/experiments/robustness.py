@@ -29,9 +29,6 @@ from studies.experiments.tetris_trial import GradientTrial, run_gradient_trial, 
 
 RATES = (0, 10, 30, 50, 80, 100)
 """Wrong presses, per cent."""
-GRADIENT_RATES = (10, 50, 80)
-"""Where the policy gradient is tried, whose trials take six times as long."""
-
 RULE = Signed(margin=0.1)
 """The rule under test. Its constants were found on root seeds from 900000 on, and written down before any trial that the goal is
 judged by was played (`docs/decisions/margin-of-agreement.md`)."""
@@ -53,8 +50,8 @@ TRUST: dict[str, tuple[str, TrustRule]] = {
 MARGIN = "margin"
 """Name of the rule under test in conditions."""
 
-PEOPLE = ("lay", "myopic", "hesitant", "bursty", "hasty", "slow", "tiring", "leaves")
-"""Simulated people by name (`core.feedback.persons`) whom the rule meets beside the rates."""
+PEOPLE = ("lay", "myopic", "hesitant", "instructed", "bursty", "hasty", "slow", "tiring", "leaves")
+"""Simulated people by name (`core.feedback.persons`) whom the rule meets beside the rates, which are the other four."""
 
 ENVIRONMENT = "environment"
 FRESH_ENVIRONMENT = "fresh-environment"
@@ -93,10 +90,12 @@ def _conditions() -> tuple[Condition, ...]:
     found.extend(_fresh_conditions())
     listening = tetris_agent(trust=RULE)
     found.append(Condition(GRADIENT, "policy gradient, environment only", gradient_trial(alone)))
-    for rate in GRADIENT_RATES:
+    for rate in RATES:
         found.append(
             Condition(f"gradient-{rate:03d}", "policy gradient", gradient_trial(listening, wrong(rate)))
         )
+    for name in PEOPLE:
+        found.append(Condition(f"gradient-{name}", name, gradient_trial(listening, somebody(name))))
     return tuple(found)
 
 
