@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import kernel
+from core.compiled import inner_kernel, kernel
 
 Floats = NDArray[np.float64]
 
@@ -35,7 +35,7 @@ class Memory(NamedTuple):
     """In the order of the constants above."""
 
 
-@kernel
+@inner_kernel
 def fill_score(
     rows: Floats, gains: Floats, probabilities: Floats, n: int, action: int, reference: int, out: Floats
 ) -> None:
@@ -50,13 +50,18 @@ def fill_score(
         reference: action whose R is taken off every R before the gain is applied; -1 for none.
         out: written, shape (F,).
     """
-    for i in range(len(out)):
-        mean = 0.0
+    n_weights = len(out)
+    for i in range(n_weights):
+        out[i] = 0.0
+    for other in range(n):
+        if probabilities[other] > 0.0:
+            share = probabilities[other] * gains[other]
+            for i in range(n_weights):
+                origin = rows[reference, i] if reference >= 0 else 0.0
+                out[i] += share * (rows[other, i] - origin)
+    for i in range(n_weights):
         origin = rows[reference, i] if reference >= 0 else 0.0
-        for other in range(n):
-            if probabilities[other] > 0.0:
-                mean += probabilities[other] * gains[other] * (rows[other, i] - origin)
-        out[i] = gains[action] * (rows[action, i] - origin) - mean
+        out[i] = gains[action] * (rows[action, i] - origin) - out[i]
 
 
 @kernel

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from core.combination.config import ENVIRONMENT_WEIGHTS, EpisodeWeights
 from core.combination.schemes import best_action, choose, takes_control, worst_action
 from core.combination.soft import fill_logits
-from core.compiled import kernel
+from core.compiled import inner_kernel, kernel
 from core.counters import uniform_at
 from core.learners.linear import action_values
 from core.learners.policy_gradient import PolicyGradient
@@ -25,11 +25,16 @@ from core.tetris.autoplay import PIECE_LIMIT
 from core.tetris.board import (
     COLUMNS,
     FEATURES,
+    FEATURES_BEFORE,
+    FULL,
+    LEFT,
     MAX_PLACEMENTS,
     NOW,
     OVERFLOW,
+    ROW,
     ROWS,
     SEVEN_BAG,
+    SHAPE,
     Ints,
     allow_all,
     fill_heights,
@@ -43,7 +48,7 @@ from core.tetris.board import (
 from core.tetris.combined import place_among_offered
 from core.tetris.config import MAX_COLUMNS, TetrisConfig
 from core.tetris.evaluation import Floats, fill_values
-from core.tetris.features import feature_set, fill_after
+from core.tetris.features import BERTSEKAS_21, feature_set, fill_after, fill_bertsekas
 from core.tetris.kept_game import (
     AGREED,
     AGREED_WORST,
@@ -53,10 +58,11 @@ from core.tetris.kept_game import (
     PIECES,
     KeptGame,
 )
-from core.tetris.pieces import MAX_SHAPE_SIZE
+from core.tetris.pieces import MAX_SHAPE_SIZE, SHAPE_TOPS, SHAPE_WIDTHS
 
 N_SCALE_GAMES = 20
 """Random games behind `placement_scales`."""
+TETROMINO_CELLS = 4
 
 
 class PolicyGradientGame(KeptGame):
@@ -181,10 +187,43 @@ def placement_scales(config: TetrisConfig) -> NDArray[np.float64]:
 @kernel
 def _fill_rows(code: int, units: Floats, work: Ints, rules: Ints, n: int, rows: Floats) -> None:
     """Write the scaled features of the first n placements, shape (>= n, F)."""
+    n_columns = rules[COLUMNS]
+    if code == BERTSEKAS_21:
+        fill_bertsekas(work, NOW, FEATURES_BEFORE, n_columns)
     for action in range(n):
-        fill_after(code, work, rules, action)
-        for i in range(len(units)):
-            rows[action, i] = work[FEATURES, i] / units[i]
+        if code == BERTSEKAS_21 and work[FULL, action] == 0:
+            _fill_bertsekas_after(work, n_columns, action)
+        else:
+            fill_after(code, work, rules, action)
+        _write_row(work, units, rows, action)
+
+
+@inner_kernel
+def _fill_bertsekas_after(work: Ints, n_columns: int, action: int) -> None:
+    """Write the 21 features after a placement that fills no row, from those before it (FEATURES_BEFORE).
+
+    Only the columns of the piece change, and the differences at their edges.
+    """
+    shape, left, row = work[SHAPE, action], work[LEFT, action], work[ROW, action]
+    width = SHAPE_WIDTHS[shape]
+    maximum, holes = 2 * n_columns - 1, 2 * n_columns
+    for i in range(holes + 1):
+        work[FEATURES, i] = work[FEATURES_BEFORE, i]
+    for offset in range(width):
+        column = left + offset
+        height = row + SHAPE_TOPS[shape, offset]
+        work[FEATURES, holes] += height - work[FEATURES, column]
+        work[FEATURES, column] = height
+        work[FEATURES, maximum] = max(work[FEATURES, maximum], height)
+    work[FEATURES, holes] -= TETROMINO_CELLS
+    for column in range(max(left - 1, 0), min(left + width, n_columns - 1)):
+        work[FEATURES, n_columns + column] = abs(work[FEATURES, column] - work[FEATURES, column + 1])
+
+
+@inner_kernel
+def _write_row(work: Ints, units: Floats, rows: Floats, action: int) -> None:
+    for i in range(len(units)):
+        rows[action, i] = work[FEATURES, i] / units[i]
 
 
 # One episode step by step: the loop is the algorithm, and splitting it would hand a dozen arrays around (60 lines).
