@@ -12,6 +12,7 @@ from core.combination.config import (
     AgentConfig,
     EpisodeWeights,
     HumanOnly,
+    SideBySide,
     Signed,
     Tried,
     TrustRule,
@@ -72,6 +73,11 @@ class ArlAgent:
             human_values: H of each action from feature rows (n, G) and v (G,); a constant does not matter.
                 Default: `exact_values`.
         """
+        if isinstance(config.bootstrap.trust, SideBySide):
+            raise TypeError(
+                f"{type(config.bootstrap.trust).__name__} needs learners side by side, and an agent has one: choose another "
+                "rule of trust, or play compiled Keepaway (core.keepaway.arl_autoplay)"
+            )
         environment_values = environment_values or exact_values
         self.config = config
         self.learner = learner

@@ -17,6 +17,7 @@ from core.combination.config import (
     Equation5,
     FixedWeight,
     RankCorrelation,
+    SideBySide,
     Signed,
     Tried,
 )
@@ -91,19 +92,26 @@ class BootstrapLearning:
         self._compared_anything = False
         # Eq. 5: performance behind w_h so far. Others: (pm_i, a_i), or (pm_i, attitude), of recent episodes.
         self._performance_before = 0.0
-        # Tried: the attitude that is believed in, and the one of the next episode.
+        # Tried and SideBySide: the attitude that is believed in, and the one of the next episode; how many episodes were
+        # compared, and how many of them without the human.
         self._believed = 0.0
         self._attitude = 0.0
         self._n_compared = 0
+        self._n_own = 0
         trust = config.trust
         self._recent: deque[tuple[float, float]] = deque(
-            maxlen=trust.episodes if isinstance(trust, Signed | RankCorrelation | Tried) else 1
+            maxlen=trust.episodes if isinstance(trust, Signed | RankCorrelation | Tried | SideBySide) else 1
         )
 
     @property
     def w_h(self) -> float:
         """Weight of the human: 0 (if not fixed) until the human policy has been compared with some policy."""
         return self._w_h
+
+    @property
+    def attitude(self) -> float:
+        """Attitude of the next episode where the rule has some (`Tried`, `SideBySide`): 1 believes the human, -1 the opposite."""
+        return self._attitude
 
     @property
     def ranked(self) -> list[RankedPolicy]:
@@ -130,7 +138,11 @@ class BootstrapLearning:
         if isinstance(trust, Equation4):
             return self._matches_of_equation_4(trust, human_weights)
         kind = (
-            "signed" if isinstance(trust, Signed) else trust.match if isinstance(trust, Equation5) else "rate"
+            "signed"
+            if isinstance(trust, Signed | SideBySide)
+            else trust.match
+            if isinstance(trust, Equation5)
+            else "rate"
         )
         return [
             None if policy.comparison is None else degree_of_match(policy.comparison, kind)
@@ -161,6 +173,8 @@ class BootstrapLearning:
         if isinstance(self.config.trust, Tried):
             # Only there: sessions under the other rules keep the fingerprints that were recorded.
             parts.append(struct.pack("<ddq", self._believed, self._attitude, self._n_compared))
+        if isinstance(self.config.trust, SideBySide):
+            parts.append(struct.pack("<ddqq", self._believed, self._attitude, self._n_compared, self._n_own))
         parts += [struct.pack("<dd", *pair) for pair in self._recent]
         for policy in self._ranked:
             counts = policy.comparison or Comparison(1, 0, 0)
@@ -212,6 +226,8 @@ class BootstrapLearning:
                 self._revise_by_rank_correlation(rule, report)
             case Tried() as rule:
                 self._revise_by_trial(rule, report)
+            case SideBySide() as rule:
+                self._revise_side_by_side(rule, report)
 
     def _matches_of_equation_4(
         self, rule: Equation4, human_weights: NDArray[np.float64] | None
@@ -284,6 +300,32 @@ class BootstrapLearning:
                 self._attitude = 0.0
         elif report.consistency > rule.consistent_above and tries < rule.trial_share:
             self._attitude = 1.0 if which < 0.5 else -1.0
+        self._w_h = self._attitude * rule.weight
+
+    def _revise_side_by_side(self, rule: SideBySide, report: EpisodeReport) -> None:
+        if report.comparison is None:
+            return
+        self._n_compared += 1
+        if self._attitude == 0.0:
+            self._n_own += 1
+            self._recent.append((report.performance, report.comparison.signed))
+            if self._n_own >= rule.warm_up_episodes:
+                w = signed_human_weight(
+                    [pm for pm, _ in self._recent],
+                    [a for _, a in self._recent],
+                    gain=1.0,
+                    standard_errors=rule.standard_errors,
+                    margin=rule.margin,
+                )
+                self._believed = 0.0 if w == 0.0 else math.copysign(1.0, w)
+        point = float(stream(self._root_seed, "side by side", self._n_compared).random())
+        if self._believed == 0.0:
+            self._attitude = (0.0, 1.0, -1.0)[int(3 * point)]
+        elif point < rule.own_share:
+            self._attitude = 0.0
+        else:
+            opposite = point < rule.own_share + rule.other_share
+            self._attitude = -self._believed if opposite else self._believed
         self._w_h = self._attitude * rule.weight
 
     def _best_attitude(self, rule: Tried) -> float:

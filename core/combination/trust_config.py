@@ -122,6 +122,45 @@ class Tried(msgspec.Struct, frozen=True, tag="tried"):
         _check_memory(self.minimum_episodes, self.episodes, least=2)
 
 
+class SideBySide(msgspec.Struct, frozen=True, tag="side-by-side"):
+    """Learners side by side, one per attitude, and the signed match of the one without the human (ours).
+
+    One learner chooses without the human, one believes them (w_h = weight), one believes the opposite (w_h = -weight). One
+    plays each episode, all learn from it, each about its own choices. So the first becomes good at what nobody taught it, and
+    whether its choices agree with the human says whom to believe (`docs/decisions/side-by-side.md`). It needs learners
+    that can learn from what another one does: compiled play of Keepaway has them (`core.keepaway.arl_autoplay`).
+    """
+
+    weight: float = 1.0
+    """|w_h| of the two that go by the human: as much say as the environment, both being standardised."""
+    own_share: float = 0.2
+    """Share of episodes that the learner without the human plays once the human is believed, or their opposite. Before
+    that each plays a third."""
+    other_share: float = 0.05
+    """Share of episodes that the learner of the opposite attitude plays then."""
+    warm_up_episodes: int = 60
+    """Compared episodes without the human after which their agreement counts: before, that learner knows nothing."""
+    episodes: int = 20
+    """How many of its recent compared episodes count."""
+    margin: float = 0.1
+    """As in `Signed`."""
+    standard_errors: float = 2.0
+    """As in `Signed`."""
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.weight) and self.weight > 0):
+            raise ValueError(f"need weight > 0, got {self.weight}")
+        if not (min(self.own_share, self.other_share) >= 0 and 0 < self.own_share + self.other_share <= 1):
+            raise ValueError(
+                f"shares are >= 0, their sum in (0, 1], got {self.own_share} and {self.other_share}"
+            )
+        if not (0 <= self.margin < 1 and self.standard_errors >= 0):
+            raise ValueError(
+                f"margin is an agreement in [0, 1), standard_errors >= 0: {self.margin}, {self.standard_errors}"
+            )
+        _check_memory(self.episodes, self.warm_up_episodes, least=2, names=("episodes", "warm_up_episodes"))
+
+
 class FixedWeight(msgspec.Struct, frozen=True, tag="fixed"):
     """Trust that no evidence changes: takes bootstrap learning out, for comparisons."""
 
@@ -133,7 +172,7 @@ class FixedWeight(msgspec.Struct, frozen=True, tag="fixed"):
             raise ValueError(f"w_h is finite, got {self.w_h}")
 
 
-TrustRule = Equation4 | Equation5 | Signed | RankCorrelation | Tried | FixedWeight
+TrustRule = Equation4 | Equation5 | Signed | RankCorrelation | Tried | SideBySide | FixedWeight
 """How w_h follows from performance and match; msgspec decodes it by its tag, the field "type"."""
 
 

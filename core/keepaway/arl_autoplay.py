@@ -21,7 +21,10 @@ from core.combination.config import (
     AgentConfig,
     BootstrapConfig,
     Equation4,
+    Exponential,
     HumanOnly,
+    Linear,
+    SideBySide,
 )
 from core.combination.trust import Comparison
 from core.combination.window import DecisionWindow
@@ -64,6 +67,8 @@ KEEPAWAY_AGENT = AgentConfig(credit=CreditConfig(delay=GammaDelay()), human_mode
 
 NOBODY = KeepawayPersonConfig(trainer=TrainerConfig(press_probability=0.0, max_presses=0))
 """A participant who never presses a key."""
+ATTITUDES = (0.0, 1.0, -1.0)
+"""Towards the human, of the sets of learners side by side (`SideBySide`)."""
 SHORTEST_EPISODE_S = 0.5
 """Takers need longer than this to reach the ball."""
 
@@ -103,9 +108,23 @@ class ArlKeepawayConfig(msgspec.Struct, frozen=True, kw_only=True):
             raise ValueError(
                 f"compiled play keeps no window of decisions: measure as played and give chance, got {trust}"
             )
+        if isinstance(trust, SideBySide):
+            self._check_side_by_side()
         if not (math.isfinite(self.pause_s) and self.pause_s >= 0):
             raise ValueError(f"pause_s is >= 0 seconds, got {self.pause_s}")
         self._check_bursts()
+
+    def _check_side_by_side(self) -> None:
+        """Refuse what learners side by side cannot do."""
+        if not isinstance(self.agent.scheme, Linear | Exponential):
+            raise TypeError(
+                f"learners side by side need a scheme that goes by trust, linear or exponential: got {self.agent.scheme}"
+            )
+        if self.sarsa.trace_decay or self.sarsa.shared_weights:
+            raise ValueError(
+                "learners side by side learn without traces (trace_decay=0), each with weights of its own "
+                f"(shared_weights=False): got {self.sarsa}"
+            )
 
     def _check_bursts(self) -> None:
         """Refuse presses that the gate could take for a held key: learning is never undone here."""
@@ -178,7 +197,10 @@ class ArlAutoplay:
         self.streams = open_streams(root_seed, *path)
         self.match = new_match(task, self.streams)
         coder = keepaway_tiles(task, config.n_tilings)
-        self.sarsa = new_sarsa(config.sarsa, coder, task.n_keepers, task.n_actions)
+        self._attitudes = ATTITUDES if isinstance(config.agent.bootstrap.trust, SideBySide) else (0.0,)
+        n_learners = task.n_keepers * len(self._attitudes)
+        self.sarsa = new_sarsa(config.sarsa, coder, n_learners, task.n_actions)
+        """One learner per keeper; where they learn side by side one set of them after the other, in the order of `ATTITUDES`."""
         model = config.agent.human_model
         assert isinstance(model, TileModel), "checked by the configuration"
         self.human = new_human_set(model, coder, task.n_keepers, task.n_actions)
@@ -285,7 +307,21 @@ class ArlAutoplay:
         else:
             weights = ENVIRONMENT_WEIGHTS
         seed = stream_seed(self._seed, "share", self._episode) >> 1 if weights.share else 0
-        return Mix(int(weights.form), float(weights.w_r), float(weights.w_h), float(weights.share), seed)
+        playing, w_h_of = 0, (0.0, 0.0, 0.0)
+        trust = self.config.agent.bootstrap.trust
+        if isinstance(trust, SideBySide) and self.human.samples[0]:
+            playing = ATTITUDES.index(self.bootstrap.attitude)
+            w_h_of = (0.0, float(trust.weight), -float(trust.weight))
+        return Mix(
+            form=int(weights.form),
+            w_r=float(weights.w_r),
+            w_h=float(weights.w_h),
+            share=float(weights.share),
+            share_seed=seed,
+            sets=len(self._attitudes),
+            playing=playing,
+            w_h_of=w_h_of,
+        )
 
     def _watch(self) -> Watcher:
         """Let the participant begin an episode."""

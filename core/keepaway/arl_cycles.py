@@ -26,6 +26,7 @@ from core.learners.sarsa import (
     forget_episode,
     greedy_or_random,
     last_value,
+    learn_beside,
     take_action,
 )
 from core.tile_coding import find_windows
@@ -96,6 +97,12 @@ class Mix(NamedTuple):
     w_h: float
     share: float
     share_seed: int
+    sets: int
+    """How many sets of learners there are, one learner per keeper each: 1, or one set per attitude (`SideBySide`)."""
+    playing: int
+    """The set that chooses; the others look on."""
+    w_h_of: tuple[float, float, float]
+    """w_h of each set."""
 
 
 def new_timeline(places: int, n_variables: int, n_options: int) -> Timeline:
@@ -204,33 +211,57 @@ def _decide(
     """Choose keeper i's option by environment and human, and let Sarsa learn from the option that ended."""
     windows = timeline.windows[timeline.counts[STEPS] % len(timeline.option)]
     find_windows(sarsa.coder, match.variables[i], windows)
-    before = 0.0
-    if sarsa.last_time[i] != NOT_YET:
-        before = last_value(sarsa, i)
-    action_values(sarsa, i, windows, sarsa.values[i])
-    preferred = _prefer(sarsa, human, mix, timeline, i, windows)
+    n_keepers = len(match.deciding)
+    k = mix.playing * n_keepers + i
+    before = _value_before(sarsa, k, windows)
+    preferred = _prefer(sarsa.values[k], human, mix, timeline, i, windows)
     if preferred < 0:
-        option = greedy_or_random(sarsa.values[i], sarsa.exploration, rng)
+        option = greedy_or_random(sarsa.values[k], sarsa.exploration, rng)
     else:
         explore, pick = rng.random() < sarsa.exploration, rng.random()
         option = int(pick * len(timeline.heard)) if explore else preferred
-    take_action(sarsa, i, windows, option, match.status[CYCLE], before)
+    time = match.status[CYCLE]
+    take_action(sarsa, k, windows, option, time, before)
+    for looking_on in range(mix.sets):
+        if looking_on != mix.playing:
+            other = looking_on * n_keepers + i
+            before = _value_before(sarsa, other, windows)
+            own = choose(
+                sarsa.values[other],
+                timeline.heard,
+                timeline.available,
+                len(timeline.heard),
+                mix.form,
+                mix.w_r,
+                mix.w_h_of[looking_on],
+            )
+            learn_beside(sarsa, other, windows, option, own, time, before)
     match.actions[i] = option
 
 
 @inner_kernel
-def _prefer(sarsa: Sarsa, human: HumanSet, mix: Mix, timeline: Timeline, i: int, windows: Ints) -> int:
+def _value_before(sarsa: Sarsa, k: int, windows: Ints) -> float:
+    """Write learner k's values of the present state; return that of its ended option, 0 where there is none."""
+    before = 0.0
+    if sarsa.last_time[k] != NOT_YET:
+        before = last_value(sarsa, k)
+    action_values(sarsa, k, windows, sarsa.values[k])
+    return before
+
+
+@inner_kernel
+def _prefer(values: Floats, human: HumanSet, mix: Mix, timeline: Timeline, i: int, windows: Ints) -> int:
     """Return the option that environment and human together prefer; -1 where the human has no say."""
     heard, n = timeline.heard, len(timeline.heard)
     heard[:] = 0.0
     if human.samples[0] > 0:
         human_values(human, i, windows, heard)
-        liked = _compare(sarsa.values[i], timeline)
+        liked = _compare(values, timeline)
         if takes_control(mix.share_seed, timeline.counts[EPISODE_STEPS], mix.share):
             return liked
     if mix.w_h == 0.0:
         return -1
-    return choose(sarsa.values[i], heard, timeline.available, n, mix.form, mix.w_r, mix.w_h)
+    return choose(values, heard, timeline.available, n, mix.form, mix.w_r, mix.w_h)
 
 
 @inner_kernel

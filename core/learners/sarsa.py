@@ -26,6 +26,7 @@ __all__ = [
     "frozen",
     "greedy_or_random",
     "last_value",
+    "learn_beside",
     "new_sarsa",
     "observe_action",
     "reward_of",
@@ -177,13 +178,38 @@ def take_action(sarsa: Sarsa, k: int, windows: Ints, action: int, time: int, bef
     `before` is the value of the ended option (`last_value`), unused before the first decision. The values of the
     present state have been written to `sarsa.values[k]`. Use this where somebody else chooses the action.
     """
+    _learn_from_ended(sarsa, k, sarsa.values[k, action], time, before)
+    _begin_option(sarsa, k, windows, action, time)
+
+
+@inner_kernel
+def learn_beside(
+    sarsa: Sarsa, k: int, windows: Ints, action: int, own: int, time: int, before: float
+) -> None:
+    """`take_action` for a learner that looks on: another one chose `action`, it would have chosen `own`.
+
+    What follows the ended option is worth what its own choice is worth to it, so it learns about its own policy (off-policy, as
+    Watkins' Q-learning 1989). Without traces: those of choices that are not its own would have to be cut.
+    """
+    _learn_from_ended(sarsa, k, sarsa.values[k, own], time, before)
+    _begin_option(sarsa, k, windows, action, time)
+
+
+@inner_kernel
+def _learn_from_ended(sarsa: Sarsa, k: int, value: float, time: int, before: float) -> None:
+    """Learn from learner k's ended option, `value` being that of the present state to its policy."""
     last = sarsa.last_time[k]
     if last != NOT_YET and sarsa.step_size > 0.0:
         passed = math.pow(sarsa.discount, float(time - last))
-        target = reward_of(time - last, sarsa.discount) + sarsa.extra[k] + passed * sarsa.values[k, action]
+        target = reward_of(time - last, sarsa.discount) + sarsa.extra[k] + passed * value
         _learn(sarsa, k, target - before)
         _decay_traces(sarsa, k, passed * sarsa.trace_decay)
     sarsa.extra[k] = 0.0
+
+
+@inner_kernel
+def _begin_option(sarsa: Sarsa, k: int, windows: Ints, action: int, time: int) -> None:
+    """Remember learner k's new decision."""
     for v in range(len(windows)):
         sarsa.windows[k, v] = windows[v]
     sarsa.last_action[k] = action

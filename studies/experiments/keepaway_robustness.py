@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import msgspec
 
-from core.combination.config import Annealed, Constant, Equation4, Equation5, Signed, Tried
+from core.combination.config import Annealed, Constant, Equation4, Equation5, SideBySide, Signed, Tried
 from core.feedback.persons import persons
 from core.keepaway.person_config import KeepawayPersonConfig
 from studies.experiments import page
@@ -24,7 +24,7 @@ HOURS = 2.0
 
 PEOPLE = ("lay", "hesitant", "instructed", "bursty", "hasty", "slow", "tiring", "leaves")
 """Simulated people by name (`core.feedback.persons`) beside the rates. (There is no *myopic* one: an option has no immediate effect.)"""
-TRIED_ON_PEOPLE = ("margin", "constant", "tried")
+TRIED_ON_PEOPLE = ("side", "margin", "constant", "tried")
 """Rules that they meet."""
 
 
@@ -43,6 +43,7 @@ def somebody(name: str) -> KeepawayPersonConfig:
 def _rules(someone: KeepawayPersonConfig) -> dict[str, tuple[str, KeepawayTrial]]:
     """Return name -> (label, trial) of every rule with this person."""
     return {
+        "side": ("learners side by side (ours)", arl(trust=SideBySide(), watched_by=someone, hours=HOURS)),
         "annealed": ("annealed, 0.98 per episode", arl(Annealed(), watched_by=someone, hours=HOURS)),
         "constant": ("constant w_h = 1", arl(Constant(), watched_by=someone, hours=HOURS)),
         "eq4": ("Eq. 4", arl(trust=Equation4(), watched_by=someone, hours=HOURS)),
@@ -77,7 +78,7 @@ EXPERIMENT = Experiment(
     departures=DEPARTURES,
 )
 
-DRAWN = ("margin", "tried", "eq4", "annealed", "constant")
+DRAWN = ("side", "tried", "eq4", "annealed", "constant")
 """Rules in the figure."""
 WHY = """\
 ## Why rules of trust misjudge people here

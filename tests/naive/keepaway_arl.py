@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from core.combination.bootstrap_learning import BootstrapLearning, EpisodeReport
-from core.combination.config import ENVIRONMENT_WEIGHTS, HumanOnly
+from core.combination.config import ENVIRONMENT_WEIGHTS, HumanOnly, SideBySide
 from core.combination.schemes import best_action, choose, takes_control, worst_action
 from core.combination.trust import Comparison
 from core.combination.window import DecisionWindow
@@ -84,7 +84,11 @@ class ArlKeepaway:
         self.streams = open_streams(root_seed, *path)
         self.match, self.rules = new_match(task, self.streams), task.rules()
         self.coder = keepaway_tiles(task, config.n_tilings)
-        self.sarsa = new_sarsa(config.sarsa, self.coder, task.n_keepers, task.n_actions)
+        sets = 3 if isinstance(config.agent.bootstrap.trust, SideBySide) else 1
+        self.learners = [
+            new_sarsa(config.sarsa, self.coder, task.n_keepers, task.n_actions) for _ in range(sets)
+        ]
+        self.sarsa = self.learners[0]
         self.active = len(self.coder.low) * self.coder.n_tilings
         model = config.agent.human_model
         self.sets = 1 if model.shared else task.n_keepers
@@ -118,6 +122,12 @@ class ArlKeepaway:
         scheme, heard = self.config.agent.scheme, self.human.knows_something
         waits = not heard and not isinstance(scheme, HumanOnly)
         self.weights = ENVIRONMENT_WEIGHTS if waits else scheme.weights(self.w_h, self.episode)
+        trust = self.config.agent.bootstrap.trust
+        self.w_h_of = {0: 0.0, 1: 0.0, 2: 0.0}
+        if isinstance(trust, SideBySide) and heard:
+            self.w_h_of = {0: 0.0, 1: trust.weight, 2: -trust.weight}
+            playing = {0.0: 0, 1.0: 1, -1.0: 2}[self.w_h / trust.weight]
+            self.sarsa = self.learners[playing]
         self.share_seed = stream_seed(self.seed, "share", self.episode) >> 1
         self.record = Episode(0, self.w_h, (0, 0, 0))
         self.in_episode = 0
@@ -135,7 +145,8 @@ class ArlKeepaway:
             ended = finish_cycle(self.match, self.rules, self.streams)
             self.now_ns += CYCLE_NS
         self.record.cycles = int(self.match.status[CYCLE])
-        end_episode(self.sarsa, self.record.cycles)
+        for learner in self.learners:
+            end_episode(learner, self.record.cycles)
         if self.in_episode:
             self.assigner.step_hidden(self.steps - 1, self.now_ns)
         self.now_ns += round(self.config.pause_s * 1e9)
@@ -162,18 +173,37 @@ class ArlKeepaway:
         action_values(self.sarsa, keeper, windows, self.sarsa.values[keeper])
         option = self.choose(self.sarsa.values[keeper], keeper, windows)
         take_action(self.sarsa, keeper, windows, option, self.match.status[CYCLE], before)
+        for attitude, learner in enumerate(self.learners):
+            if learner is not self.sarsa:
+                self.look_on(learner, self.w_h_of[attitude], keeper, windows, option)
         self.match.actions[keeper] = option
         self.assigner.step_shown(self.steps, self.now_ns, self.features(keeper, option, windows))
         self.watch(keeper, option)
         self.steps += 1
         self.in_episode += 1
 
+    def look_on(self, learner, w_h, keeper, windows, option):
+        """Learn what the options are worth to a policy that did not choose them: Q-learning, written out."""
+        now = int(self.match.status[CYCLE])
+        tiles = np.concatenate([np.arange(w, w + self.coder.n_tilings) for w in windows])
+        values = np.array([learner.weights[keeper, o, tiles].sum() for o in range(self.n)])
+        own = choose(values, self.heard, np.zeros(self.n, np.bool_), self.n, 0, 1.0, w_h)
+        if learner.last_time[keeper] != NOT_YET:
+            ended = np.concatenate([np.arange(w, w + self.coder.n_tilings) for w in learner.windows[keeper]])
+            weights = learner.weights[keeper, learner.last_action[keeper]]
+            target = now - learner.last_time[keeper] + values[own]
+            weights[ended] += self.config.sarsa.step_size / self.active * (target - weights[ended].sum())
+        learner.windows[keeper], learner.last_action[keeper] = windows, option
+        learner.last_time[keeper] = now
+
     def choose(self, values, keeper, windows):
         none, weights, rng = np.zeros(self.n, np.bool_), self.weights, self.streams.policy
         preferred = -1
-        heard = np.zeros(self.n)
+        heard = self.heard = np.zeros(self.n)
         if self.human.knows_something:
-            heard = self.human.predict(np.stack([self.features(keeper, o, windows) for o in range(self.n)]))
+            heard = self.heard = self.human.predict(
+                np.stack([self.features(keeper, o, windows) for o in range(self.n)])
+            )
             own, liked = best_action(values, none, self.n), best_action(heard, none, self.n)
             n, agreed, worst = self.record.comparison
             disliked = worst_action(heard, none, self.n)

@@ -18,6 +18,7 @@ from core.combination.config import (
     HumanOnly,
     Linear,
     RewardShaping,
+    SideBySide,
     Signed,
     Tried,
 )
@@ -82,6 +83,10 @@ SETTINGS = {
         keys=KeyConfig(max_presses_per_episode=4),
     ),
     "tried": setting(agent(trust=Tried(consistent_above=0.0, minimum_episodes=2, better_by=0.5))),
+    # Not weight 1, as above.
+    "side by side": setting(
+        agent(trust=SideBySide(weight=0.8, warm_up_episodes=2, episodes=2, margin=0.0))
+    ),
     "human only, 4 against 3": setting(
         agent(HumanOnly()), task=KeepawayConfig(4, 3, 25.0, 25.0, exact_state=True)
     ),
@@ -98,7 +103,11 @@ def test_compiled_play_is_the_play_of_a_session_in_python(name):
         assert (ours.compared, ours.agreed, ours.agreed_worst) == theirs.comparison
         made = [(p.time_ns, p.value, p.deliberate, p.accepted) for p in ours.presses]
         assert made == theirs.presses
-    np.testing.assert_array_equal(fast.sarsa.weights, slow.sarsa.weights)
+    if len(slow.learners) == 1:
+        np.testing.assert_array_equal(fast.sarsa.weights, slow.sarsa.weights)
+    else:  # those who look on are written out there
+        theirs = np.concatenate([learner.weights for learner in slow.learners])
+        np.testing.assert_allclose(fast.sarsa.weights, theirs, rtol=1e-9, atol=1e-12)
     np.testing.assert_allclose(fast.human.weights.ravel(), slow.human.weights, rtol=1e-9, atol=1e-15)
     assert fast.human.weights.any()
     assert consistency(fast.human) == pytest.approx(slow.consistency.score, rel=1e-9)
