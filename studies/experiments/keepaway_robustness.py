@@ -1,8 +1,10 @@
 """The Sarsa arm of robustness: wrong feedback against rules of trust, in Keepaway."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import msgspec
+import numpy as np
+from numpy.typing import NDArray
 
 from core.combination.config import Annealed, Constant, Equation4, Equation5, SideBySide, Signed, Tried
 from core.feedback.persons import persons
@@ -15,6 +17,8 @@ from studies.experiments.page import Page
 from studies.experiments.rates import AtRate, rates_figure, ratios_table, summary, weights_table
 from studies.experiments.results import Results
 from studies.experiments.sweep import Condition, Experiment
+
+Floats = NDArray[np.float64]
 
 WRONG_PERCENT = (0, 10, 30, 50, 80, 100)
 """Share of presses of the wrong key."""
@@ -81,7 +85,7 @@ EXPERIMENT = Experiment(
 DRAWN = ("side", "tried", "eq4", "annealed", "constant")
 """Rules in the figure."""
 WHY = """\
-## Why rules of trust misjudge people here
+## Why most rules of trust misjudge people here, and what does not
 
 *Agreement misleads.* Sarsa that has not learned yet passes in nearly every cycle, and keeps the ball longer so than by holding alone. Good people blame
 most of these passes: they are right, and every measure of agreement with what the keepers do says that they are wrong.
@@ -92,12 +96,41 @@ shows only where keepers listen all the time, and learn so: that is the row of c
 
 *Anybody helps a little.* Random presses (50 % wrong) make keepers better as well, by constant w_h and by trust by trial, whose mean w_h is near 0: young Sarsa
 tries one action in a hundred, and gains from whoever makes it try more. So what a rule makes of people is to be read against the column of 50 %, not against 1. By that measure
-only the constant weight uses people who know the game, and what it loses with an adversary is small.
+the constant weight uses people who know the game, and what it loses with an adversary is small.
 
-So a rule for Keepaway would have to compare keepers that have learned with the person and keepers that have learned without. We have none.
+*Learners side by side* ([the rule, and what was tried before it](../decisions/side-by-side.md)) compare keepers that learned with the person and keepers that learned without: one learner chooses without the
+human, one believes them, one believes the opposite; one of them plays each episode, and all learn from it. So the one without the human soon becomes better than Sarsa alone, from what
+the others do, and then its agreement with the person has the right sign. Its constants were fixed on pilot seeds.
+
+**When it fails.** It takes some 200 episodes to decide, so people who are good gain less than if they were listened to from the start (constant w_h = 1), and somebody who leaves early leaves little. Its gain with random
+presses is exploration, no trust. It needs a learner that can learn about one policy from the episodes of another, which is why it is not a rule for the cross-entropy method or
+for on-line policy gradient; there, [signed agreement with a margin](robustness.md) is ours.
 
 """
 """What the page says of the rules whatever came out; found on pilot seeds."""
+
+
+def _people_table(results: Results, scores: Mapping[str, Floats]) -> str:
+    """Return the ratio to Sarsa alone of each rule with each named person, and w_h at the end."""
+    rows = []
+    for someone in PEOPLE:
+        cells = []
+        for rule in TRIED_ON_PEOPLE:
+            name = f"{rule}-{someone}"
+            if name in scores and "sarsa" in scores:
+                weight = weights_used(results, name)[:, -1].mean()
+                ratio = page.verdict(name, "sarsa", scores).ratio
+                cells.append(f"{page.interval(ratio)} ({round(float(weight), 2) + 0.0:.2f})")
+            else:
+                cells.append("")
+        if any(cells):
+            rows.append([someone, *cells])
+    if not rows:
+        return "These trials were not played.\n"
+    columns = [f"{RULES[rule]}: ratio to Sarsa (w_h at the end)" for rule in TRIED_ON_PEOPLE]
+    return page.table(["person", *columns], rows)
+
+
 RULES = {name: label for name, (label, _) in _rules(person()).items()}
 
 
@@ -127,6 +160,11 @@ A simulated person watches every episode, presses at most 2 keys in it, and errs
 Mean weight of the human in the last tenth of the time:
 
 {weights_table(found, WRONG_PERCENT)}
+## Simulated people by name
+
+People of `core.feedback.persons`, 1 press in 10 wrong unless the name says otherwise, as talkative as above (expert, noisy, useless and adversary are the rates):
+
+{_people_table(results, scores)}
 {WHY}## Scores
 
 {SCORES_TEXT}

@@ -6,10 +6,12 @@ import msgspec
 import numpy as np
 import pytest
 
+from core.combination.config import SideBySide
 from core.feedback.delays import GammaDelay
+from core.keepaway.arl_autoplay import ArlAutoplay
 from studies.experiments import credit, fig7, keepaway_robustness
 from studies.experiments.keepaway_pages import smooth
-from studies.experiments.keepaway_settings import arl, sarsa_alone
+from studies.experiments.keepaway_settings import arl, person, sarsa_alone
 from studies.experiments.keepaway_trial import (
     KeepawayTrial,
     mean_by_time,
@@ -50,6 +52,24 @@ def test_every_condition_can_be_played_and_described(experiment):
         rows = experiment.trial(experiment.quick(condition.settings), PILOT_SEEDS)
         assert set(map(len, rows.values())) == {len(rows["seconds"])}
         assert rows["presses"].max() <= 2
+
+
+@pytest.mark.jit
+@pytest.mark.parametrize(("mistake_rate", "sign"), [(0.0, 1), (1.0, -1)])
+def test_what_learned_from_all_attitudes_agrees_with_good_people_and_not_with_adversaries(mistake_rate, sign):
+    # docs/decisions/side-by-side.md: 0.3 and -0.4 on other seeds, and the opposite of both at the start.
+    thirds = SideBySide(warm_up_episodes=100_000)
+    early, late = [], []
+    for seed in range(6):
+        game = ArlAutoplay(
+            arl(trust=thirds, watched_by=person(mistake_rate)).play, PILOT_SEEDS + 300 + seed, "agreement"
+        )
+        own = [e for e in (game.play_episode() for _ in range(400)) if e.compared and e.w_h == 0.0]
+        signed = [(e.agreed - e.agreed_worst) / e.compared for e in own]
+        early.append(np.mean(signed[:15]))
+        late.append(np.mean(signed[-40:]))
+    for found in (np.array(late), np.array(late) - np.array(early)):
+        assert sign * found.mean() > 2 * found.std(ddof=1) / np.sqrt(len(found))
 
 
 def test_a_fit_of_many_reactions_is_near_the_true_density():

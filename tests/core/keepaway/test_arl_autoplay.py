@@ -84,9 +84,7 @@ SETTINGS = {
     ),
     "tried": setting(agent(trust=Tried(consistent_above=0.0, minimum_episodes=2, better_by=0.5))),
     # Not weight 1, as above.
-    "side by side": setting(
-        agent(trust=SideBySide(weight=0.8, warm_up_episodes=2, episodes=2, margin=0.0))
-    ),
+    "side by side": setting(agent(trust=SideBySide(weight=0.8, warm_up_episodes=2, episodes=2, margin=0.0))),
     "human only, 4 against 3": setting(
         agent(HumanOnly()), task=KeepawayConfig(4, 3, 25.0, 25.0, exact_state=True)
     ),
@@ -137,6 +135,34 @@ def test_a_person_who_is_not_listened_to_changes_nothing_but_the_human_model():
         assert deaf.play_episode().cycles == alone.play_episode().cycles
     np.testing.assert_array_equal(deaf.sarsa.weights, alone.sarsa.weights)
     assert deaf.human.weights.any()
+
+
+@pytest.mark.jit
+def test_with_nobody_watching_learners_side_by_side_play_as_one_and_all_learn():
+    beside = msgspec.structs.replace(_alone(), agent=agent(trust=SideBySide()))
+    game, alone = ArlAutoplay(beside, 3, "beside"), ArlAutoplay(_alone(), 3, "beside")
+    for _ in range(20):
+        assert game.play_episode().cycles == alone.play_episode().cycles
+    np.testing.assert_array_equal(game.sarsa.weights[:3], alone.sarsa.weights)
+    # Those who look on learn about the best option, not about the one that was tried out.
+    np.testing.assert_array_equal(game.sarsa.weights[3:6], game.sarsa.weights[6:])
+    assert game.sarsa.weights[3:6].any()
+    assert (game.sarsa.weights[3:6] != game.sarsa.weights[:3]).any()
+
+
+@pytest.mark.jit
+def test_of_learners_side_by_side_each_plays_and_all_learn_from_every_episode():
+    game, played = ArlAutoplay(setting(agent(trust=SideBySide())), 4, "turns"), set()
+    for _ in range(40):
+        attitude, before = game.bootstrap.attitude, game.sarsa.weights.copy()
+        episode = game.play_episode()
+        if episode.compared:
+            assert episode.w_h == attitude
+            played.add(attitude)
+        changed = (game.sarsa.weights != before).any(axis=(1, 2)).reshape(3, 3)
+        assert (changed == changed[0]).all(), "keepers that decided learned in every set"
+        assert changed.any()
+    assert played == {0.0, 1.0, -1.0}
 
 
 def _alone():
@@ -235,6 +261,11 @@ def test_settings_that_compiled_play_cannot_follow_are_refused():
     for rule in (Equation4(measured="window"), Equation4("chance-corrected")):
         with pytest.raises(ValueError, match="window"):
             ArlKeepawayConfig(agent=agent(trust=rule))
+    with pytest.raises(TypeError, match="goes by trust"):
+        ArlKeepawayConfig(agent=agent(Constant(), trust=SideBySide()))
+    for sarsa in (SarsaConfig(trace_decay=0.5), SarsaConfig(shared_weights=True)):
+        with pytest.raises(ValueError, match="side by side"):
+            ArlKeepawayConfig(agent=agent(trust=SideBySide()), sarsa=sarsa)
     with pytest.raises(ValueError, match="burst"):
         setting(trainer=TrainerConfig(burst_rate=0.1, burst_interval_s=0.05))
     with pytest.raises(TypeError, match="learning"):

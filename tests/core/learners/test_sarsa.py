@@ -11,6 +11,8 @@ from core.learners.sarsa import (
     end_episode,
     frozen,
     greedy_or_random,
+    last_value,
+    learn_beside,
     new_sarsa,
     reward_of,
 )
@@ -134,6 +136,24 @@ def test_sarsa_of_one_with_accumulating_traces_is_every_visit_monte_carlo():
         expected[state] += (12 - time) - 1.5
     changes = (sarsa.weights[0, 0] - 1.5) / step
     np.testing.assert_allclose(changes, expected, rtol=1e-5)
+
+
+def test_a_learner_that_looks_on_learns_what_its_own_choice_would_be_worth():
+    sarsa = chain(n_actions=2)
+    sarsa.weights[0] = [[0.0, 4.0, 0.0], [10.0, 8.0, 0.0]]
+    windows = np.zeros(1, np.int64)
+
+    def look_on(state, action, own, time):
+        find_windows(CHAIN, np.array([float(state)]), windows)
+        before = 0.0 if sarsa.last_time[0] == NOT_YET else last_value(sarsa, 0)
+        action_values(sarsa, 0, windows, sarsa.values[0])
+        learn_beside(sarsa, 0, windows, action, own, time, before)
+
+    look_on(0, 1, 0, 0)
+    look_on(1, 0, 1, 3)  # what was done: Q0(1) += 0.5 * (3 + Q1(own = 1) - 10) = 10.5
+    assert sarsa.weights[0].tolist() == [[0.0, 4.0, 0.0], [10.5, 8.0, 0.0]]
+    end_episode(sarsa, 9)  # and in state 1 action 0 was done: Q1(0) += 0.5 * (6 - 4) = 5
+    assert sarsa.weights[0].tolist() == [[0.0, 5.0, 0.0], [10.5, 8.0, 0.0]]
 
 
 def test_learners_are_independent_unless_they_share_weights():
