@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 import msgspec
 
-from core.combination.config import AgentConfig, Equation4
+from core.combination.config import AgentConfig, Equation4, SideBySide
 from core.feedback.config import CreditConfig, TrainerConfig
 from core.feedback.delays import GammaDelay, describe
 from core.keepaway.person_config import KeepawayPersonConfig
@@ -125,6 +125,11 @@ class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
                 f"{_tag(self.agent.human_model)} for {self.game}: set [agent.human_model] type"
             )
         trust = self.agent.bootstrap.trust
+        if isinstance(trust, SideBySide):
+            raise ValueError(
+                "a session has one learner, learners side by side play in experiments only "
+                "(core.keepaway.arl_autoplay): set another [agent.bootstrap.trust] type"
+            )
         looks_back = isinstance(trust, Equation4) and (
             trust.measured == "window" or (trust.match == "chance-corrected" and trust.chance is None)
         )

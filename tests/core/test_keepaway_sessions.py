@@ -320,6 +320,10 @@ def test_a_recording_from_before_there_was_a_second_game_is_one_of_tetris():
             '[domain]\ntype = "keepaway"\n[agent.bootstrap.trust]\nmeasured = "window"\n',
             "changes at every step",
         ),
+        (
+            '[domain]\ntype = "keepaway"\n[agent.bootstrap.trust]\ntype = "side-by-side"\n',
+            "has one learner",
+        ),
         ("[screen]\nspeed = 9.0\n", r"speed is 0\.05\.\.5"),
     ],
 )
