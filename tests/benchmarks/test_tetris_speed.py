@@ -16,9 +16,11 @@ import numpy as np
 import pytest
 
 from core.combination.config import LINEAR, EpisodeWeights
+from core.learners.policy_gradient import PolicyGradient, PolicyGradientConfig
 from core.tetris.autoplay import play_greedy
 from core.tetris.combined import play_combined
 from core.tetris.config import TetrisConfig
+from core.tetris.policy_gradient import placement_scales, play_policy_gradient
 from tests.core.tetris.test_autoplay import naive_game
 from tests.data_folder import data_folder
 
@@ -76,6 +78,34 @@ def test_combined_play_places_half_a_million_pieces_a_second(record_weights):
     speeds = [pieces_per_s(play) for _ in range(7)]
     print(f"\ncombined: {statistics.median(speeds):,.0f} pieces/s [{min(speeds):,.0f} - {max(speeds):,.0f}]")
     assert statistics.median(speeds) > 500_000
+
+
+def test_policy_gradient_is_within_ten_times_of_greedy_play(record_weights):
+    learner = PolicyGradient(PolicyGradientConfig(), scales=placement_scales(CONFIG))
+
+    def learn() -> int:
+        learner.memory.weights[:] = record_weights * learner.scales / 10.0
+        return sum(
+            play_policy_gradient(
+                learner, np.zeros(21), seed, CONFIG, chance_seed=seed, piece_cap=20_000
+            ).pieces
+            for seed in range(5)
+        )
+
+    def greedy() -> int:
+        return int(play_greedy(record_weights, range(5), CONFIG, piece_cap=20_000).pieces.sum())
+
+    learn(), greedy()
+    ratios, speeds = [], []
+    for _ in range(7):
+        speeds.append(pieces_per_s(learn))
+        ratios.append(pieces_per_s(greedy) / speeds[-1])
+    ratio = statistics.median(ratios)
+    print(
+        f"\npolicy gradient: {statistics.median(speeds):,.0f} pieces/s [{min(speeds):,.0f} - {max(speeds):,.0f}], greedy "
+        f"play has {ratio:.1f} times as many"
+    )
+    assert ratio < 10
 
 
 def test_a_warm_start_gives_its_first_result_within_1_2_s():
