@@ -46,7 +46,7 @@ def main() -> None:
     """
 
 
-@main.command()
+@main.command(short_help="Watch an agent learn a game and judge it by key presses.")
 @click.argument("game", type=GAMES, default="tetris")
 @protocol_option
 @click.option(
@@ -85,7 +85,7 @@ def play(
     )
 
 
-@main.command()
+@main.command(short_help="See the whole path in a minute: watch, press, record, replay.")
 @click.argument("game", type=GAMES, default="tetris")
 @click.option(
     "--person",
@@ -105,7 +105,7 @@ def demo(game: str, person: str | None, seed: int | None, recordings: Path) -> N
     run_demo(game, somebody=person, seed=seed, recordings=recordings)
 
 
-@main.command()
+@main.command(short_help="Replay a recording exactly, or under other learning rules.")
 @click.argument("recording", type=FILE)
 @click.option(
     "--credit",
@@ -179,7 +179,7 @@ def replay(
     )
 
 
-@main.group(name="import")
+@main.group(name="import", short_help="Turn other programs' logs into recordings.")
 def import_group() -> None:
     """Turn other programs' logs into recordings."""
 
@@ -199,7 +199,7 @@ def import_tamer_log(log: Path, out: Path | None, recordings: Path) -> None:
     import_log(log, out=out or recordings / "imported" / f"{log.stem}.jsonl")
 
 
-@main.command()
+@main.command(short_help="Measure how long a participant takes to react and to judge.")
 @click.option("--participant", callback=_pseudonym, required=True, help="Code of the participant.")
 @click.option(
     "--tasks",
@@ -255,7 +255,7 @@ def calibrate(
     )
 
 
-@main.command()
+@main.command(short_help="Play Tetris yourself with the agent's own four moves.")
 @click.argument("game", type=TETRIS, default="tetris")
 @seed_option
 def practice(game: str, seed: int | None) -> None:
@@ -265,7 +265,7 @@ def practice(game: str, seed: int | None) -> None:
     practise(game, seed=seed)
 
 
-@main.command(name="protocol")
+@main.command(name="protocol", short_help="Print a complete protocol of a game: a file to start from.")
 @click.argument("game", type=GAMES, required=False)
 @protocol_option
 def show_protocol(game: str | None, protocol: Path | None) -> None:
@@ -275,7 +275,7 @@ def show_protocol(game: str | None, protocol: Path | None) -> None:
     print_protocol(game, protocol)
 
 
-@main.command(name="recordings")
+@main.command(name="recordings", short_help="List the recordings there are, and check each.")
 @recordings_option
 def list_recordings(recordings: Path) -> None:
     """List the recordings there are, and check each."""

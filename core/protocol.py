@@ -125,7 +125,8 @@ class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
                 f"{_tag(self.agent.human_model)} for {self.game}: set [agent.human_model] type"
             )
         trust = self.agent.bootstrap.trust
-        if isinstance(trust, SideBySide):
+        side_by_side = isinstance(trust, SideBySide)
+        if side_by_side:
             raise ValueError(
                 "a session has one learner, learners side by side play in experiments only "
                 "(core.keepaway.arl_autoplay): set another [agent.bootstrap.trust] type"

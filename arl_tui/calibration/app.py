@@ -17,7 +17,6 @@ from arl_tui.calibration.pages import (
     HindrancePage,
     OldSittingPage,
     PausePage,
-    SmallPage,
     SummaryPage,
     WaitingPage,
     WelcomePage,
@@ -32,7 +31,7 @@ from arl_tui.driver import FlushClock, stamped_driver
 from arl_tui.garbage import GarbageControl
 from arl_tui.palette import palette_for
 from arl_tui.plain_app import PlainApp
-from arl_tui.screens.covers import fits_into
+from arl_tui.screens.covers import SmallWindowScreen, fits_into
 from arl_tui.screens.page import Page
 from core.clock import Clock, MonotonicClock, wall_time_utc
 from core.keys import nanoseconds
@@ -195,7 +194,7 @@ class CalibrationApp(PlainApp[Outcome]):
                 page = page_before(schedule, block, len(done), fresh=fresh, resumed=bool(part.done))
                 if not await self._ask(page):
                     return False
-            if not fits_into(SMALLEST, self.size) and not await self._ask(SmallPage()):
+            if not fits_into(SMALLEST, self.size) and not await self._ask(SmallWindowScreen(SMALLEST)):
                 return False
             if not self._store.is_open:
                 self._store.open(part, self._facts())

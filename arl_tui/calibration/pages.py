@@ -12,7 +12,6 @@ from arl_tui.calibration.fitting import Fitted
 from arl_tui.calibration.plan import Part, Unfinished, minutes_left
 from arl_tui.calibration.texts import SOMETIMES_NOTHING, TITLES, instruction
 from arl_tui.participants import FEEDBACK_LAG, SIMPLE, TaskDelay
-from arl_tui.screens.covers import SmallWindowScreen
 from arl_tui.screens.page import Page
 from studies.reaction_time.protocol import BlockPlan, Schedule
 
@@ -193,27 +192,6 @@ class PausePage(Reading):
     def paragraphs(self) -> Iterable[str]:
         """Return what becomes of the trial."""
         yield "Take as long as you like. The last one will come again; nothing else is lost if you stop."
-
-
-class SmallPage(SmallWindowScreen):
-    """Asks for a larger window, or to stop."""
-
-    BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("q,ctrl+q,ctrl+c", "stop", "Stop", id="small.stop", tooltip="Stop; what is done is kept")
-    ]
-
-    def __init__(self) -> None:
-        from arl_tui.calibration.trial_screen import SMALLEST
-
-        super().__init__(SMALLEST)
-
-    def body(self) -> Iterable[Widget]:
-        """Return the text."""
-        yield Static("80 columns and 24 lines are needed. It goes on when the window is larger. Q stops.")
-
-    def action_stop(self) -> None:
-        """Stop."""
-        self.leave(False)
 
 
 class WaitingPage(Page):

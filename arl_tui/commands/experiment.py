@@ -25,7 +25,7 @@ out_option = click.option(
 )
 
 
-@click.group()
+@click.group(short_help="Run the experiments behind the figures, and report them.")
 def experiment() -> None:
     """Run the experiments behind the figures, and report them.
 

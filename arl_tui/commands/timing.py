@@ -20,7 +20,7 @@ BUSY = 0.5
 """Load per core above which only medians say something about the program."""
 
 
-@click.command()
+@click.command(short_help="Test how exactly this machine measures reaction times.")
 @click.option(
     "--trials",
     type=click.IntRange(1, 9999),

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from studies.experiments.keepaway_learning import LearningCurve, LearningRun
 
 
-@click.command()
+@click.command(short_help="Let keepers learn by Sarsa, unseen, and keep the policy.")
 @click.argument("game", type=click.Choice(["keepaway"]), default="keepaway")
 @click.option(
     "--save",

@@ -48,7 +48,7 @@ vision_option = click.option(
 )
 
 
-@click.command()
+@click.command(short_help="Look at a policy playing Keepaway, at any speed.")
 @click.argument("game", type=click.Choice(["keepaway"]), default="keepaway")
 @click.option(
     "--policy",

@@ -93,9 +93,12 @@ class StopScreen(Page):
 
 
 class SmallWindowScreen(Page):
-    """Asks for a larger window; leaves by itself when it is there."""
+    """Asks for a larger window, and leaves by itself when it is there; answers False to stop."""
 
     HEADING = "This window is too small"
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("q,ctrl+q,ctrl+c", "stop", "Stop", id="small.stop", tooltip="Stop; what is done is kept")
+    ]
 
     def __init__(self, needed: Size) -> None:
         super().__init__()
@@ -104,9 +107,13 @@ class SmallWindowScreen(Page):
     def body(self) -> Iterable[Widget]:
         """Return the text."""
         yield Static(
-            f"The game needs {self._needed.width} columns and {self._needed.height} lines. It goes on when the "
-            "window is larger, or the letters are smaller."
+            f"{self._needed.width} columns and {self._needed.height} lines are needed. It goes on when the "
+            "window is larger, or the letters are smaller. Q stops."
         )
+
+    def action_stop(self) -> None:
+        """Stop."""
+        self.leave(False)
 
     def on_screen_resume(self) -> None:
         """Go on at once where the window has grown before this page was there."""

@@ -173,7 +173,9 @@ class PlayScreen(Screen[None], inherit_bindings=False):
     def on_resize(self, event: events.Resize) -> None:
         """Ask for a larger window where the game does not fit."""
         if self.is_active and not fits_into(self.scene.needed, event.size):
-            self._lay_over(SmallWindowScreen(self.scene.needed), "resize")
+            self._lay_over(
+                SmallWindowScreen(self.scene.needed), "resize", lambda large: self._stop_if(large is False)
+            )
 
     def _lay_over(self, page: Page, reason: Cover, then: Callable[[bool | None], None] | None = None) -> None:
         if self._live.phase != "running" or self._live.gate.covered:

@@ -203,8 +203,10 @@ class PracticeScreen(Screen[None], inherit_bindings=False):
         went_on = self._gravity.running
         self._gravity.stop()
 
-        def go_on(_answer: bool | None) -> None:
-            if went_on:
+        def go_on(large: bool | None) -> None:
+            if large is False:
+                self.action_quit_practice()
+            elif went_on:
                 self._gravity.start()
 
         self.app.push_screen(SmallWindowScreen(self._needed), go_on)

@@ -229,20 +229,25 @@ class WatchScreen(Screen[None], inherit_bindings=False):
         """Leave."""
         self.dismiss()
 
+    def _leave_if(self, wanted: bool) -> None:
+        if wanted:
+            self.action_leave()
+
     def on_resize(self, event: events.Resize) -> None:
         """Ask for a larger window where the pitch could not be read."""
         if self.is_active and not fits_into(self._needed, event.size):
-            self._lay_over(SmallWindowScreen(self._needed))
+            self._lay_over(SmallWindowScreen(self._needed), lambda large: self._leave_if(large is False))
 
-    def _lay_over(self, page: Page) -> None:
+    def _lay_over(self, page: Page, then: Callable[[bool | None], None] = lambda _: None) -> None:
         playback = self.playback
         went_on = playback is not None and not playback.paused
         if playback is not None:
             playback.paused = True
 
-        def go_on(_answer: bool | None) -> None:
+        def go_on(answer: bool | None) -> None:
             if playback is not None and went_on:
                 playback.paused = False
+            then(answer)
 
         self.app.push_screen(page, go_on)
 

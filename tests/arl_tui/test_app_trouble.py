@@ -120,6 +120,20 @@ async def test_a_window_that_is_too_small_covers_the_game_until_it_grows(
     assert reasons == ["resize"]
 
 
+async def test_whoever_cannot_have_a_larger_window_can_stop(
+    app: ArlApp, link: FakeLink, protocol: Protocol
+) -> None:
+    async with app.run_test(size=SIZE) as pilot:
+        await begin(pilot, link, protocol, steps=1)
+        await pilot.resize_terminal(60, 20)
+        await settle(pilot)
+        assert "Q stops" in text_of(app)
+        await pilot.press("q")
+        await settle(pilot)
+        assert isinstance(app.screen, PlayScreen)
+    assert any(isinstance(message, StopAsked) for message in link.sent)
+
+
 async def test_a_larger_board_asks_for_a_larger_window(
     protocol: Protocol, link: FakeLink, tmp_path: Path
 ) -> None:

@@ -14,6 +14,7 @@ from arl_tui.calibration.helper import HelperError, ask_helper
 from arl_tui.calibration.trial_screen import TrialScreen
 from arl_tui.palette import palette_for
 from arl_tui.participants import read_delays
+from arl_tui.screens.covers import SmallWindowScreen
 from arl_tui.screens.page import Page
 from studies.reaction_time.protocol import TrialPlan
 from studies.reaction_time.trial_log import TrialWriter
@@ -290,7 +291,7 @@ async def test_a_window_too_small_is_asked_to_grow_and_gives_the_trial_up(tmp_pa
         await pilot.resize_terminal(60, 20)
         await until(pilot, shows(pilot, pages.PausePage))
         await pilot.press("enter")
-        await until(pilot, shows(pilot, pages.SmallPage))
+        await until(pilot, shows(pilot, SmallWindowScreen))
         await pilot.resize_terminal(80, 24)
         await go_through(pilot, until_shown=pages.SummaryPage)
     (file,) = files_in(tmp_path)

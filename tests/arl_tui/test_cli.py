@@ -70,6 +70,12 @@ def test_every_command_explains_itself(command: tuple[str, ...]) -> None:
     assert "Usage:" in result.output
 
 
+def test_what_each_command_is_for_fits_into_a_line() -> None:
+    result = run("--help")
+    assert result.exit_code == 0
+    assert "..." not in result.output.partition("Commands:")[2]
+
+
 def test_the_demo_names_everybody_who_can_press_and_refuses_anybody_else() -> None:
     help_text = " ".join(run("demo", "--help").output.split())
     assert all(name in help_text for name in persons())

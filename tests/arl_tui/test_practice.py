@@ -171,6 +171,17 @@ async def test_a_window_that_is_too_small_stops_the_game_until_it_grows():
         assert falling_row(practice) != row
 
 
+async def test_practice_ends_where_no_larger_window_can_be_had():
+    practice = app(ManualClock())
+    async with practice.run_test(size=(80, 24)) as pilot:
+        await pilot.resize_terminal(59, 24)
+        await pilot.pause()
+        await pilot.press("q")
+        await pilot.pause()
+    assert not practice.is_running
+    assert practice.return_value is not None
+
+
 @pytest.mark.parametrize("size", [(80, 24), (120, 40)])
 def test_practice_looks_as_it_did(snap_compare, size: tuple[int, int]):
     practice = app(ManualClock())

@@ -201,6 +201,15 @@ async def test_a_window_that_is_too_small_says_how_large_it_has_to_be():
         assert playing.app.screen is playing.screen
 
 
+async def test_whoever_cannot_have_a_larger_window_can_leave():
+    playing = Playing()
+    async with playing.app.run_test(size=(60, 20)) as pilot:
+        await pilot.pause()
+        await pilot.press("q")
+        await pilot.pause()
+    assert not playing.app.is_running
+
+
 def test_the_end_is_told_in_a_line():
     assert summary([(10.0, OUT), (5.0, TAKEN)]) == "2 episodes: mean 7.5 s; ball out 1, taken 1"
     assert summary([(10.0, OUT)]) == "1 episode: mean 10.0 s; ball out 1, taken 0"
