@@ -223,6 +223,26 @@ def test_trials_of_people_that_were_not_played_are_said_to_be_missing(tmp_path):
     assert text.count("These trials were not played.") == 2
 
 
+def test_the_pages_of_robustness_say_with_whom_the_rule_gained_and_lost(tmp_path):
+    gains = {"gradient-lay": 3.0, "gradient-100": 0.3}
+    text = experiment_module("robustness").report(played("robustness", tmp_path / "tetris", gains)).text
+    assert (
+        "Significantly below policy gradient alone with: 100 % wrong. Significantly above it with: lay."
+        in text
+    )
+    assert "| instructed |" in text.partition("## Simulated people by name")[2].partition("##")[0]
+    gains = {"side-0": 2.0, "side-lay": 2.0}
+    text = (
+        experiment_module("robustness-keepaway")
+        .report(played("robustness-keepaway", tmp_path / "keepaway", gains))
+        .text
+    )
+    cells = next(line for line in text.splitlines() if line.startswith("| 0 % | 2")).split("|")[2:5]
+    assert [float(cell.split()[0]) for cell in cells] == pytest.approx([2.0] * 3, rel=0.15)
+    row = next(line for line in text.splitlines() if line.startswith("| lay |"))
+    assert float(row.split("|")[2].split()[0]) == pytest.approx(2.0, rel=0.15)
+
+
 def test_figure_4_comes_from_fits_and_says_what_they_misplace(tmp_path):
     module = experiment_module("fig4")
     rows = module.trial(module.EXPERIMENT.condition("paper-640").settings, 3)
