@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.compiled import inner_kernel, kernel
-from core.keepaway.game import begin_cycle, finish_cycle, play_on
+from core.keepaway.game import begin_cycle, finish_cycle, step_cycle
 from core.keepaway.match import (
     CYCLE,
     END,
@@ -99,7 +99,9 @@ def _play_episodes(
     for e in range(len(cycles)):
         if match.status[CYCLE] > 0:
             start_episode(match, rules, streams.placement)
-        cycles[e] = play_on(match, rules, policy, streams, CYCLE_LIMIT)
+        while not step_cycle(match, rules, policy, streams) and match.status[CYCLE] < CYCLE_LIMIT:
+            pass
+        cycles[e] = match.status[CYCLE]
         ends[e] = match.status[END]
 
 

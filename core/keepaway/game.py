@@ -139,15 +139,6 @@ def step_cycle(match: Match, rules: Rules, policy: int, streams: Streams) -> boo
 
 
 @kernel
-def play_on(match: Match, rules: Rules, policy: int, streams: Streams, cycles: int) -> int:
-    """Play until the episode ends or `cycles` cycles have passed; return the number of cycles played."""
-    for played in range(cycles):
-        if step_cycle(match, rules, policy, streams):
-            return played + 1
-    return cycles
-
-
-@kernel
 def next_episode(match: Match, rules: Rules, streams: Streams) -> None:
     """Set up the next episode."""
     start_episode(match, rules, streams.placement)

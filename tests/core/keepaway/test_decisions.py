@@ -6,7 +6,7 @@ import pytest
 from core.keepaway.autoplay import CYCLE_LIMIT as AUTOPLAY_LIMIT
 from core.keepaway.decisions import NOBODY, DecisionPlay
 from core.keepaway.domain import HOLD, Keepaway, KeepawayState
-from core.keepaway.game import play_on
+from core.keepaway.game import step_cycle
 from core.keepaway.match import CYCLE, END, HOLD_BALL, OPTION, PASS_BALL, TARGET, new_match, open_streams
 from core.keepaway.pitch import KICK_DISTANCE, ONGOING, OUT, TAKEN, KeepawayConfig, X, Y
 from core.keepaway.policies import HAND_CODED, hand_coded
@@ -28,7 +28,8 @@ def test_an_episode_played_by_decisions_is_the_one_played_as_a_whole(config, see
         play.decide(advice(play, config))
     streams = open_streams(seed)
     match = new_match(config, streams)
-    play_on(match, config.rules(), HAND_CODED, streams, AUTOPLAY_LIMIT)
+    while not step_cycle(match, config.rules(), HAND_CODED, streams):
+        assert match.status[CYCLE] < AUTOPLAY_LIMIT
     assert play.cycle == match.status[CYCLE] > 10
     assert play.ended == match.status[END] != ONGOING
     np.testing.assert_array_equal(play.match.ball, match.ball)
