@@ -62,7 +62,8 @@ number of 0.05 to 0.16 either way. Below margin and error w_h is exactly 0, and 
 **When it fails.** (1) It is late: until the search has found something, its policies agree with nobody, and w_h stays 0 in the first two iterations or so. Eq. 4, which believes
 everybody a little at first, does better where people are good, and worse where they are not. (2) Where good policies do not do what good people praise, agreement
 misleads: early Sarsa in Keepaway is such a case ([there](robustness-keepaway.md), with the rule that does better). (3) The margin belongs to the number of actions and of features: where unrelated
-policies agree by more, it must be larger. (4) Somebody who changes sides is found out only as fast as the human model forgets, which it does not.
+policies agree by more, it must be larger. (4) Somebody who changes sides is found out only as fast as the human model forgets, which it does not. (5) Agreement is not use: somebody
+who judges the immediate effect alone (*myopic*, below) is listened to and gives nothing, and over the policy gradient 30 % wrong are believed without a gain that 20 trials would show.
 
 Another rule, *trust by trial*, tries a person's word out in some episodes and goes by lines cleared ([why, and how](../decisions/tried-trust.md)).
 """
