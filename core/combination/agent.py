@@ -75,8 +75,8 @@ class ArlAgent:
         """
         if isinstance(config.bootstrap.trust, SideBySide):
             raise TypeError(
-                f"{type(config.bootstrap.trust).__name__} needs learners side by side, and an agent has one: choose another "
-                "rule of trust, or play compiled Keepaway (core.keepaway.arl_autoplay)"
+                "SideBySide needs learners side by side, and an agent has one: choose another rule of trust, or play "
+                "compiled Keepaway (core.keepaway.arl_autoplay)"
             )
         environment_values = environment_values or exact_values
         self.config = config

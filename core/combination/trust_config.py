@@ -113,8 +113,7 @@ class Tried(msgspec.Struct, frozen=True, tag="tried"):
     def __post_init__(self) -> None:
         if not (0 <= self.trial_share <= 1 and 0 <= self.control_share <= 1):
             raise ValueError(f"shares are in [0, 1], got {self.trial_share} and {self.control_share}")
-        if not (math.isfinite(self.weight) and self.weight > 0):
-            raise ValueError(f"need weight > 0, got {self.weight}")
+        _check_weight(self.weight)
         if not min(self.better_by, self.consistent_above) >= 0:
             raise ValueError(
                 f"need better_by >= 0 and consistent_above >= 0: {self.better_by}, {self.consistent_above}"
@@ -148,8 +147,7 @@ class SideBySide(msgspec.Struct, frozen=True, tag="side-by-side"):
     """As in `Signed`."""
 
     def __post_init__(self) -> None:
-        if not (math.isfinite(self.weight) and self.weight > 0):
-            raise ValueError(f"need weight > 0, got {self.weight}")
+        _check_weight(self.weight)
         if not (min(self.own_share, self.other_share) >= 0 and 0 < self.own_share + self.other_share <= 1):
             raise ValueError(
                 f"shares are >= 0, their sum in (0, 1], got {self.own_share} and {self.other_share}"
@@ -225,6 +223,11 @@ def _check_memory(
     """Refuse a minimum that says nothing, or that what is kept can never reach."""
     if not least <= minimum <= kept:
         raise ValueError(f"need {least} <= {names[0]} <= {names[1]}, got {minimum} and {kept}")
+
+
+def _check_weight(weight: float) -> None:
+    if not (math.isfinite(weight) and weight > 0):
+        raise ValueError(f"need weight > 0, got {weight}")
 
 
 def _check_gain(gain: float, standard_errors: float) -> None:

@@ -5,8 +5,9 @@ from pathlib import Path
 
 import pytest
 from msgspec.structs import replace
+from textual.pilot import Pilot
 
-from arl_tui.app import ArlApp
+from arl_tui.app import ArlApp, Outcome
 from arl_tui.link import Crashed, Ready
 from arl_tui.screens.closing import ClosingScreen
 from arl_tui.screens.covers import SmallWindowScreen
@@ -105,13 +106,18 @@ async def test_a_folder_that_takes_no_files_is_reported(
     assert app.return_value.recording is None
 
 
+async def begin_and_shrink(pilot: Pilot[Outcome], link: FakeLink, protocol: Protocol) -> None:
+    """Show a step, and make the window too small for it."""
+    await begin(pilot, link, protocol, steps=1)
+    await pilot.resize_terminal(60, 20)
+    await settle(pilot)
+
+
 async def test_a_window_that_is_too_small_covers_the_game_until_it_grows(
     app: ArlApp, link: FakeLink, protocol: Protocol
 ) -> None:
     async with app.run_test(size=SIZE) as pilot:
-        await begin(pilot, link, protocol, steps=1)
-        await pilot.resize_terminal(60, 20)
-        await settle(pilot)
+        await begin_and_shrink(pilot, link, protocol)
         assert isinstance(app.screen, SmallWindowScreen)
         await pilot.resize_terminal(100, 30)
         await settle(pilot)
@@ -124,9 +130,7 @@ async def test_whoever_cannot_have_a_larger_window_can_stop(
     app: ArlApp, link: FakeLink, protocol: Protocol
 ) -> None:
     async with app.run_test(size=SIZE) as pilot:
-        await begin(pilot, link, protocol, steps=1)
-        await pilot.resize_terminal(60, 20)
-        await settle(pilot)
+        await begin_and_shrink(pilot, link, protocol)
         assert "Q stops" in text_of(app)
         await pilot.press("q")
         await settle(pilot)
