@@ -9,6 +9,7 @@ import threading
 import time
 import tty
 from pathlib import Path
+from statistics import median
 
 import click
 import msgspec
@@ -33,8 +34,8 @@ from tests.e2e.test_play import is_running
 MS = 1_000_000
 EMPTY = snapshot(Wall(20, 10), counts=Counts())
 FULL = msgspec.structs.replace(EMPTY, cells=b"\x01" * 200)
-GENEROUS_MS = 25.0
-"""Medians only: on a busy machine single trials are late by any amount, in any program."""
+FAR_BELOW_A_FRAME_MS = 25.0
+"""A frame takes 33 ms: errors below this are those of flushes and of the input thread, not of frames."""
 
 
 def test_the_robot_measures_every_scene_and_the_result_is_kept(tmp_path: Path) -> None:
@@ -66,15 +67,22 @@ def test_the_robot_measures_every_scene_and_the_result_is_kept(tmp_path: Path) -
         assert len(scene.trials) >= 4
         for trial in scene.trials:
             assert trial.true_ms >= planned[trial.number]
-        everything = summarise([trial.error_ms for trial in scene.trials])
-        assert everything is not None
-        # A key cannot be stamped before it was written; that the median is far below a frame (33 ms) shows that the
-        # stamps are those of flushes and of the input thread.
-        assert 0.0 < everything.median < GENEROUS_MS
+        errors_ms = [trial.error_ms for trial in scene.trials]
+        # On a busy machine most keys may be late, in any program, but not every one of them; now and then a flush is
+        # stamped after its bytes were read, but not most of them.
+        assert median(errors_ms) > 0.0, errors_ms
+        assert min(errors_ms) < FAR_BELOW_A_FRAME_MS, errors_ms
     bare, rest, board = found.scenes
     assert bare.board_fps == 0.0
     assert rest.board_fps == 0.0
     assert board.board_fps > 3.0
+
+
+@pytest.mark.slow
+def test_on_a_quiet_machine_the_median_error_is_far_below_a_frame(tmp_path: Path) -> None:
+    options = ["--trials", "20", "--seed", "5", "--gate", FAR_BELOW_A_FRAME_MS, "--recordings", tmp_path]
+    result = CliRunner().invoke(main, ["timing", *map(str, options)])
+    assert result.exit_code == 0, result.output
 
 
 def test_no_process_is_left_behind_when_the_robot_gives_up(tmp_path: Path) -> None:
