@@ -110,6 +110,7 @@ def finish_cycle(match: Match, rules: Rules, streams: Streams) -> bool:
     ended = bool(match.status[END] != ONGOING)
     if is_stuck(match) and not ended:
         drop_ball(match)
+        collide(match.ball, match.players, match.moves, match.hit)
     return ended
 
 

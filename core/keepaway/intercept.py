@@ -54,6 +54,7 @@ MEET_CYCLE = 2
 MEET_COLUMNS = 3
 WORSE_CYCLES = 2
 SURE_DISTANCE = 0.70 * KICK_DISTANCE
+CLOSE_DISTANCE = 0.50 * KICK_DISTANCE
 MEET_STEP = 0.6
 """The old point is kept only while the ball moves faster than this at the meeting."""
 
@@ -63,7 +64,8 @@ def meeting_cycle(me: Floats, ball: Floats, meet: Floats, now: int) -> int:
     """Return in how many cycles to meet the ball; -1 where it cannot be met.
 
     The first cycle at which the simulated player has the ball in reach, unless the point of the last cycle is
-    still good and not more than two cycles worse.
+    still good and not more than two cycles worse. A point that was good is left for the next one where only that one has
+    the ball close to the body. (Read from the logs: 243 of 245 cycles in which the two differ.)
     """
     speed = length(ball[VX], ball[VY])
     first = -1
@@ -81,8 +83,20 @@ def meeting_cycle(me: Floats, ball: Floats, meet: Floats, now: int) -> int:
         bx = ball[X] + BALL_ROLL[n] * ball[VX]
         by = ball[Y] + BALL_ROLL[n] * ball[VY]
         if length(bx - meet[MEET_X], by - meet[MEET_Y]) < 1.0 and can_arrive(me, bx, by, n, SURE_DISTANCE):
-            return n
+            return n + _is_left(me, ball, n)
     return first
+
+
+@inner_kernel
+def _is_left(me: Floats, ball: Floats, n: int) -> bool:
+    """Return whether only the meeting after that in n cycles has the ball close to the body."""
+    if n == LONGEST_INTERCEPT:
+        return False
+    bx, by = ball[X] + BALL_ROLL[n] * ball[VX], ball[Y] + BALL_ROLL[n] * ball[VY]
+    if can_arrive(me, bx, by, n, CLOSE_DISTANCE):
+        return False
+    bx, by = ball[X] + BALL_ROLL[n + 1] * ball[VX], ball[Y] + BALL_ROLL[n + 1] * ball[VY]
+    return can_arrive(me, bx, by, n + 1, CLOSE_DISTANCE)
 
 
 @inner_kernel

@@ -301,7 +301,10 @@ def is_stuck(match: Match) -> bool:
 
 @inner_kernel
 def drop_ball(match: Match) -> None:
-    """Stop the ball where it is; whoever stands within 9.15 m of it is put back to that distance, at rest."""
+    """Stop the ball where it is; whoever stands within 9.15 m of it is put back to that distance, at rest.
+
+    Two who come to stand in one place overlap until they are parted (`core.keepaway.motion.collide`).
+    """
     ball = match.ball
     ball[VX], ball[VY] = 0.0, 0.0
     for i in range(match.players.shape[0]):

@@ -18,7 +18,7 @@ from core.compiled import specialised
 from core.keepaway.autoplay import Autoplay
 from core.keepaway.game import step_cycle
 from core.keepaway.match import start_episode
-from core.keepaway.pitch import CYCLE_S, KICK, KICK_DISTANCE, KIND, KeepawayConfig
+from core.keepaway.pitch import BALL_DECAY, CYCLE_S, KICK, KICK_DISTANCE, KIND, KeepawayConfig
 from core.keepaway.policies import POLICIES
 
 Floats = NDArray[np.float64]
@@ -192,23 +192,23 @@ def passes_of(trace: Trace) -> list[tuple[float, int]]:
     """Return (release speed in metres per cycle, flight in cycles) of every pass of an episode.
 
     A pass starts with a keeper's kick after which the ball leaves his reach fast; it flies until somebody of the
-    keepers has it in reach again or the episode ends.
+    keepers has it in reach again or the episode ends. A ball that is dropped, and its keepers put back, has no speed.
     """
     gaps = np.linalg.norm(trace.keepers - trace.ball[:, None, :2], axis=2)
-    steps = np.linalg.norm(np.diff(trace.ball[:, :2], axis=0), axis=1)
+    speeds = np.linalg.norm(trace.ball[:, 2:], axis=1) / BALL_DECAY
     n = len(trace.ball)
     found: list[tuple[float, int]] = []
     row = 1
     while row < n:
         kickers = np.flatnonzero(trace.kicked[row])
-        left = [k for k in kickers if gaps[row, k] > KICK_DISTANCE and steps[row - 1] > RELEASE_SPEED]
+        left = [k for k in kickers if gaps[row, k] > KICK_DISTANCE and speeds[row] > RELEASE_SPEED]
         if not left:
             row += 1
             continue
         end = row
         while end < n and not (gaps[end] < KICK_DISTANCE).any():
             end += 1
-        found.append((float(steps[row - 1]), end - row))
+        found.append((float(speeds[row]), end - row))
         row = max(end, row + 1)
     return found
 

@@ -148,9 +148,10 @@ def meeting(me: Thing, ball: Thing, mind: Mind, now: int) -> int:
     for n in range(first, min(first + 2, 30) + 1):
         if size(ball.v) * 0.94**n <= 0.6:
             return first
-        sure = distance_after(me, ball.later(n), n) < 0.7 * REACH
-        if size(ball.later(n) - mind.meet) < 1 and sure:
-            return n
+        gap = distance_after(me, ball.later(n), n)
+        if size(ball.later(n) - mind.meet) < 1 and gap < 0.7 * REACH:
+            later = distance_after(me, ball.later(n + 1), n + 1)
+            return n + 1 if n < 30 and gap >= 0.5 * REACH > later else n
     return first
 
 

@@ -163,6 +163,7 @@ class World:
             self.takes = 0
         if self.is_stuck() and not self.end:
             self.drop_ball()
+            self.collide()
 
     def is_stuck(self) -> bool:
         """Whether the ball has not left 3 m for 100 cycles; looks at the last cycle of an episode, too."""

@@ -11,7 +11,7 @@ from core.keepaway import match as m
 from core.keepaway.autoplay import Autoplay, keepaway_tiles, learn_cycle
 from core.keepaway.game import begin_cycle, finish_cycle, step_cycle
 from core.keepaway.match import drop_ball, is_stuck, new_match, open_streams, referee, start_episode
-from core.keepaway.pitch import NECK, ONGOING, OUT, TAKEN, KeepawayConfig, X
+from core.keepaway.pitch import DROP_DISTANCE, NECK, ONGOING, OUT, PLAYER_RADIUS, TAKEN, KeepawayConfig, X
 from core.keepaway.policies import POLICIES, choose
 from core.learners.sarsa import SarsaConfig, new_sarsa
 from core.streams import stream
@@ -85,6 +85,21 @@ def test_a_ball_stuck_for_100_cycles_is_dropped_and_players_put_back():
     drop_ball(match)
     assert match.ball.tolist() == [1.0, 2.0, 0.0, 0.0]
     assert match.players[0, :4].tolist() == pytest.approx([1.0, 2.0 + 9.45, 0.0, 0.0])
+
+
+def test_players_put_back_to_the_same_place_are_parted_in_the_same_cycle():
+    match, rules, streams = fresh()
+    match.ball[:] = 0.0, 0.0, 0.0, 0.0
+    match.players[:, :4] = [[-8, 8, 0, 0], [8, 8, 0, 0], [8, -8, 0, 0], [3.0, 0, 0, 0], [4.5, 0, 0, 0]]
+    match.stuck[:] = 0.0, 0.0, -100.0
+    step_cycle(match, rules, POLICIES["hold"], streams)
+    takers = match.players[3:, :2]
+    assert np.linalg.norm(takers[0] - takers[1]) == pytest.approx(2 * PLAYER_RADIUS)
+    # Side by side on the circle: each 0.3 m off its point of it.
+    assert np.linalg.norm(takers, axis=1) == pytest.approx(
+        np.full(2, np.hypot(DROP_DISTANCE, PLAYER_RADIUS)), abs=0.01
+    )
+    assert match.hit.tolist() == [False, False, False, False, True, True]
 
 
 def test_the_clock_of_a_stuck_ball_looks_at_the_last_cycle_of_an_episode_too():
