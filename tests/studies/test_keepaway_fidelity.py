@@ -3,7 +3,7 @@
 import numpy as np
 
 from core.keepaway.autoplay import Episodes
-from studies.experiments.keepaway_fidelity import SETTINGS, Comparison, Durations
+from studies.experiments.keepaway_fidelity import SETTINGS, Comparison, Durations, Trace, passes_of
 
 CYCLES = np.arange(20, 60)
 
@@ -27,3 +27,20 @@ def test_an_episodes_duration_is_the_float_nearest_to_its_decimal():
 def test_a_shift_by_one_cycle_is_a_distance_of_one_step():
     shifted = Comparison(SETTINGS[0], durations(CYCLES / 10), durations((CYCLES + 1) / 10))
     assert abs(shifted.ks_distance - 1 / len(CYCLES)) < 1e-12
+
+
+def trace(ball, keeper, kicked):
+    """Return an episode of one keeper: rows of x, y, vx, vy; of x, y; of whether it kicked."""
+    return Trace(np.array(ball, float), np.array(keeper, float)[:, None], np.array(kicked)[:, None])
+
+
+def test_a_ball_kicked_out_of_reach_is_a_pass_until_a_keeper_has_it_again():
+    # Kicked with 1.6 m per cycle: 1.504 after the decay. It bounces off somebody and is back after two cycles of flight.
+    ball = [(0, 0, 0, 0), (1.6, 0, 1.504, 0), (3.1, 0, -0.9, 0), (0.9, 0, -0.9, 0)]
+    ((speed, flight),) = passes_of(trace(ball, [(0, 0)] * 4, [False, True, False, False]))
+    assert (round(speed, 9), flight) == (1.6, 2)
+
+
+def test_a_stuck_ball_that_is_dropped_is_no_pass_though_its_keeper_is_put_back():
+    ball = [(0, 0, 0.5, 0), (0.8, 0, 0, 0), (0.8, 0, 0, 0)]
+    assert passes_of(trace(ball, [(0, 0), (-8.65, 0), (-8.65, 0)], [False, True, False])) == []
