@@ -34,8 +34,9 @@ from tests.e2e.test_play import is_running
 MS = 1_000_000
 EMPTY = snapshot(Wall(20, 10), counts=Counts())
 FULL = msgspec.structs.replace(EMPTY, cells=b"\x01" * 200)
-FAR_BELOW_A_FRAME_MS = 25.0
-"""A frame takes 33 ms: errors below this are those of flushes and of the input thread, not of frames."""
+BELOW_A_FRAME_MS = 25.0
+"""A frame takes 33 ms. One key within this does not show where stamps come from (that is `tests/arl_tui/test_driver.py`),
+only that they are not all late; the median within it, on a quiet machine, shows more."""
 
 
 def test_the_robot_measures_every_scene_and_the_result_is_kept(tmp_path: Path) -> None:
@@ -71,7 +72,7 @@ def test_the_robot_measures_every_scene_and_the_result_is_kept(tmp_path: Path) -
         # On a busy machine most keys may be late, in any program, but not every one of them; now and then a flush is
         # stamped after its bytes were read, but not most of them.
         assert median(errors_ms) > 0.0, errors_ms
-        assert min(errors_ms) < FAR_BELOW_A_FRAME_MS, errors_ms
+        assert min(errors_ms) < BELOW_A_FRAME_MS, errors_ms
     bare, rest, board = found.scenes
     assert bare.board_fps == 0.0
     assert rest.board_fps == 0.0
@@ -79,8 +80,8 @@ def test_the_robot_measures_every_scene_and_the_result_is_kept(tmp_path: Path) -
 
 
 @pytest.mark.slow
-def test_on_a_quiet_machine_the_median_error_is_far_below_a_frame(tmp_path: Path) -> None:
-    options = ["--trials", "20", "--seed", "5", "--gate", FAR_BELOW_A_FRAME_MS, "--recordings", tmp_path]
+def test_on_a_quiet_machine_the_median_error_is_below_a_frame(tmp_path: Path) -> None:
+    options = ["--trials", "20", "--seed", "5", "--gate", BELOW_A_FRAME_MS, "--recordings", tmp_path]
     result = CliRunner().invoke(main, ["timing", *map(str, options)])
     assert result.exit_code == 0, result.output
 
