@@ -20,6 +20,7 @@ from studies.reaction_time.protocol import TrialPlan
 from studies.reaction_time.trial_log import TrialWriter
 from tests.arl_tui.calibrating import (
     A_WHILE,
+    SILENCE_S,
     files_in,
     go_through,
     in_this_process,
@@ -77,7 +78,8 @@ async def test_every_trial_is_on_the_disk_with_its_times_and_the_fit_is_kept(tmp
     "name", ["choice", "go-no-go", "memory-search", "visual-search", "recognition", "feedback-lag"]
 )
 async def test_each_task_can_be_done_rightly(tmp_path: Path, name: str) -> None:
-    app = quick_app(sitting(tmp_path, quick(name, n_trials=4, n_studied=2, set_sizes=(2,))))
+    changes = {"time_out_s": 2 * SILENCE_S} if name == "go-no-go" else {}
+    app = quick_app(sitting(tmp_path, quick(name, n_trials=4, n_studied=2, set_sizes=(2,), **changes)))
     async with app.run_test() as pilot:
         await go_through(pilot, until_shown=pages.SummaryPage)
     (file,) = files_in(tmp_path)
@@ -92,7 +94,7 @@ async def test_wrong_keys_silence_and_presses_at_nothing_are_recorded_as_such(tm
             return ["f"]
         return {0: ["j" if plan.expected_keys == ("f",) else "f"], 1: []}.get(plan.index, right(plan))
 
-    config = quick("choice", n_trials=10, catch_rate=0.2)
+    config = quick("choice", n_trials=10, catch_rate=0.2, time_out_s=2.0)
     app = quick_app(sitting(tmp_path, config))
     async with app.run_test() as pilot:
         await go_through(pilot, answer, until_shown=pages.SummaryPage)
@@ -108,7 +110,7 @@ async def test_wrong_keys_silence_and_presses_at_nothing_are_recorded_as_such(tm
 
 
 async def test_a_press_before_the_stimulus_is_counted_and_answers_nothing(tmp_path: Path) -> None:
-    app = quick_app(sitting(tmp_path, quick("simple", n_trials=1, foreperiod=A_WHILE)))
+    app = quick_app(sitting(tmp_path, quick("simple", n_trials=1, foreperiod=A_WHILE, time_out_s=SILENCE_S)))
     async with app.run_test() as pilot:
         await go_through(pilot, until_shown=TrialScreen)
         await until(pilot, trial_in(pilot, "foreperiod"))
@@ -345,7 +347,7 @@ def true_colour(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_stimulus_looks_as_it_did(
     snap_compare: Callable[..., bool], tmp_path: Path, true_colour: None, name: str
 ) -> None:
-    app = quick_app(sitting(tmp_path, quick(name, time_out_s=30.0)))
+    app = quick_app(sitting(tmp_path, quick(name)))
 
     async def wait(pilot: Pilot) -> None:
         await go_through(pilot, until_shown=TrialScreen)

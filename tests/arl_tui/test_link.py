@@ -42,11 +42,11 @@ class Bench:
 
 
 async def until(condition: object) -> None:
-    for _ in range(200):
+    for _ in range(6000):
         if condition():  # type: ignore[operator]
             return
         await asyncio.sleep(0.01)
-    raise AssertionError("it did not come within 2 s")
+    raise AssertionError("it did not come within a minute")
 
 
 async def test_messages_arrive_in_order() -> None:

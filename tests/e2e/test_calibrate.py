@@ -18,6 +18,8 @@ from tests.e2e.terminal import PATIENCE_S, Terminal
 CROSS = "  ██  ██  "
 GO_ON, LEAVE = "Enter  to go on", "Enter  to leave"
 DELAYS_S = (0.25, 0.45, 0.35, 0.55)
+IN_TIME_MS = 20.0
+"""One answer of several within this shows that the right thing is timed; how well is asked of a quiet machine, by name."""
 
 
 def calibrate(tmp_path: Path, tasks: str, trials: int, *more: str) -> Terminal:
@@ -104,14 +106,24 @@ def test_known_delays_are_measured_fitted_and_kept(tmp_path: Path) -> None:
     assert [record.status for record in file.trials] == ["ok"] * 6
     records = answered(file)
     errors = errors_ms(records, participant.delays_s)
-    # Robot and program can only be late; a busy machine holds them up now and then, but not every time.
-    assert all(error > -1.0 for error in errors), errors
-    assert min(errors) < 20.0, errors
+    # A busy machine reads keys late and stamps flushes after their bytes were read, but not every time.
+    assert min(abs(error) for error in errors) < IN_TIME_MS, errors
     kept = read_delays(tmp_path / "r", "P01")
     assert kept is not None
     mean = kept.tasks["simple"].mean_s
     times = [record.rt_s for record in records if record.rt_s is not None]
     assert mean.low < sum(times) / len(times) < mean.high
+
+
+@pytest.mark.slow
+def test_on_a_quiet_machine_known_delays_are_measured_within_a_few_milliseconds(tmp_path: Path) -> None:
+    with calibrate(tmp_path, "simple", 20) as terminal:
+        participant = Participant(terminal, lambda text: CROSS in text, " ")
+        participant.live()
+        terminal.press("\r")
+        terminal.wait_for_exit()
+    errors = errors_ms(answered(the_file(tmp_path)), participant.delays_s)
+    assert 0.0 < median(errors) < 10.0, errors
 
 
 @pytest.mark.slow

@@ -5,16 +5,13 @@ from pathlib import Path
 
 import pytest
 
-from tests.e2e.terminal import Terminal
-
-PATIENCE_S = 30.0
-"""A picture takes less than a second; a busy machine is given this."""
+from tests.e2e.terminal import PATIENCE_S, Terminal
 
 
 @pytest.mark.parametrize("exported", [{}, {"COLUMNS": "80", "LINES": "24"}, {"COLUMNS": "200"}], ids=str)
 def test_the_picture_follows_the_window(exported: dict[str, str], tmp_path: Path) -> None:
     with Terminal("practice", "--seed", "3", cwd=tmp_path, exported=exported) as terminal:
-        terminal.wait_for("q quit", patience_s=PATIENCE_S)
+        terminal.wait_for("q quit")
         before = place_of("q quit", terminal)
         terminal.resize(120, 40)
         # The picture stands in the middle: half of 40 columns and of 16 lines.

@@ -142,7 +142,7 @@ def test_a_run_that_was_killed_leaves_whole_files_and_goes_on(tmp_path):
         start_new_session=True,
     )
     folder = tmp_path / EXPERIMENT.name
-    deadline = time.monotonic() + 120
+    deadline = time.monotonic() + 600
     while len(contents(folder)) < 3 and time.monotonic() < deadline:
         time.sleep(0.01)
     workers = children(process.pid)
