@@ -72,7 +72,9 @@ def test_a_scripted_participants_presses_are_recorded_at_the_right_step_and_time
     assert [press.key for press in presses] == [key for key, _, _ in written]
     # On a busy machine a key may be read late, or before the flush it answers is stamped: not always, and the step is
     # always the one whose flush had been stamped.
-    late_ms = [(press.time_ns - time_ns) / MS for press, (_, time_ns, _) in zip(presses, written, strict=True)]
+    late_ms = [
+        (press.time_ns - time_ns) / MS for press, (_, time_ns, _) in zip(presses, written, strict=True)
+    ]
     assert min(late_ms) >= 0.0
     assert min(late_ms) < 20.0, late_ms
     assert any(press.step == step for press, (_, _, step) in zip(presses, written, strict=True))
