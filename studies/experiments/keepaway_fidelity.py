@@ -150,17 +150,23 @@ def read_durations(path: Path) -> Durations:
     )
 
 
-def read_traces(path: Path) -> list[Trace]:
-    """Read the reference's logged trajectories: one trace per complete episode."""
+def read_columns(path: Path) -> tuple[dict[str, Floats], list[int]]:
+    """Read the reference's logged trajectories: columns by name, and the rows in which episodes start."""
     with gzip.open(path, "rt") as lines:
         names = next(csv.reader(lines))
         rows = np.loadtxt(lines, delimiter=",")
     column = {name: rows[:, k] for k, name in enumerate(names)}
-    keepers = sorted(name[:-2] for name in names if name.startswith("K") and name.endswith("_x"))
+    starts = np.flatnonzero(np.diff(column["episode"], prepend=np.nan) != 0)
+    return column, starts.tolist()
+
+
+def read_traces(path: Path) -> list[Trace]:
+    """Read the reference's logged trajectories: one trace per complete episode."""
+    column, starts = read_columns(path)
+    keepers = sorted(name[:-2] for name in column if name.startswith("K") and name.endswith("_x"))
     ball = np.stack([column[c] for c in ("bx", "by", "bvx", "bvy")], axis=1)
     places = np.stack([np.stack([column[f"{k}_x"], column[f"{k}_y"]], 1) for k in keepers], 1)
     counts = np.stack([column[f"{k}_kicks"] for k in keepers], 1)
-    starts = np.flatnonzero(np.diff(column["episode"], prepend=np.nan) != 0)
     traces = []
     for a, b in pairwise(starts):
         kicked = np.diff(counts[a:b], axis=0, prepend=counts[a : a + 1]) > 0
