@@ -5,8 +5,11 @@ import platform
 import shutil
 import subprocess
 import time
+from collections.abc import Mapping
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+
+from core import keepaway, tetris
 
 LIBRARIES = ("numpy", "scipy", "numba", "msgspec", "textual")
 """Numbers or time stamps depend on these."""
@@ -15,13 +18,23 @@ REPOSITORY = Path(__file__).resolve().parents[1]
 
 
 def software() -> dict[str, str]:
-    """Return versions: of this program (with its commit, where it runs from a checkout), Python and libraries."""
+    """Return versions: of this program (with its commit, where it runs from a checkout), its games, Python and libraries."""
     facts = {"arl-tui": _version("arl-tui"), "python": platform.python_version()}
+    facts |= {"tetris play": str(tetris.REVISION), "keepaway play": str(keepaway.REVISION)}
     facts.update((library, _version(library)) for library in LIBRARIES)
     commit = git_commit(REPOSITORY)
     if commit:
         facts["commit"] = commit
     return facts
+
+
+def differing(recorded: Mapping[str, str]) -> list[str]:
+    """Return what the software of a recording was and is now, in words, where it is not the same."""
+    return [
+        f"{name} {recorded.get(name, '(not said)')}, now {now}"
+        for name, now in software().items()
+        if recorded.get(name) != now
+    ]
 
 
 def _version(distribution: str) -> str:

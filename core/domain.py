@@ -93,3 +93,10 @@ class Domain(Protocol[State]):
     def detail(self, state: State, action: int) -> dict[str, int]:
         """Return `action` in the domain's words (Tetris: piece, orientation, column), for recordings."""
         ...
+
+    def recorded_state(self, state: State) -> list[float] | None:
+        """Return what recordings keep of `state`, so that `Game.recorded` can make its choices from it.
+
+        None where the rules and the episode's seed are enough.
+        """
+        ...

@@ -139,6 +139,9 @@ class StepTaken(Record, frozen=True, kw_only=True, tag="step-taken"):
     detail: dict[str, int]
     """The action in the domain's words (Tetris: piece, orientation, column)."""
     reward: float
+    state: list[float] | None = None
+    """What the decision was taken on, where only a simulator could tell again (Keepaway: the state variables of the keeper
+    who decided, in the order of `feature_names`): a recording can be learned from whatever becomes of the simulator."""
     observed: dict[str, list[int]] | None = None
     """State before and after, in the domain's numbers: only in imported recordings, which cannot be re-run."""
 

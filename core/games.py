@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from core.combination.agent import ArlAgent, EpisodePolicy
 from core.combination.human_learner import HumanLearner
 from core.domain import Choices, Domain
-from core.episode import StepTaken
+from core.episode import EpisodeEnded, StepTaken
 from core.feedback.viewing import Viewing
 from core.keepaway.pitch import KeepawayConfig
 from core.protocol import Protocol
@@ -67,12 +67,16 @@ class Game(Interface):
         """Return how long everything is on screen."""
         ...
 
-    def observed(self, domain: Domain[Any], step: StepTaken) -> tuple[Choices, NDArray[np.float64]]:
-        """Return the choices of a step of an imported recording, and psi of what was done, NaN where unknown.
+    def recorded(self, domain: Domain[Any], step: StepTaken) -> tuple[Choices, NDArray[np.float64]]:
+        """Return the choices of a step whose state was recorded or observed, and psi of what was done, NaN where unknown.
 
         Raises:
-            ValueError: there are no imported recordings of this game.
+            ValueError: what was recorded is not a state of this game.
         """
+        ...
+
+    def time_at_end(self, ended: EpisodeEnded) -> int:
+        """Return the domain's own time when a recorded episode ended, as `Domain.time` does."""
         ...
 
 

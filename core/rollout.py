@@ -237,6 +237,7 @@ def play_episode(
             human_action=decision.human_action,
             detail=domain.detail(step.state, decision.action),
             reward=step.reward,
+            state=domain.recorded_state(step.state),
         )
         yield from audience.attend(number)
         state = step.following

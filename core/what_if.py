@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from core.combination.agent import ArlAgent, EpisodePolicy
 from core.combination.human_learner import HumanLearner
-from core.domain import Choices
+from core.domain import Choices, Domain
 from core.episode import (
     CreditGiven,
     EpisodeEnded,
@@ -30,7 +30,7 @@ from core.episode import (
 )
 from core.games import Player, game_of
 from core.protocol import Protocol
-from core.recording.reader import Recording
+from core.recording.reader import Recording, RecordingError
 from core.replay import Recorded
 from core.rollout import Audience, Played
 from core.streams import stream_seed
@@ -44,8 +44,6 @@ class WatchedStep:
     choices: Choices
     taken: NDArray[np.float64]
     """psi(s, a) of the action that was taken, shape (G,); NaN where the recording does not tell."""
-    time_after: int = 0
-    """The domain's own time when the step was over; 0 where the recording does not tell."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,7 +67,11 @@ class Relearned:
 
 
 def watched_steps(recording: Recording, protocol: Protocol) -> dict[int, WatchedStep]:
-    """Return every watched step by its number, with the features that `protocol` asks for."""
+    """Return every watched step by its number, with the features that `protocol` asks for.
+
+    Raises:
+        RecordingError: a step's state was not recorded, and the game plays otherwise now than it did then.
+    """
     game = game_of(protocol)
     domain = game.domain(protocol)
     steps: dict[int, WatchedStep] = {}
@@ -78,16 +80,29 @@ def watched_steps(recording: Recording, protocol: Protocol) -> dict[int, Watched
         match output:
             case EpisodeStarted(episode_seed=seed):
                 state = domain.initial(seed)
-            case StepTaken(observed=None):
+            case StepTaken(state=None, observed=None):
                 assert state is not None, "a step follows the start of its episode"
+                if not _could_be(domain, state, output):
+                    raise RecordingError(
+                        f"{recording.path}: step {output.step} was {output.detail}, and comes out otherwise now: {domain.name} "
+                        "has changed since, and what was on screen was not recorded. Use the program that recorded it: "
+                        f"{recording.header.software.get('commit', 'its header does not name the commit')}"
+                    )
                 choices = domain.choices(state)
                 state = domain.transition(state, output.action).next_state
                 steps[output.step] = WatchedStep(
-                    output.step, choices, choices.feedback_features[output.action], domain.time(state)
+                    output.step, choices, choices.feedback_features[output.action]
                 )
             case StepTaken():
-                steps[output.step] = WatchedStep(output.step, *game.observed(domain, output))
+                steps[output.step] = WatchedStep(output.step, *game.recorded(domain, output))
     return steps
+
+
+def _could_be(domain: Domain[Any], state: Any, taken: StepTaken) -> bool:
+    """Return whether a recorded step can be one that is taken in this state."""
+    if domain.terminal(state) or taken.action >= len(domain.choices(state).ruled_out):
+        return False
+    return domain.detail(state, taken.action) == taken.detail
 
 
 def relearn(
@@ -111,7 +126,7 @@ def relearn(
     source = Recorded(recording.inputs)
     audience = Audience(agent, source)
     relearned = Relearned(agent)
-    watched = _Watched(steps)
+    watched = _Watched(steps, game.time_at_end)
     imported = recording.header.origin == "imported"
     session, unseen_from = protocol.session, 0
     for output in recording.outputs:
@@ -170,11 +185,11 @@ def hear(
 class _Watched:
     """Follows one recorded episode with an agent that is asked, but not obeyed."""
 
-    def __init__(self, steps: dict[int, WatchedStep]) -> None:
+    def __init__(self, steps: dict[int, WatchedStep], time_at_end: Callable[[EpisodeEnded], int]) -> None:
         self._steps = steps
+        self._time_at_end = time_at_end
         self._policy: EpisodePolicy | None = None
         self._taken = 0
-        self._time = 0
 
     @property
     def policy(self) -> EpisodePolicy:
@@ -184,7 +199,6 @@ class _Watched:
     def begin(self, policy: EpisodePolicy) -> None:
         self._policy = policy
         self._taken = 0
-        self._time = 0
 
     def take(self, agent: ArlAgent, audience: Audience, output: StepTaken) -> None:
         watched = self._steps[output.step]
@@ -192,10 +206,9 @@ class _Watched:
         agent.learn_from_step(watched.choices, output.action, output.reward)
         audience.expect(output.step, watched.taken)
         self._taken += 1
-        self._time = watched.time_after
 
     def played(self, output: EpisodeEnded) -> Played:
-        return Played(output.performance, output.steps, 0, 0, output.ended, self._time)
+        return Played(output.performance, output.steps, 0, 0, output.ended, self._time_at_end(output))
 
 
 def _countable(inputs: Iterable[Input], count: Callable[[int], bool]) -> Iterator[Input]:

@@ -1,10 +1,12 @@
 """Running a recording again: shared by `arl replay` and `arl demo`."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import click
 import msgspec
 
+from arl_tui import facts
 from core.episode import SessionEnded
 from core.protocol import Protocol, protocol_from
 from core.recording.reader import Recording, RecordingError, read_recording
@@ -43,8 +45,20 @@ def run_again(recording: Recording) -> None:
         raise click.ClickException(str(error)) from error
     if result.difference is not None:
         raise click.ClickException(
-            f"the replay differs from the recording after {result.outputs} equal outputs\n  {result.difference}"
+            f"the replay differs from the recording after {result.outputs} equal outputs\n  {result.difference}\n"
+            f"{why_different(recording.header.software)}"
         )
     click.echo(f"Replay: exact ({result.outputs} outputs equal, the weights bit for bit)")
     if not finished:
         click.echo("The session was cut off; everything up to there came out the same.")
+
+
+def why_different(software: Mapping[str, str]) -> str:
+    """Return what may explain that a recording comes out otherwise: software that is not the one it was made with."""
+    others = facts.differing(software)
+    if not others:
+        return "The software is the same: this is a fault of the program, or a machine that computes otherwise. Please report it."
+    return (
+        f"It was recorded with other software: {'; '.join(others)}. Where a game plays otherwise (CHANGELOG), only the "
+        "commit that recorded it can replay it. What was shown and pressed can be read and learned from as ever: --credit RULE"
+    )

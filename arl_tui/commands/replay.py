@@ -15,6 +15,7 @@ from arl_tui.commands.play import read_protocol
 from arl_tui.words import words_of
 from core.feedback.delays import describe
 from core.protocol import Protocol
+from core.recording.reader import RecordingError
 
 if TYPE_CHECKING:
     from core.feedback.delays import Delay
@@ -90,15 +91,18 @@ def compare(
     if unknown:
         raise click.BadParameter(f"{unknown[0]!r}: use one of {', '.join(SCHEMES)}", param_hint="--scheme")
     with click.progressbar(length=len(delays) * len(names), label="Learning again", file=sys.stderr) as bar:
-        return what_if(
-            path,
-            protocol,
-            delays,
-            names,
-            WhatIfSettings(games=games, root_seed=seed),
-            workers=workers or os.cpu_count() or 1,
-            on_progress=lambda: bar.update(1),
-        )
+        try:
+            return what_if(
+                path,
+                protocol,
+                delays,
+                names,
+                WhatIfSettings(games=games, root_seed=seed),
+                workers=workers or os.cpu_count() or 1,
+                on_progress=lambda: bar.update(1),
+            )
+        except RecordingError as error:
+            raise click.ClickException(str(error)) from error
 
 
 def table(rows: "Iterable[WhatIfRow]", units: str = "lines") -> Iterable[str]:

@@ -122,17 +122,21 @@ class Keepaway:
         """Return the tiles of the deciding keeper's state: rows of window starts, shape (n_options, v)."""
         if state.keeper == NOBODY:
             raise ValueError("the episode is over: a terminal state has no actions")
+        return self.choices_of(state.keeper, state.variables, state.cycle)
+
+    def choices_of(self, keeper: int, variables: NDArray[np.float64], cycle: int) -> Choices:
+        """Return the choices of a keeper who sees these state variables, shape (v,), so many cycles after the kick-off."""
         windows = np.empty(len(self._names), np.int64)
-        find_windows(self.coder, state.variables, windows)
+        find_windows(self.coder, variables, windows)
         n_options = self.config.n_actions
-        model = 0 if self._shared_feedback else state.keeper
+        model = 0 if self._shared_feedback else keeper
         first = (model * n_options + np.arange(n_options)) * self.coder.n_tiles
         return Choices(
             features=np.tile(windows.astype(np.float64), (n_options, 1)),
             feedback_features=(first[:, None] + windows).astype(np.float64),
             ruled_out=np.zeros(n_options, np.bool_),
-            actor=state.keeper,
-            time=state.cycle,
+            actor=keeper,
+            time=cycle,
         )
 
     def transition(self, state: KeepawayState, action: int) -> Transition[KeepawayState]:
@@ -161,6 +165,10 @@ class Keepaway:
         """Return who decides, when, and the keeper the ball is passed to (-1: it is held)."""
         target = int(state.match.order[state.keeper, action]) if action != HOLD else NOBODY
         return {"keeper": state.keeper, "cycle": state.cycle, "target": target}
+
+    def recorded_state(self, state: KeepawayState) -> list[float] | None:
+        """Return the state variables as the deciding keeper sees them."""
+        return [float(value) for value in state.variables]
 
     def _still(self) -> KeepawayState:
         """Return the state in which the match stands."""

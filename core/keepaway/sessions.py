@@ -10,14 +10,14 @@ from core.clock import NS_PER_S
 from core.combination.agent import ArlAgent, EpisodePolicy
 from core.combination.human_learner import HumanLearner
 from core.domain import Choices, Domain
-from core.episode import StepTaken
+from core.episode import EpisodeEnded, StepTaken
 from core.feedback.config import Knowledge
 from core.feedback.viewing import Watched
 from core.games import Oracle, Player
 from core.keepaway.domain import HOLD, Keepaway, KeepawayState
 from core.keepaway.person import lay_choice, noticed_per_cycle
 from core.keepaway.person_config import KeepawayPersonConfig
-from core.keepaway.pitch import CYCLE_NS, KeepawayConfig
+from core.keepaway.pitch import CYCLE_NS, CYCLE_S, KeepawayConfig
 from core.keepaway.policies import hand_coded
 from core.learners.human_config import TileModel
 from core.learners.sarsa_config import SarsaConfig
@@ -129,6 +129,16 @@ class KeepawayGame:
         screen = protocol.screen
         return KeepawayViewing(screen.speed, round(screen.pause_between_episodes_s * NS_PER_S))
 
-    def observed(self, domain: Domain[KeepawayState], step: StepTaken) -> tuple[Choices, NDArray[np.float64]]:
-        """Refuse: nobody's recordings of Keepaway can be imported."""
-        raise ValueError(f"step {step.step}: there are no imported recordings of Keepaway")
+    def recorded(self, domain: Domain[KeepawayState], step: StepTaken) -> tuple[Choices, NDArray[np.float64]]:
+        """Return a decision as its keeper saw it."""
+        assert isinstance(domain, Keepaway), "the domain of this game"
+        expected = len(domain.feature_names)
+        if step.state is None or len(step.state) != expected:
+            raise ValueError(f"step {step.step}: need a state of {expected} variables, got {step.state}")
+        seen = np.array(step.state, np.float64)
+        choices = domain.choices_of(step.detail["keeper"], seen, step.detail["cycle"])
+        return choices, choices.feedback_features[step.action]
+
+    def time_at_end(self, ended: EpisodeEnded) -> int:
+        """Return cycles: an episode's performance is its duration in seconds."""
+        return round(ended.performance / CYCLE_S)

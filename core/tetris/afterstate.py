@@ -191,6 +191,10 @@ class Tetris:
         ) / self._feedback.denominators
         return difference
 
+    def recorded_state(self, state: TetrisState) -> list[float] | None:
+        """Return nothing: rules, seed and actions are enough."""
+        return None
+
     def detail(self, state: TetrisState, action: int) -> dict[str, int]:
         """Return piece, orientation and column of an action, for recordings."""
         placement = self.placement(state, action)

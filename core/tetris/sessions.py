@@ -10,7 +10,7 @@ from core.combination.agent import ArlAgent, EpisodePolicy
 from core.combination.config import Coach
 from core.combination.human_learner import HumanLearner
 from core.domain import Choices, Domain
-from core.episode import StepTaken
+from core.episode import EpisodeEnded, StepTaken
 from core.feedback.viewing import SteadyViewing
 from core.games import Oracle, Player
 from core.keys import NS_PER_MS
@@ -78,7 +78,7 @@ class TetrisGame:
             pause_ns=round(screen.pause_between_episodes_s * NS_PER_S),
         )
 
-    def observed(self, domain: Domain[TetrisState], step: StepTaken) -> tuple[Choices, NDArray[np.float64]]:
+    def recorded(self, domain: Domain[TetrisState], step: StepTaken) -> tuple[Choices, NDArray[np.float64]]:
         """Return a step of an imported recording, from the boards as they were seen."""
         assert isinstance(domain, Tetris), "the domain of this game"
         assert step.observed is not None, "an imported step says what was seen"
@@ -88,6 +88,10 @@ class TetrisGame:
         if after is None:
             return choices, np.full(choices.feedback_features.shape[1], np.nan)
         return choices, domain.feedback_difference(before, tuple(after))
+
+    def time_at_end(self, ended: EpisodeEnded) -> int:
+        """Return pieces."""
+        return ended.steps
 
 
 def tetris_player(config: TetrisConfig, agent: ArlAgent) -> Player:

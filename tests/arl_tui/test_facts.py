@@ -10,8 +10,15 @@ from arl_tui import facts
 
 def test_versions_of_everything_that_numbers_depend_on_are_there() -> None:
     software = facts.software()
-    assert {"arl-tui", "python", *facts.LIBRARIES} <= software.keys()
+    assert {"arl-tui", "python", "tetris play", "keepaway play", *facts.LIBRARIES} <= software.keys()
     assert "not installed" not in software.values()
+
+
+def test_software_that_is_not_the_same_is_named_with_both_versions() -> None:
+    now = facts.software()
+    assert facts.differing(now) == []
+    assert facts.differing({**now, "numba": "0.1", "compiler": "gone"}) == [f"numba 0.1, now {now['numba']}"]
+    assert f"keepaway play (not said), now {now['keepaway play']}" in facts.differing({})
 
 
 def git(folder: Path, *arguments: str) -> None:

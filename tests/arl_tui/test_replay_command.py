@@ -41,6 +41,7 @@ def test_the_first_difference_is_shown_with_both_values_and_status_1(tmp_path: P
     assert result.exit_code == 1
     assert "w_h was 0.123" in result.output
     assert f"is {changed.w_h!r} now" in result.output
+    assert "recorded with other software: arl-tui (not said), now" in result.output
 
 
 def test_a_session_whose_learner_died_replays_up_to_there(tmp_path: Path) -> None:

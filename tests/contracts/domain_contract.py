@@ -57,6 +57,11 @@ class DomainContract:
                 assert np.isfinite(domain.transition(state, action).reward)
                 assert all(isinstance(value, int) for value in domain.detail(state, action).values())
 
+    def test_what_is_recorded_of_a_state_is_nothing_or_finite_numbers(self, domain):
+        for state, _ in self.random_episode(domain, 11)[:-1]:
+            recorded = domain.recorded_state(state)
+            assert recorded is None or np.isfinite(recorded).all()
+
     def test_an_action_that_is_not_listed_is_refused(self, domain):
         state = domain.initial(1)
         for action in (-1, len(domain.choices(state).ruled_out)):

@@ -3,11 +3,17 @@
 import math
 from pathlib import Path
 
+import msgspec
+import numpy as np
 import pytest
 
+from core.episode import EpisodeStarted, StepTaken
 from core.feedback.delays import CurrentStep, GammaDelay
+from core.keepaway.sessions import KeepawayGame
 from core.protocol import protocol_from
-from core.recording.reader import read_recording
+from core.recording.reader import RecordingError, read_recording
+from core.recording.recorder import LineWriter
+from core.what_if import watched_steps
 from studies.what_if import WhatIfSettings, what_if
 
 GOLDEN = (
@@ -48,3 +54,57 @@ def test_the_density_reaches_back_and_the_rule_does_not(rows):
     assert current.credited <= 1.0
     assert gamma.credited != current.credited
     assert len(gamma.w_h) == 4
+
+
+def changed(folder: Path, *, seeds: bool, states: bool) -> Path:
+    """Write the golden recording without states, or with other episode seeds: as if the simulator had changed since."""
+    recording = read_recording(GOLDEN)
+    writer = LineWriter(folder / "changed.jsonl", recording.header)
+    for event in recording.events:
+        match event:
+            case StepTaken() if states:
+                writer.write(msgspec.structs.replace(event, state=None))
+            case EpisodeStarted() if seeds:
+                writer.write(msgspec.structs.replace(event, episode_seed=event.episode_seed + 1))
+            case _:
+                writer.write(event)
+    writer.close()
+    return folder / "changed.jsonl"
+
+
+def steps_in(path: Path):
+    recording = read_recording(path)
+    return watched_steps(recording, protocol_from(recording.header.protocol))
+
+
+def test_recorded_states_are_those_that_the_simulator_makes_again(tmp_path):
+    recorded, simulated = steps_in(GOLDEN), steps_in(changed(tmp_path, seeds=False, states=True))
+    assert recorded.keys() == simulated.keys()
+    for number, step in recorded.items():
+        np.testing.assert_array_equal(step.taken, simulated[number].taken)
+        np.testing.assert_array_equal(step.choices.features, simulated[number].choices.features)
+        assert (step.choices.actor, step.choices.time) == (
+            simulated[number].choices.actor,
+            simulated[number].choices.time,
+        )
+
+
+def test_a_recording_outlives_the_simulator_that_made_it(tmp_path):
+    before, after = steps_in(GOLDEN), steps_in(changed(tmp_path, seeds=True, states=False))
+    assert all((before[number].taken == after[number].taken).all() for number in before)
+
+
+def test_a_recording_without_states_that_comes_out_otherwise_is_refused(tmp_path):
+    with pytest.raises(
+        RecordingError,
+        match=r"changed.jsonl: step \d+ was .*keepaway has changed since.* does not name the commit",
+    ):
+        steps_in(changed(tmp_path, seeds=True, states=True))
+
+
+def test_a_state_of_another_game_is_refused():
+    recording = read_recording(GOLDEN)
+    protocol = protocol_from(recording.header.protocol)
+    step = next(event for event in recording.events if isinstance(event, StepTaken))
+    with pytest.raises(ValueError, match=r"step 0: need a state of 13 variables, got \[1.0\]"):
+        KeepawayGame().recorded(KeepawayGame().domain(protocol), msgspec.structs.replace(step, state=[1.0]))

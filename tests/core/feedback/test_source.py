@@ -68,6 +68,9 @@ class Cards:
     def detail(self, state: Deal, action: int) -> dict[str, int]:
         return {"card": action}
 
+    def recorded_state(self, state: Deal) -> None:
+        return None
+
 
 class Clueless:
     """A learner whose only policy wants the opposite of what the oracle likes."""
