@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from core.keepaway.autoplay import Autoplay
 from core.keepaway.pitch import KeepawayConfig
 from core.learners.sarsa import SarsaConfig
 from studies.experiments.keepaway_fidelity import read_durations
@@ -54,10 +55,10 @@ def test_a_table_has_the_blocks_that_all_runs_have():
 
 
 def runs(n: int) -> list[LearningCurve]:
-    """Return curves of keepers whose see phases stay for a whole run, as the reference's did."""
+    """Return curves of keepers whose see phases, drawn as ever, stay for a whole run, as the reference's did."""
     curves = []
     for root_seed in range(n):
-        phases = tuple(int(phase) for phase in np.random.default_rng(root_seed).integers(3, size=5))
+        phases = tuple(Autoplay(KeepawayConfig(), root_seed, "phases of a run").match.phase.tolist())
         curves.append(learn(LearningRun(KeepawayConfig(see_phases=phases), SarsaConfig(), root_seed)))
     return curves
 
