@@ -60,5 +60,5 @@ def why_different(software: Mapping[str, str]) -> str:
         return "The software is the same: this is a fault of the program, or a machine that computes otherwise. Please report it."
     return (
         f"It was recorded with other software: {'; '.join(others)}. Where a game plays otherwise (CHANGELOG), only the "
-        "commit that recorded it can replay it. What was shown and pressed can be read and learned from as ever: --credit RULE"
+        "commit that recorded it can replay it. Its presses can still be learned from, where it holds what was on screen: --credit RULE"
     )
