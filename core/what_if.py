@@ -29,7 +29,7 @@ from core.episode import (
     UnseenPlayed,
 )
 from core.games import Player, game_of
-from core.protocol import Protocol
+from core.protocol import Protocol, protocol_from
 from core.recording.reader import Recording, RecordingError
 from core.replay import Recorded
 from core.rollout import Audience, Played
@@ -70,39 +70,48 @@ def watched_steps(recording: Recording, protocol: Protocol) -> dict[int, Watched
     """Return every watched step by its number, with the features that `protocol` asks for.
 
     Raises:
-        RecordingError: a step's state was not recorded, and the game plays otherwise now than it did then.
+        RecordingError: the protocol is about another game; or a step's state was not recorded, and the game plays
+            otherwise now than it did then.
     """
+    recorded = protocol_from(recording.header.protocol).game
+    if recorded != protocol.game:
+        raise RecordingError(
+            f"{recording.path}: a recording of {recorded}, and the protocol is about {protocol.game}"
+        )
     game = game_of(protocol)
     domain = game.domain(protocol)
     steps: dict[int, WatchedStep] = {}
-    state: Any = None
+    seed, state = 0, None
     for output in recording.outputs:
         match output:
-            case EpisodeStarted(episode_seed=seed):
-                state = domain.initial(seed)
+            case EpisodeStarted():
+                seed, state = output.episode_seed, None
             case StepTaken(state=None, observed=None):
-                assert state is not None, "a step follows the start of its episode"
-                if not _could_be(domain, state, output):
+                state = domain.initial(seed) if state is None else state
+                choices = None if domain.terminal(state) else domain.choices(state)
+                if choices is None or not _could_be(output, choices, domain, state):
                     raise RecordingError(
                         f"{recording.path}: step {output.step} was {output.detail}, and comes out otherwise now: {domain.name} "
                         "has changed since, and what was on screen was not recorded. Use the program that recorded it: "
                         f"{recording.header.software.get('commit', 'its header does not name the commit')}"
                     )
-                choices = domain.choices(state)
                 state = domain.transition(state, output.action).next_state
                 steps[output.step] = WatchedStep(
                     output.step, choices, choices.feedback_features[output.action]
                 )
             case StepTaken():
-                steps[output.step] = WatchedStep(output.step, *game.recorded(domain, output))
+                try:
+                    steps[output.step] = WatchedStep(output.step, *game.recorded(domain, output))
+                except ValueError as error:
+                    raise RecordingError(
+                        f"{recording.path}: {error}: is the protocol's game of another size?"
+                    ) from error
     return steps
 
 
-def _could_be(domain: Domain[Any], state: Any, taken: StepTaken) -> bool:
-    """Return whether a recorded step can be one that is taken in this state."""
-    if domain.terminal(state) or taken.action >= len(domain.choices(state).ruled_out):
-        return False
-    return domain.detail(state, taken.action) == taken.detail
+def _could_be(taken: StepTaken, choices: Choices, domain: Domain[Any], state: Any) -> bool:
+    """Return whether a recorded step can be one of these choices in this state."""
+    return taken.action < len(choices.ruled_out) and domain.detail(state, taken.action) == taken.detail
 
 
 def relearn(

@@ -65,7 +65,9 @@ def runs(n: int) -> list[LearningCurve]:
 
 @pytest.mark.slow
 @pytest.mark.statistical
-def test_the_references_keepers_learn_as_ours_do():
+def test_the_references_curve_as_a_whole_is_not_told_from_ours():
+    # A weak test, of one curve: it begins better than nearly all of ours (docs/results/keepaway_fidelity.md), and the band of
+    # five seeds is wide. It would notice learning that is slower throughout.
     measured = read_durations(data_folder("keepaway") / "v15_360_learn_episodes.csv").seconds
     curves = runs(40)
     of_five = table_of(curves[:5], BLOCK)

@@ -10,7 +10,7 @@ import pytest
 from core.episode import EpisodeStarted, StepTaken
 from core.feedback.delays import CurrentStep, GammaDelay
 from core.keepaway.sessions import KeepawayGame
-from core.protocol import protocol_from
+from core.protocol import TETRIS, protocol_from
 from core.recording.reader import RecordingError, read_recording
 from core.recording.recorder import LineWriter
 from core.what_if import watched_steps
@@ -105,6 +105,13 @@ def test_a_recording_without_states_that_comes_out_otherwise_is_refused(tmp_path
 def test_a_state_of_another_game_is_refused():
     recording = read_recording(GOLDEN)
     protocol = protocol_from(recording.header.protocol)
+    more = msgspec.structs.replace(protocol.domain, n_keepers=4, n_takers=3)
+    with pytest.raises(
+        RecordingError, match=r"jsonl: step 0: need a state of 19 variables.*of another size\?"
+    ):
+        watched_steps(recording, msgspec.structs.replace(protocol, domain=more))
+    with pytest.raises(RecordingError, match="a recording of keepaway, and the protocol is about tetris"):
+        watched_steps(recording, TETRIS)
     step = next(event for event in recording.events if isinstance(event, StepTaken))
     with pytest.raises(ValueError, match=r"step 0: need a state of 13 variables, got \[1.0\]"):
         KeepawayGame().recorded(KeepawayGame().domain(protocol), msgspec.structs.replace(step, state=[1.0]))
