@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from core.compiled import inner_kernel
 from core.keepaway.motion import DEGREES, RADIANS, direction_deg, length, wrap_deg
 from core.keepaway.pitch import (
+    ANGLE,
     BALL_ACCEL_MAX,
     BALL_DECAY,
     BALL_SPEED_MAX,
@@ -16,6 +17,7 @@ from core.keepaway.pitch import (
     KICK_MARGIN,
     KICK_RATE,
     MAX_POWER,
+    POWER,
     TOUCH_DISTANCE,
     VX,
     VY,
@@ -57,22 +59,28 @@ def nearest_to(x: float, y: float, players: Floats, known: Bools, first: int, la
 
 @inner_kernel
 def freeze_ball(me: Floats, ball: Floats, command: Floats) -> None:
-    """Stop the ball, or drive it to a point nearer to me when it would stop out of safe reach."""
+    """Stop the ball, or drive it to a point nearer to me when it would stop out of safe reach.
+
+    Where it would stop follows from the kick as it is sent, an integer power and angle. Where the drive is too much for one
+    kick, what moves the ball past the point is taken away first, as in a pass.
+    """
     rate = own_kick_rate(me, ball)
-    speed = length(ball[VX], ball[VY])
-    power = min(speed / rate, MAX_POWER)
-    left = 1.0 - power * rate / speed if speed > 0.0 else 0.0
     next_x, next_y = me[X] + me[VX], me[Y] + me[VY]
-    stop = length(ball[X] + left * ball[VX] - next_x, ball[Y] + left * ball[VY] - next_y)
-    if stop < 0.8 * KICK_DISTANCE:
-        send_kick(power, direction_deg(-ball[VX], -ball[VY]), me[BODY], command)
+    send_kick(length(ball[VX], ball[VY]) / rate, direction_deg(-ball[VX], -ball[VY]), me[BODY], command)
+    way = (me[BODY] + command[ANGLE]) * RADIANS
+    stop_x = ball[X] + ball[VX] + command[POWER] * rate * math.cos(way)
+    stop_y = ball[Y] + ball[VY] + command[POWER] * rate * math.sin(way)
+    if length(stop_x - next_x, stop_y - next_y) < 0.8 * KICK_DISTANCE:
         return
     dx, dy = ball[X] - next_x, ball[Y] - next_y
     distance = length(dx, dy)
     reach = min(0.7 * KICK_DISTANCE, distance - 0.1) / distance
-    push_x = next_x + reach * dx - ball[X] - ball[VX]
-    push_y = next_y + reach * dy - ball[Y] - ball[VY]
-    send_kick(length(push_x, push_y) / rate, direction_deg(push_x, push_y), me[BODY], command)
+    step_x, step_y = next_x + reach * dx - ball[X], next_y + reach * dy - ball[Y]
+    push_x, push_y = step_x - ball[VX], step_y - ball[VY]
+    power, push = length(push_x, push_y) / rate, direction_deg(push_x, push_y)
+    if power > MAX_POWER:
+        push = capped_direction(ball, direction_deg(step_x, step_y), MAX_POWER * rate)
+    send_kick(power, push, me[BODY], command)
 
 
 @inner_kernel

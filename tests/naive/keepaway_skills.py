@@ -29,15 +29,25 @@ from tests.naive.keepaway_things import (
 # Kicking.
 
 
+def capped(ball: Thing, direction: float, strongest: float) -> float:
+    """Where to push so that a moving ball leaves along this line."""
+    side = cross(unit(direction), ball.v)
+    if strongest <= abs(side):
+        return direction - (90 if side > 0 else -90)
+    return direction - math.degrees(math.asin(side / strongest))
+
+
 def freeze(me: Thing, ball: Thing) -> Command:
-    power = min(size(ball.v) / rate(me, ball), 100)
-    left = 1 - power * rate(me, ball) / size(ball.v)
-    if size(ball.at + left * ball.v - me.at - me.v) < 0.8 * REACH:
-        return kick(me, power, angle_of(-ball.v))
+    against = kick(me, size(ball.v) / rate(me, ball), angle_of(-ball.v))
+    sent = against.value * rate(me, ball) * unit(me.body + against.angle)
+    if size(ball.at + ball.v + sent - me.at - me.v) < 0.8 * REACH:
+        return against
     gap = ball.at - me.at - me.v
-    wish = me.at + me.v + gap * min(0.7 * REACH, size(gap) - 0.1) / size(gap)
-    push = wish - ball.at - ball.v
-    return kick(me, size(push) / rate(me, ball), angle_of(push))
+    step = me.at + me.v + gap * min(0.7 * REACH, size(gap) - 0.1) / size(gap) - ball.at
+    power = size(step - ball.v) / rate(me, ball)
+    if power > 100:
+        return kick(me, 100, capped(ball, angle_of(step), 100 * rate(me, ball)))
+    return kick(me, power, angle_of(step - ball.v))
 
 
 def kick_close(me: Thing, ball: Thing, relative: float, ratio: float) -> Command:
@@ -71,21 +81,17 @@ def pass_to(me: Thing, ball: Thing, target: complex, rival_distance: float) -> C
         beside = abs(dot(unit(direction), me.at - ball.at))
         speed = beside - TOUCH if speed < beside else beside + TOUCH
     strongest = 100 * rate(me, ball)
-    side = cross(unit(direction), ball.v)
-    if strongest <= abs(side):
-        capped = direction - (90 if side > 0 else -90)
-    else:
-        capped = direction - math.degrees(math.asin(side / strongest))
+    straight = capped(ball, direction, strongest)
     if speed > 3:
-        if size(ball.v + strongest * unit(capped)) > 0.85 * 2.7:
-            return kick(me, 100, capped)
+        if size(ball.v + strongest * unit(straight)) > 0.85 * 2.7:
+            return kick(me, 100, straight)
         if rate(me, ball) > 0.85 * 0.027:
             return freeze(me, ball)
         return kick_close(me, ball, 0, 0.16)
     push = speed * unit(direction) - ball.v
     power = size(push) / rate(me, ball)
     if power <= 105 or (power <= 130 and rival_distance < 2):
-        return kick(me, power, capped if power > 100 else angle_of(push))
+        return kick(me, power, straight if power > 100 else angle_of(push))
     return kick_close(me, ball, 0, 0.16)
 
 

@@ -24,7 +24,7 @@ def filmed() -> list[tuple[Match, PitchFrame]]:
         film.append((Match(*(np.copy(array) for array in match)), camera.look(match)))
 
     look()
-    for _ in range(1000):
+    for _ in range(1500):
         if step_cycle(match, rules, HAND_CODED, streams):
             look()
             next_episode(match, rules, streams)
