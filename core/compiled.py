@@ -78,6 +78,8 @@ from numba.core.compiler_lock import global_compiler_lock
 if sys.platform != "win32":
     import fcntl
 
+ALWAYS: dict[str, Any] = {"cache": True, "nogil": True, "no_cfunc_wrapper": True}
+"""How numba compiles all kernels; a wrapper for callers in C, of which there are none, would take it an eighth longer."""
 INNER: dict[str, Any] = {"_nrt": False, "forceinline": True, "error_model": "numpy"}
 """How numba compiles inner kernels: without reference counts, into their callers, divisions without exceptions."""
 JIT_DISABLED: bool = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
@@ -100,8 +102,7 @@ def inner_kernel(function: Function) -> Function:
 
 
 def _compiled(function: Function, **options: Any) -> Function:
-    # No wrapper for callers in C: there are none, and it takes an eighth of the time to compile.
-    compiled: Any = numba.njit(cache=True, nogil=True, no_cfunc_wrapper=True, **options)(function)
+    compiled: Any = numba.njit(**ALWAYS, **options)(function)
     if not JIT_DISABLED:
         compiled.compile = _one_process_at_a_time(
             compiled.compile, f"{function.__module__}.{function.__qualname__}"

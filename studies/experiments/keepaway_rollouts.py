@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,6 +44,8 @@ class LoggedEpisode:
     """x, y, vx, vy, shape (T, 4)."""
     players: Floats
     """x, y, vx, vy, body, neck of keepers, then takers, shape (T, n, 6)."""
+    kicked: NDArray[np.bool_]
+    """Who kicked in the cycle that led to each row, shape (T, n)."""
     n_keepers: int
 
     def holders(self) -> NDArray[np.int64]:
@@ -88,8 +90,10 @@ def read_episodes(path: Path) -> list[LoggedEpisode]:
     ball = np.stack([column[c] for c in ("bx", "by", "bvx", "bvy")], axis=1)
     fields = ("x", "y", "vx", "vy", "body", "neck")
     players = np.stack([np.stack([column[f"{n}_{f}"] for f in fields], axis=1) for n in names], axis=1)
+    counts = np.stack([column[f"{n}_kicks"] for n in names], axis=1)
+    kicked = np.diff(counts, axis=0, prepend=counts[:1]) > 0
     n_keepers = sum(name[0] == "K" for name in names)
-    return [LoggedEpisode(ball[a:b], players[a:b], n_keepers) for a, b in pairwise(starts)]
+    return [LoggedEpisode(ball[a:b], players[a:b], kicked[a:b], n_keepers) for a, b in pairwise(starts)]
 
 
 def starts_of(episode: LoggedEpisode) -> dict[int, list[Start]]:
@@ -110,65 +114,91 @@ def starts_of(episode: LoggedEpisode) -> dict[int, list[Start]]:
     return {row: kinds for row, kinds in rows.items() if row < len(holders) - 1}
 
 
-def roll_out(
-    setting: Setting,
-    episodes: list[LoggedEpisode],
-    *,
-    horizons: tuple[int, ...] = (1, 3, 5, 10, 20),
-    copies: int = 60,
-    root_seed: int = 11,
-) -> list[Rollout]:
-    """Play on from every start in the logged episodes, and compare with how they went on.
+def follow(
+    setting: Setting, episodes: list[LoggedEpisode], root_seed: int = 11
+) -> Iterator[tuple[int, int, Match, Callable[[], bool]]]:
+    """Put a match of ours into every logged state but the last of each episode, in order.
+
+    From each it plays one cycle before it gets the next, so that its players remember what they meant to do, and
+    `match.commands` are those of the row before.
 
     Args:
         setting: a fixed policy with exact state, the one that was logged.
         episodes: as logged.
-        horizons: cycles after which to look, ascending.
-        copies: how often ours goes on from each start.
         root_seed: root of the random streams.
 
-    Returns:
-        Every comparison in which both answers are expected LEAST_EXPECTED times or more.
+    Yields:
+        Episode, row, the match, and what plays it one cycle on and says whether that ended the episode.
     """
     if not setting.config.exact_state:
         raise ValueError(f"{setting.label}: with beliefs a logged state does not tell what players know")
-    found: dict[Start, list[tuple[int, Floats, Floats]]] = defaultdict(list)
     game = Autoplay(setting.config, root_seed, "fidelity rollouts", setting.label)
     match, rules, streams = game.match, game.rules, game.streams
     policy = POLICIES[setting.policy]
     step = specialised(step_cycle, match, rules, policy, streams)
 
-    def ours() -> Floats:
-        """Return the share of copies of the present state in which each has the ball, shape (horizons, holders)."""
-        saved = [part.copy() for part in match]
-        shares = np.zeros((len(horizons), len(HOLDERS)))
-        for _ in range(copies):
-            for part, kept in zip(match, saved, strict=True):
-                part[...] = kept
-            shares += one_hot(_went_on(match, horizons, lambda: bool(step(match, rules, policy, streams))))
-        for part, kept in zip(match, saved, strict=True):
-            part[...] = kept
-        return shares / copies
+    def play() -> bool:
+        return bool(step(match, rules, policy, streams))
 
     for number, episode in enumerate(episodes):
         start_episode(match, rules, streams.placement)
         status = match.status.copy()
-        rows, holders = starts_of(episode), episode.holders()
-        for row in range(len(holders) - 1):
+        for row in range(len(episode.ball) - 1):
             match.ball[:], match.players[:] = episode.ball[row], episode.players[row]
             # Nobody is to wait for our own stuck ball: the next drop is far from every start.
             match.stuck[:2], match.stuck[2] = match.ball[:2], match.status[CLOCK]
             if row:
                 referee(match.ball, match.players, status, rules)
             match.status[TAKE_COUNT], match.status[END] = status[TAKE_COUNT], ONGOING
-            if row in rows:
-                later = [row + cycles for cycles in horizons]
-                logged = one_hot([holders[at] if at < len(holders) else ENDED for at in later])
-                shares = ours()
-                for kind in rows[row]:
-                    found[kind].append((number, logged, shares))
-            step(match, rules, policy, streams)
+            yield number, row, match, play
+            play()
+
+
+def roll_out(
+    setting: Setting,
+    episodes: list[LoggedEpisode],
+    *,
+    horizons: tuple[int, ...] = (1, 3, 5, 10, 20),
+    copies: int = 60,
+) -> list[Rollout]:
+    """Play on from every start in the logged episodes, and compare with how they went on.
+
+    Args:
+        setting: as `follow`.
+        episodes: as logged.
+        horizons: cycles after which to look, ascending.
+        copies: how often ours goes on from each start.
+
+    Returns:
+        Every comparison in which both answers are expected LEAST_EXPECTED times or more.
+    """
+    found: dict[Start, list[tuple[int, Floats, Floats]]] = defaultdict(list)
+    rows, holders = [starts_of(episode) for episode in episodes], [e.holders() for e in episodes]
+    for number, row, match, play in follow(setting, episodes):
+        if row in rows[number]:
+            later = [row + cycles for cycles in horizons]
+            known = holders[number]
+            logged = one_hot([known[at] if at < len(known) else ENDED for at in later])
+            shares = _shares(match, horizons, copies, play)
+            for kind in rows[number][row]:
+                found[kind].append((number, logged, shares))
     return [rollout for kind in sorted(found) for rollout in _compare(kind, found[kind], horizons)]
+
+
+def _shares(match: Match, horizons: tuple[int, ...], copies: int, play: Callable[[], bool]) -> Floats:
+    """Return the share of copies of the present state in which each has the ball, shape (horizons, holders)."""
+    saved = [part.copy() for part in match]
+    shares = np.zeros((len(horizons), len(HOLDERS)))
+    for _ in range(copies):
+        _put_back(match, saved)
+        shares += one_hot(_went_on(match, horizons, play))
+    _put_back(match, saved)
+    return shares / copies
+
+
+def _put_back(match: Match, saved: list[NDArray[Any]]) -> None:
+    for part, kept in zip(match, saved, strict=True):
+        part[...] = kept
 
 
 def one_hot(holders: list[int]) -> Floats:

@@ -3,11 +3,6 @@
 import numpy as np
 import pytest
 
-from core.compiled import specialised
-from core.keepaway.autoplay import Autoplay
-from core.keepaway.game import step_cycle
-from core.keepaway.match import start_episode
-from core.keepaway.policies import POLICIES
 from studies.experiments.keepaway_fidelity import SETTINGS, Setting
 from studies.experiments.keepaway_rollouts import (
     BOTH,
@@ -23,6 +18,7 @@ from studies.experiments.keepaway_rollouts import (
     starts_of,
 )
 from tests.data_folder import data_folder
+from tests.studies.logged_play import played
 
 HOLD = next(setting for setting in SETTINGS if setting.label == "v15_full_hold")
 FAR = (9.0, 9.0)
@@ -49,7 +45,8 @@ def test_who_can_kick_has_the_ball(keeper, taker, expected):
 def logged(*rows: tuple[tuple[float, float], tuple[float, float]]) -> LoggedEpisode:
     """Return an episode with the ball at rest in the middle, one keeper and one taker."""
     places = np.array([players(*row) for row in rows])
-    return LoggedEpisode(np.zeros((len(rows), 4)), places, n_keepers=1)
+    nobody = np.zeros(places.shape[:2], np.bool_)
+    return LoggedEpisode(np.zeros((len(rows), 4)), places, nobody, n_keepers=1)
 
 
 def test_a_row_starts_a_comparison_where_the_ball_changes_hands():
@@ -70,23 +67,6 @@ def test_a_drop_starts_one_when_the_takers_can_be_there_again():
 def test_with_beliefs_nothing_is_compared():
     with pytest.raises(ValueError, match="v15_360_hold: with beliefs a logged state does not tell"):
         roll_out(next(setting for setting in SETTINGS if setting.label == "v15_360_hold"), [])
-
-
-def played(setting: Setting, n_episodes: int) -> list[LoggedEpisode]:
-    """Return episodes of our own, as they would have been logged."""
-    game = Autoplay(setting.config, 77, "as logged")
-    match, rules, streams = game.match, game.rules, game.streams
-    policy = POLICIES[setting.policy]
-    step = specialised(step_cycle, match, rules, policy, streams)
-    episodes = []
-    for _ in range(n_episodes):
-        start_episode(match, rules, streams.placement)
-        balls, rows = [match.ball.copy()], [match.players.copy()]
-        while not step(match, rules, policy, streams):
-            balls.append(match.ball.copy())
-            rows.append(match.players.copy())
-        episodes.append(LoggedEpisode(np.array(balls), np.array(rows), setting.config.n_keepers))
-    return episodes
 
 
 def largest(found: list[Rollout]) -> float:
