@@ -1,9 +1,11 @@
 """Kicks in logged states: our own are found again within noise, another kick shows, and the reference's are ours."""
 
 import dataclasses
+from collections.abc import Iterable
 
 import numpy as np
 import pytest
+from scipy.stats import ks_2samp
 
 from studies.experiments.keepaway_fidelity import SETTINGS
 from studies.experiments.keepaway_kicks import LoggedKick, logged_kicks
@@ -57,7 +59,16 @@ def test_a_kick_that_only_one_of_both_made_is_another():
     assert [(other.logged, other.ours, other.another) for other in there] == [(False, True, True)]
 
 
+def shares_of_noise(kicks: Iterable[LoggedKick]) -> list[float]:
+    return [kick.missed_m / kick.noise_m for kick in compared(list(kicks))]
+
+
+def alike(some: list[float], others: list[float]) -> bool:
+    return bool(ks_2samp(some, others).pvalue > 0.001)
+
+
 @pytest.mark.slow
+@pytest.mark.statistical
 @pytest.mark.parametrize(
     ("label", "players"), [("v15_full_hold", EVERYBODY), ("v15_full_rand", range(3, 5))], ids=str
 )
@@ -65,6 +76,10 @@ def test_the_references_kicks_are_ours(label: str, players: range):
     path = data_folder("keepaway") / f"{label}_traj.csv.gz"
     if not path.exists():
         pytest.skip(f"the reference logged no trajectories for {label}")
-    kicks = list(logged_kicks(SETTING[label], read_episodes(path), players))
+    setting = SETTING[label]
+    kicks = list(logged_kicks(setting, read_episodes(path), players))
     assert len(compared(kicks)) > 500
     assert np.mean([kick.another for kick in kicks]) < 0.001
+    assert alike(
+        shares_of_noise(kicks), shares_of_noise(logged_kicks(setting, played(setting, 300), players))
+    )
