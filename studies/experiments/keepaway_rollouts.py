@@ -71,7 +71,7 @@ class Rollout:
     expected: float
     """As many in ours."""
     standard_errors: float
-    """The difference in its standard errors, episodes being independent."""
+    """The difference in its standard errors, episodes being independent; 0 where all copies did as was logged."""
 
 
 def holder(ball: Floats, players: Floats, n_keepers: int) -> int:
