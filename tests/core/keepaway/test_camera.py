@@ -15,7 +15,7 @@ CONFIG = KeepawayConfig(exact_state=True)
 
 @pytest.fixture(scope="module")
 def filmed() -> list[tuple[Match, PitchFrame]]:
-    """Return copies of a match and its pictures: a few episodes of the hand-coded policy."""
+    """Return copies of a match and its pictures: three episodes of the hand-coded policy."""
     streams: Streams = open_streams(3, "film")
     match, rules, camera = new_match(CONFIG, streams), CONFIG.rules(), Camera(CONFIG)
     film = []
@@ -24,7 +24,7 @@ def filmed() -> list[tuple[Match, PitchFrame]]:
         film.append((Match(*(np.copy(array) for array in match)), camera.look(match)))
 
     look()
-    for _ in range(1500):
+    while film[-1][1].episode < 4:
         if step_cycle(match, rules, HAND_CODED, streams):
             look()
             next_episode(match, rules, streams)
@@ -33,7 +33,6 @@ def filmed() -> list[tuple[Match, PitchFrame]]:
 
 
 def test_pictures_show_the_match(filmed: list[tuple[Match, PitchFrame]]):
-    assert filmed[-1][1].episode > 2
     for match, frame in filmed:
         assert [(p.x_m, p.y_m, p.body_deg) for p in frame.players] == [
             tuple(row[[0, 1, 4]]) for row in match.players
