@@ -238,5 +238,5 @@ def _compare(
                 name,
                 int(logged[:, h, k].sum()),
                 expected,
-                float(difference.sum()) / error,
+                float(difference.sum()) / error if error else 0.0,
             )
