@@ -17,12 +17,12 @@ from core.combination.config import (
     Tried,
     TrustRule,
 )
-from core.combination.crowd import Crowd, CrowdTrust
 from core.combination.environment import environment_side
 from core.combination.human_learner import HumanLearner
-from core.combination.schemes import best_action, choose, takes_control, worst_action
+from core.combination.listeners import Crowd, CrowdTrust
+from core.combination.preference import best_action, choose, takes_control, worst_action
 from core.combination.sides import Decision, EpisodePolicy, Heard, Outcome
-from core.combination.trust import Comparison
+from core.combination.trust.measures import Comparison
 from core.combination.window import DecisionWindow, Values
 from core.domain import Choices
 from core.episode import CreditGiven

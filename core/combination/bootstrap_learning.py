@@ -21,7 +21,7 @@ from core.combination.config import (
     Signed,
     Tried,
 )
-from core.combination.trust import (
+from core.combination.trust.measures import (
     Comparison,
     degree_of_match,
     human_weight,

@@ -9,7 +9,7 @@ from collections import deque
 import numpy as np
 
 from core.combination.config import Coach
-from core.combination.schemes import best_action
+from core.combination.preference import best_action
 from core.combination.sides import Drawn, Ending, Floats, Heard
 from core.combination.soft import fill_logits
 from core.combination.window import Values

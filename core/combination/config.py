@@ -1,7 +1,7 @@
 """Settings of combination: schemes and the weights they give to an episode (Eqs. 2 and 3), and trust (Eqs. 4, 5).
 
 Nothing here needs compiled code, so a protocol can be read without it; the decision itself is in
-`core.combination.schemes`, trust in `core.combination.trust`.
+`core.combination.preference`, trust in `core.combination.trust.measures`.
 """
 
 import math
@@ -10,7 +10,7 @@ from typing import Literal
 
 import msgspec
 
-from core.combination.trust_config import (
+from core.combination.bootstrap_config import (
     AskingConfig,
     BootstrapConfig,
     Equation4,

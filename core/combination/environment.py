@@ -9,7 +9,7 @@ import numpy as np
 
 from core.combination.climbing import Climbing
 from core.combination.config import Coach, Scheme
-from core.combination.schemes import best_action
+from core.combination.preference import best_action
 from core.combination.sides import Drawn, Ending, Floats, Heard
 from core.combination.window import Values
 from core.domain import Choices

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.combination.config import ADVISE, EXPONENTIAL, LINEAR
-from core.combination.schemes import best_action, chance_of_right, mean_and_sd, worst_action
+from core.combination.preference import best_action, chance_of_right, mean_and_sd, worst_action
 from core.compiled import kernel
 
 Values = NDArray[np.float64]
@@ -40,7 +40,7 @@ def fill_logits(
         human_values: H of each action, shape (>= n,).
         ruled_out: actions that are not to be taken, shape (>= n,).
         n: number of actions, >= 1.
-        form: as in `core.combination.schemes.choose`.
+        form: as in `core.combination.preference.choose`.
         w_r: weight of R, > 0.
         w_h: weight of H.
         logits: written, shape (>= n,).

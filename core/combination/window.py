@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from core.combination.schemes import best_action, mean_and_sd, worst_action
-from core.combination.trust import Comparison
+from core.combination.preference import best_action, mean_and_sd, worst_action
+from core.combination.trust.measures import Comparison
 from core.compiled import kernel
 from core.domain import Choices
 

@@ -26,7 +26,7 @@ from core.combination.config import (
     Linear,
     SideBySide,
 )
-from core.combination.trust import Comparison
+from core.combination.trust.measures import Comparison
 from core.combination.window import DecisionWindow
 from core.compiled import specialised
 from core.feedback.compiled_credit import credit_rule

@@ -9,7 +9,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.combination.schemes import best_action, choose, takes_control, worst_action
+from core.combination.preference import best_action, choose, takes_control, worst_action
 from core.compiled import inner_kernel, kernel
 from core.feedback.compiled_credit import CreditRule, share_out
 from core.keepaway.game import begin_cycle, finish_cycle

@@ -7,7 +7,7 @@ to the first placement. A game is columns, number of pieces and lines, so it can
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from core.combination.schemes import best_action
+from core.combination.preference import best_action
 from core.compiled import kernel
 from core.tetris.board import (
     COLUMNS,

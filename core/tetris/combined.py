@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.combination.config import ENVIRONMENT_WEIGHTS, EpisodeWeights
-from core.combination.schemes import best_action, choose, takes_control, worst_action
+from core.combination.preference import best_action, choose, takes_control, worst_action
 from core.compiled import kernel
 from core.tetris.autoplay import PIECE_LIMIT, best_of, worst_of
 from core.tetris.board import (

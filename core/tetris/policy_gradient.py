@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.combination.config import ENVIRONMENT_WEIGHTS, EpisodeWeights
-from core.combination.schemes import best_action, choose, takes_control, worst_action
+from core.combination.preference import best_action, choose, takes_control, worst_action
 from core.combination.soft import fill_logits
 from core.compiled import inner_kernel, kernel
 from core.counters import uniform_at

@@ -13,8 +13,8 @@ import numpy as np
 
 from core.combination.bootstrap_learning import BootstrapLearning, EpisodeReport
 from core.combination.config import ENVIRONMENT_WEIGHTS, HumanOnly, SideBySide
-from core.combination.schemes import best_action, choose, takes_control, worst_action
-from core.combination.trust import Comparison
+from core.combination.preference import best_action, choose, takes_control, worst_action
+from core.combination.trust.measures import Comparison
 from core.combination.window import DecisionWindow
 from core.feedback import trainers
 from core.feedback.assigner import CreditAssigner

@@ -25,8 +25,8 @@ from core.combination.config import (
     Tried,
     TrustRule,
 )
-from core.combination.schemes import takes_control
-from core.combination.trust import Comparison
+from core.combination.preference import takes_control
+from core.combination.trust.measures import Comparison
 from core.domain import Choices
 from core.feedback.credit import CurrentStep, PreviousStep
 from core.feedback.samples import CreditConfig

@@ -19,7 +19,7 @@ from core.combination.config import (
     Tried,
     TrustRule,
 )
-from core.combination.trust import Comparison
+from core.combination.trust.measures import Comparison
 from core.combination.window import DecisionWindow
 from core.domain import Choices
 from core.streams import stream

@@ -33,7 +33,7 @@ from core.combination.config import (
     RewardShaping,
     Scheme,
 )
-from core.combination.schemes import best_action, chance_of_right, choose, takes_control, worst_action
+from core.combination.preference import best_action, chance_of_right, choose, takes_control, worst_action
 from core.streams import stream
 from tests.naive.combination import advised_choice, exponential_choice, linear_choice
 

@@ -6,7 +6,7 @@ import pytest
 from core.combination.agent import ArlAgent
 from core.combination.bootstrap_learning import BootstrapLearning, EpisodeReport
 from core.combination.config import AgentConfig, BootstrapConfig, SideBySide
-from core.combination.trust import Comparison
+from core.combination.trust.measures import Comparison
 from core.combination.window import DecisionWindow
 from core.learners.cross_entropy import CrossEntropyConfig, CrossEntropyLearner
 from core.streams import stream

@@ -6,7 +6,7 @@ from scipy import stats
 
 from core.combination.bootstrap_learning import BootstrapLearning, EpisodeReport
 from core.combination.config import BootstrapConfig, RankCorrelation, Tried
-from core.combination.trust import Comparison, rank_human_weight, rank_test
+from core.combination.trust.measures import Comparison, rank_human_weight, rank_test
 from core.combination.window import DecisionWindow
 from core.streams import stream
 

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from core.combination.config import EXPONENTIAL, LINEAR, LINEAR_RAW, EpisodeWeights
-from core.combination.schemes import best_action, choose, takes_control, worst_action
+from core.combination.preference import best_action, choose, takes_control, worst_action
 from core.compiled import JIT_DISABLED
 from core.fixed_point import exact_weights
 from core.learners.linear import action_values

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from core.combination.config import EXPONENTIAL, LINEAR, LINEAR_RAW, EpisodeWeights
-from core.combination.schemes import best_action, worst_action
+from core.combination.preference import best_action, worst_action
 from core.compiled import JIT_DISABLED
 from core.counters import uniform_at
 from core.fixed_point import exact_weights

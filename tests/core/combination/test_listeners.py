@@ -17,7 +17,7 @@ from core.combination.config import (
     HumanOnly,
     Signed,
 )
-from core.combination.crowd import Crowd
+from core.combination.listeners import Crowd
 from core.domain import Choices
 from core.episode import KeyPressed, UnseenPlayed
 from core.feedback.config import CreditConfig, TrainerConfig

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from core.combination.bootstrap_learning import BootstrapLearning, EpisodeReport, RankedPolicy
 from core.combination.config import BootstrapConfig, EpisodeWeights, Scheme
 from core.combination.human_learner import HumanLearner
-from core.combination.schemes import best_action, worst_action
-from core.combination.trust import Comparison, selection_probabilities
+from core.combination.preference import best_action, worst_action
+from core.combination.trust.measures import Comparison, selection_probabilities
 from core.combination.window import DecisionWindow, Values
 from core.domain import Choices
 from core.episode import CreditGiven

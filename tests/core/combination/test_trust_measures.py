@@ -6,7 +6,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from core.combination.trust import (
+from core.combination.trust.measures import (
     Comparison,
     degree_of_match,
     human_weight,
