@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 import msgspec
 
-from core.combination.config import AgentConfig, Equation4, SideBySide
+from core.combination.config import AgentConfig
 from core.feedback.config import CreditConfig, TrainerConfig
 from core.feedback.delays import GammaDelay, describe
 from core.keepaway.person_config import KeepawayPersonConfig
@@ -124,17 +124,13 @@ class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
                 "the human model of Keepaway is of type tiles, that of Tetris is not; got "
                 f"{_tag(self.agent.human_model)} for {self.game}: set [agent.human_model] type"
             )
-        trust = self.agent.bootstrap.trust
-        side_by_side = isinstance(trust, SideBySide)
-        if side_by_side:
+        needs = self.agent.bootstrap.trust.needs
+        if needs.side_by_side:
             raise ValueError(
                 "a session has one learner, learners side by side play in experiments only "
                 "(core.keepaway.arl_autoplay): set another [agent.bootstrap.trust] type"
             )
-        looks_back = isinstance(trust, Equation4) and (
-            trust.measured == "window" or (trust.match == "chance-corrected" and trust.chance is None)
-        )
-        if looks_back and isinstance(self.learner, SarsaConfig):
+        if needs.window and isinstance(self.learner, SarsaConfig):
             raise ValueError(
                 "a policy that changes at every step cannot be asked again about earlier decisions: use "
                 'measured = "as-played", and name the chance of a chance-corrected match'

@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.clock import Clock
-from core.combination.agent import EpisodePolicy
+from core.combination.agreement import Agreement
+from core.combination.sides import EpisodePolicy
+from core.combination.tally import AGREED, AGREED_WORST, Compared, EpisodeTally
 from core.domain import Choices, Domain
 from core.episode import (
     CreditGiven,
@@ -25,7 +27,7 @@ from core.episode import (
 )
 
 
-class Decision(Protocol):
+class Decision(Compared, Protocol):
     """What an agent decided, and what each of its two sources would have."""
 
     @property
@@ -33,25 +35,10 @@ class Decision(Protocol):
         """Index of the chosen action."""
         ...
 
-    @property
-    def environment_action(self) -> int:
-        """What the environment policy alone would have chosen."""
-        ...
-
-    @property
-    def human_action(self) -> int:
-        """What the human policy alone would have chosen; -1 while there is none."""
-        ...
-
-    @property
-    def human_worst_action(self) -> int:
-        """What the human policy likes least; -1 while there is none."""
-        ...
-
 
 @dataclass(frozen=True, slots=True)
 class Played:
-    """What came of one episode: the agent learns from this, whether anybody watched or not."""
+    """What came of one episode: the agent learns from this, whether it was watched or not."""
 
     performance: float
     """The domain's performance measure, >= 0."""
@@ -63,6 +50,11 @@ class Played:
     ended: Literal["termination", "truncation"]
     time: int = 0
     """The domain's own time at the end (`Domain.time`)."""
+    agreement: Agreement | None = None
+    """Agreement over the decisions at which there was a human policy; None where there was none. (`agreed` and `agreed_worst`
+    are recorded, and compiled games count them without a human policy, too.)"""
+    with_each: tuple[Agreement | None, ...] = ()
+    """Agreement with each participant's own model; empty where the player did not count it."""
 
 
 class FeedbackSource(Protocol):
@@ -87,8 +79,8 @@ class Listener(Protocol):
         """Note that the step on screen went off it."""
         ...
 
-    def learn_from_press(self, press: int, time_ns: int, value: float, person: int = 0) -> CreditGiven:
-        """Learn from an accepted press of a person; return how it was shared out."""
+    def learn_from_press(self, press: int, time_ns: int, value: float, participant: int = 0) -> CreditGiven:
+        """Learn from an accepted press of a participant; return how it was shared out."""
         ...
 
     def retract(self, press: int) -> None:
@@ -315,25 +307,25 @@ def _steps(
         number += 1
 
 
-@dataclass(slots=True)
 class _Count:
     """Counts an episode's steps, and agreement of the agent's two sides."""
 
-    steps: int = 0
-    agreed: int = 0
-    agreed_worst: int = 0
+    def __init__(self) -> None:
+        self.steps = 0
+        self._tally = EpisodeTally()
 
     def add(self, decision: Decision) -> None:
         self.steps += 1
-        self.agreed += decision.environment_action == decision.human_action
-        self.agreed_worst += decision.environment_action == decision.human_worst_action
+        self._tally.add(decision)
 
     def played(self, domain: Domain[Any], state: Any) -> Played:
         return Played(
             performance=domain.performance(state),
             steps=self.steps,
-            agreed=self.agreed,
-            agreed_worst=self.agreed_worst,
+            agreed=int(self._tally.counts[AGREED]),
+            agreed_worst=int(self._tally.counts[AGREED_WORST]),
             ended="termination" if domain.terminal(state) else "truncation",
             time=domain.time(state),
+            agreement=self._tally.agreement,
+            with_each=self._tally.with_each,
         )

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from core.combination.agent import ArlAgent, EpisodePolicy
 from core.combination.human_learner import HumanLearner
+from core.combination.tally import AGREED, AGREED_WORST, EpisodeTally
 from core.domain import Choices, Domain
 from core.episode import (
     CreditGiven,
@@ -199,6 +200,7 @@ class _Watched:
         self._time_at_end = time_at_end
         self._policy: EpisodePolicy | None = None
         self._taken = 0
+        self._tally = EpisodeTally()
 
     @property
     def policy(self) -> EpisodePolicy:
@@ -208,16 +210,26 @@ class _Watched:
     def begin(self, policy: EpisodePolicy) -> None:
         self._policy = policy
         self._taken = 0
+        self._tally = EpisodeTally()
 
     def take(self, agent: ArlAgent, audience: Audience, output: StepTaken) -> None:
         watched = self._steps[output.step]
-        agent.choose(watched.choices, self.policy, step=self._taken)
+        self._tally.add(agent.choose(watched.choices, self.policy, step=self._taken))
         agent.learn_from_step(watched.choices, output.action, output.reward)
         audience.expect(output.step, watched.taken)
         self._taken += 1
 
     def played(self, output: EpisodeEnded) -> Played:
-        return Played(output.performance, output.steps, 0, 0, output.ended, self._time_at_end(output))
+        return Played(
+            output.performance,
+            output.steps,
+            int(self._tally.counts[AGREED]),
+            int(self._tally.counts[AGREED_WORST]),
+            output.ended,
+            self._time_at_end(output),
+            self._tally.agreement,
+            self._tally.with_each,
+        )
 
 
 def _countable(inputs: Iterable[Input], count: Callable[[int], bool]) -> Iterator[Input]:

@@ -1,4 +1,4 @@
-"""The agent of augmented reinforcement learning: an environment learner and a human model, and whom it trusts."""
+"""The agent of augmented reinforcement learning: an environment learner, human models, and how far these are trusted."""
 
 import hashlib
 
@@ -6,23 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.combination.asking import Asker, Question, samples_of
-from core.combination.bootstrap_learning import BootstrapLearning, EpisodeReport
-from core.combination.config import (
-    ENVIRONMENT_WEIGHTS,
-    AgentConfig,
-    EpisodeWeights,
-    HumanOnly,
-    SideBySide,
-    Signed,
-    Tried,
-    TrustRule,
-)
-from core.combination.environment import environment_side
+from core.combination.config import ENVIRONMENT_WEIGHTS, AgentConfig, EpisodeWeights, waits_for_feedback
+from core.combination.environment import environment_sides
 from core.combination.human_learner import HumanLearner
-from core.combination.listeners import Crowd, CrowdTrust
+from core.combination.listeners import Listeners, ListenersTrust
 from core.combination.preference import best_action, choose, takes_control, worst_action
-from core.combination.sides import Decision, EpisodePolicy, Heard, Outcome
-from core.combination.trust.measures import Comparison
+from core.combination.ranking import EpisodeReport
+from core.combination.sides import Decision, EpisodeEnd, EpisodePolicy, EpisodeStart, Heard, Outcome
 from core.combination.window import DecisionWindow, Values
 from core.domain import Choices
 from core.episode import CreditGiven
@@ -56,50 +46,51 @@ class ArlAgent:
         n_feedback_features: int,
         root_seed: int,
         feedback_tiles: Tiling | None = None,
-        n_sources: int = 1,
+        n_participants: int = 1,
         environment_values: Values | None = None,
         human_values: Values | None = None,
     ) -> None:
         """Begin without human feedback.
 
         Args:
-            learner: proposes policies and hears how they did, or learns at every step.
+            learner: proposes policies and is told their performance, or learns at every step.
             config: scheme, trust, credit, human model.
             n_feedback_features: G, length of psi(s, a).
             root_seed: of the session; streams "policy", "explore", "share", "softmax" and "chance".
             feedback_tiles: what psi(s, a) means where it lists active tiles; None for plain features.
-            n_sources: people who may press, >= 1; each has a human model and a weight.
+            n_participants: who may press, >= 1; each has a human model and a weight.
             environment_values: R of each action from feature rows (n, F) and theta (F,). Default: `exact_values`.
             human_values: H of each action from feature rows (n, G) and v (G,); a constant does not matter.
                 Default: `exact_values`.
+
+        Raises:
+            ValueError: the rule of trust, or the scheme, needs another learner; or there is no participant.
         """
-        if isinstance(config.bootstrap.trust, SideBySide):
-            raise TypeError(
-                "SideBySide needs learners side by side, and an agent has one: choose another rule of trust, or play "
-                "compiled Keepaway (core.keepaway.arl_autoplay)"
+        if config.bootstrap.trust.needs.side_by_side:
+            raise ValueError(
+                "this rule of trust needs learners side by side, and an agent has one: choose another one, or play "
+                f"compiled Keepaway (core.keepaway.arl_autoplay); got {config.bootstrap.trust}"
             )
         environment_values = environment_values or exact_values
         self.config = config
         self.learner = learner
         """The environment's learner; what plays for it in compiled code lets it learn there."""
-        self.human: HumanLearner | Crowd = self._listen(n_sources, n_feedback_features, feedback_tiles)
         human_values = human_values or (tile_values(feedback_tiles) if feedback_tiles else exact_values)
+        models = [
+            HumanLearner(config.credit, config.human_model, n_feedback_features, tiles=feedback_tiles)
+            for _ in range(n_participants)
+        ]
+        self.human = Listeners(models, feedback_tiles.n_weights if feedback_tiles else n_feedback_features)
         self.window = DecisionWindow(config.bootstrap.window_decisions, environment_values, human_values)
-        self.bootstrap: BootstrapLearning | CrowdTrust
-        if isinstance(self.human, Crowd):
-            self.bootstrap = CrowdTrust(
-                config.bootstrap, self.window, self.human, human_values, root_seed=root_seed
-            )
-        else:
-            self.bootstrap = BootstrapLearning(config.bootstrap, self.window, root_seed=root_seed)
-        self._environment = environment_side(learner, environment_values, config.scheme)
+        self.bootstrap = ListenersTrust(config.bootstrap, self.window, self.human, root_seed=root_seed)
+        self._environment, self._taught_by_presses = environment_sides(
+            learner, environment_values, config.scheme
+        )
         self._asker = Asker(config.asking)
         self._answers = 0
         self._root_seed = root_seed
         self._human_values = human_values
         self._policy_values = environment_values
-        # Comparison of the episode being watched: (decisions, agreed, agreed_worst).
-        self._watched = (0, 0, 0)
         # Of the decision last made: how the sides were combined, and H of each action.
         self._decided: tuple[EpisodeWeights, NDArray[np.float64]] = (ENVIRONMENT_WEIGHTS, np.zeros(0))
 
@@ -107,16 +98,14 @@ class ArlAgent:
     def w_h(self) -> float:
         """Weight of the human by bootstrap learning; 0 while the human model knows nothing.
 
-        Of several sources the mean; each one's is in `weights_of_sources`.
+        Of several participants the mean; each one's is in `weights_of_sources`.
         """
         return sum(self.weights_of_sources) / len(self.weights_of_sources)
 
     @property
     def weights_of_sources(self) -> list[float]:
-        """Weight of each source of human feedback by bootstrap learning; 0 for one that has said nothing."""
-        if isinstance(self.bootstrap, CrowdTrust):
-            return self.bootstrap.w_h
-        return [self.bootstrap.w_h if self.human.knows_something else 0.0]
+        """Weight of each participant by bootstrap learning; 0 for one whose model knows nothing."""
+        return self.bootstrap.w_h
 
     def begin_episode(self, episode: int, *, exploring: bool) -> EpisodePolicy:
         """Return the policy of an episode.
@@ -126,31 +115,28 @@ class ArlAgent:
             exploring: play the learner's next proposal; otherwise one of the top policies, drawn by
                 performance (and match), or a proposal while there is none.
         """
-        self._watched = (0, 0, 0)
         self._asker.begin_episode()
         share_seed = stream_seed(self._root_seed, "share", episode) >> 1
 
         def draw() -> tuple[int, NDArray[np.float64]]:
-            rng = stream(self._root_seed, "policy", episode)
-            if isinstance(self.bootstrap, CrowdTrust):
-                drawn = self.bootstrap.draw(rng=rng)
-            else:
-                drawn = self.bootstrap.draw(self._known_weights(), rng=rng)
+            drawn = self.bootstrap.draw(rng=stream(self._root_seed, "policy", episode))
             return drawn.policy_id, drawn.theta
 
-        policy_id, theta, proposed = self._environment.begin_episode(
-            episode,
-            None if exploring or not self.bootstrap.ranked else draw,
-            rng=stream(self._root_seed, "explore", episode),
+        started = self._environment.begin_episode(
+            EpisodeStart(
+                episode=episode,
+                draw=None if exploring or not self.bootstrap.ranked else draw,
+                rng=stream(self._root_seed, "explore", episode),
+            )
         )
         weights = self._weights(episode)
         return EpisodePolicy(
-            policy_id=policy_id,
-            theta=theta,
+            policy_id=started.policy_id,
+            theta=started.theta,
             human_weights=self.human.weights,
             weights=weights,
             share_seed=share_seed,
-            exploring=proposed,
+            exploring=started.proposed,
             chance_seed=stream_seed(self._root_seed, "softmax", episode) >> 1,
         )
 
@@ -167,33 +153,21 @@ class ArlAgent:
         env_values = self._environment.values(choices, policy.theta)
         environment_action = best_action(env_values, choices.ruled_out, n)
         human_values, human_action, human_worst_action = np.zeros(n), -1, -1
+        of_participants: tuple[tuple[int, int], ...] = ()
         handed_over = False
         if self.human.knows_something:
             human_values = self._human_values(choices.feedback_features, self.human.weights)
             human_action = best_action(human_values, choices.ruled_out, n)
             human_worst_action = worst_action(human_values, choices.ruled_out, n)
-            self.count_decisions(
-                1, environment_action == human_action, environment_action == human_worst_action
+            of_participants = self.human.preferred_by_each(
+                choices, self._human_values, (human_action, human_worst_action)
             )
-            if isinstance(self.bootstrap, CrowdTrust):
-                self.bootstrap.count(environment_action, choices)
             handed_over = takes_control(policy.share_seed, step, policy.weights.share)
         preferred = human_action if handed_over else self._prefer(env_values, human_values, choices, policy)
         heard = Heard(human_values, policy.weights, policy.chance_seed, step, handed_over)
         action = self._environment.act(env_values, choices, preferred, heard)
         self._decided = (policy.weights, human_values)
-        return Decision(action, environment_action, human_action, human_worst_action)
-
-    def count_decisions(self, decisions: int, agreed: int, agreed_worst: int) -> None:
-        """Take in decisions of the present episode that a compiled player made as `choose` would have.
-
-        Args:
-            decisions: how many there were while there was a human policy.
-            agreed: at how many the environment policy chose the human policy's best action.
-            agreed_worst: at how many it chose the human policy's worst action.
-        """
-        before = self._watched
-        self._watched = (before[0] + decisions, before[1] + agreed, before[2] + agreed_worst)
+        return Decision(action, environment_action, human_action, human_worst_action, of_participants)
 
     def learn_from_step(self, choices: Choices, action: int, reward: float) -> None:
         """Take in what was done in the decision last made, whoever chose it, and the reward of its step.
@@ -211,30 +185,29 @@ class ArlAgent:
         )
 
     def learn_from_domain(self, policy: EpisodePolicy, played: Outcome) -> None:
-        """Take in how an episode went: the learner hears of its proposal, policies are ranked, w_h is revised.
+        """Take in how an episode went: the learner learns of its proposal, policies are ranked, w_h is revised.
 
         Args:
             policy: from `begin_episode`.
-            played: the outcome. Where this agent made the decisions itself (`choose`), its own count of
-                agreements is used, which leaves out decisions before the first press.
+            played: the outcome, with the agreement that whoever played has counted.
         """
-        decisions, agreed, agreed_worst = self._watched
-        if decisions == 0 and policy.human_known:
-            decisions, agreed, agreed_worst = played.steps, played.agreed, played.agreed_worst
-        self._watched = (0, 0, 0)
-        self._environment.end_episode(policy.policy_id, played, proposed=policy.exploring)
+        self._environment.end_episode(
+            EpisodeEnd(
+                policy_id=policy.policy_id,
+                proposed=policy.exploring,
+                performance=played.performance,
+                terminated=played.ended == "termination",
+                time=played.time,
+            )
+        )
         report = EpisodeReport(
             policy_id=policy.policy_id,
             theta=policy.theta,
             performance=played.performance,
             truncated=played.ended == "truncation",
-            comparison=Comparison(decisions, agreed, agreed_worst) if decisions else None,
-            consistency=self.human.consistency,
+            agreement=played.agreement,
         )
-        if isinstance(self.bootstrap, CrowdTrust):
-            self.bootstrap.record(report)
-        else:
-            self.bootstrap.record(report, self._known_weights())
+        self.bootstrap.record(report, played.with_each)
 
     def step_shown(self, step: int, features: NDArray[np.float64], time_ns: int) -> None:
         """Note that a watched step with feedback features psi, shape (G,), came on screen."""
@@ -244,10 +217,11 @@ class ArlAgent:
         """Note that the step on screen went off it."""
         self.human.step_hidden(time_ns)
 
-    def learn_from_press(self, press: int, time_ns: int, value: float, person: int = 0) -> CreditGiven:
-        """Learn from a press of a person, value > 0 good, < 0 bad; return how it was shared out."""
-        given = self.human.learn_from_press(press, time_ns, value, person)
-        self._environment.press(given, value)
+    def learn_from_press(self, press: int, time_ns: int, value: float, participant: int = 0) -> CreditGiven:
+        """Learn from a participant's press, value > 0 good, < 0 bad; return how it was shared out."""
+        given = self.human.learn_from_press(press, time_ns, value, participant)
+        if self._taught_by_presses is not None:
+            self._taught_by_presses.press(given, value)
         return given
 
     def question(self, choices: Choices) -> Question | None:
@@ -258,21 +232,17 @@ class ArlAgent:
         committee = [policy.theta for policy in self.bootstrap.ranked if len(policy.theta)]
         if self.config.asking.per_episode == 0 or len(committee) < 2:
             return None
-        if isinstance(self.bootstrap, CrowdTrust):
-            probabilities = self.bootstrap.probabilities()
-        else:
-            probabilities = self.bootstrap.probabilities(self._known_weights())
         actions = [
             best_action(
                 self._policy_values(choices.features, theta), choices.ruled_out, len(choices.ruled_out)
             )
             for theta in committee
         ]
-        return self._asker.question(choices, actions, probabilities)
+        return self._asker.question(choices, actions, self.bootstrap.probabilities())
 
-    def learn_from_answer(self, question: Question, chosen: int, person: int = 0) -> None:
-        """Learn which of a question's options a person has chosen."""
-        self.human.learn_from_answer(samples_of(question, chosen, number=self._answers), person)
+    def learn_from_answer(self, question: Question, chosen: int, participant: int = 0) -> None:
+        """Learn which of a question's options a participant has chosen."""
+        self.human.learn_from_answer(samples_of(question, chosen, number=self._answers), participant)
         self._answers += 1
 
     def retract(self, press: int) -> None:
@@ -316,7 +286,7 @@ class ArlAgent:
         rules keep the fingerprints that they were recorded with.
         """
         parts = [self._environment.state_digest(), self.bootstrap.state_bytes(), self.human.state_bytes()]
-        if _goes_by_consistency(self.config.bootstrap.trust):
+        if self.config.bootstrap.trust.needs.consistency:
             parts.append(self.human.consistency_bytes())
         digest = hashlib.sha256()
         for part in parts:
@@ -324,25 +294,10 @@ class ArlAgent:
             digest.update(part)
         return digest.hexdigest()
 
-    def _listen(self, n_sources: int, n_features: int, tiles: Tiling | None) -> HumanLearner | Crowd:
-        """Return the human models of one source, or of several."""
-        if n_sources < 1:
-            raise ValueError(f"an agent listens to at least one source, got {n_sources}")
-        learners = [
-            HumanLearner(self.config.credit, self.config.human_model, n_features, tiles=tiles)
-            for _ in range(n_sources)
-        ]
-        return learners[0] if n_sources == 1 else Crowd(learners, tiles.n_weights if tiles else n_features)
-
-    def _known_weights(self) -> NDArray[np.float64] | None:
-        return self.human.weights if self.human.knows_something else None
-
     def _weights(self, episode: int) -> EpisodeWeights:
-        if not self.human.knows_something and not isinstance(self.config.scheme, HumanOnly):
+        if not self.human.knows_something and waits_for_feedback(self.config.scheme):
             return ENVIRONMENT_WEIGHTS
-        if isinstance(self.bootstrap, CrowdTrust):
-            return self.bootstrap.combine(self.config.scheme, episode)
-        return self.config.scheme.weights(self.w_h, episode)
+        return self.bootstrap.combine(self.config.scheme, episode)
 
     def _prefer(
         self,
@@ -364,8 +319,3 @@ class ArlAgent:
             weights.w_r,
             weights.w_h,
         )
-
-
-def _goes_by_consistency(rule: TrustRule) -> bool:
-    """Return whether a rule of trust asks whether presses can be foreseen."""
-    return isinstance(rule, Tried) or (isinstance(rule, Signed) and rule.consistent_above is not None)

@@ -5,13 +5,13 @@ step left: theta <- theta + alpha f e.
 """
 
 from collections import deque
+from typing import ClassVar
 
 import numpy as np
 
-from core.combination.config import Coach
-from core.combination.preference import best_action
-from core.combination.sides import Drawn, Ending, Floats, Heard
-from core.combination.soft import fill_logits
+from core.combination.config import ActsOn, Coach
+from core.combination.preference import best_action, fill_logits
+from core.combination.sides import EpisodeEnd, EpisodeStart, Floats, Heard, StartedPolicy
 from core.combination.window import Values
 from core.counters import uniform_at
 from core.domain import Choices
@@ -26,29 +26,24 @@ KEPT_TRACES = 256
 class Climbing:
     """A learner whose proposal is a softmax policy that learns while it is played; good ones can be played again."""
 
-    def __init__(self, learner: Actor, values: Values, coach: Coach | None) -> None:
+    offers: ClassVar[frozenset[ActsOn]] = frozenset({"choice", "reward", "policy"})
+
+    def __init__(self, learner: Actor, values: Values) -> None:
         self._learner = learner
         self._values = values
-        self._coach = coach
         self._climbs = False
         # Of the decision at hand: (gains, probabilities, reference), None where the policy did not decide.
         self._softmax: tuple[Floats, Floats, int] | None = None
-        self._trace = np.zeros(0)
-        self._traces: deque[tuple[int, Floats]] = deque(maxlen=KEPT_TRACES)
-        self._steps = 0
 
-    def begin_episode(
-        self, episode: int, draw: Drawn | None, *, rng: np.random.Generator
-    ) -> tuple[int, Floats, bool]:
-        """Return a ranked policy where `draw` is given, else the learner's proposal, which then learns."""
-        self._climbs = draw is None
+    def begin_episode(self, start: EpisodeStart) -> StartedPolicy:
+        """Return a ranked policy where one may be drawn, else the learner's proposal, which then learns."""
+        self._climbs = start.draw is None
         self._softmax = None
-        self._trace = np.zeros(0)
-        if draw is not None:
-            return *draw(), False
+        if start.draw is not None:
+            return StartedPolicy(*start.draw(), proposed=False)
         self._learner.begin_episode()
         candidate = self._learner.propose()
-        return candidate.policy_id, candidate.weights, True
+        return StartedPolicy(candidate.policy_id, candidate.weights, proposed=True)
 
     def values(self, choices: Choices, theta: Floats) -> Floats:
         """Return the learner's values of now; of a ranked policy the features times theta."""
@@ -81,49 +76,77 @@ class Climbing:
         self, choices: Choices, action: int, reward: float, *, shaping: float, augmentation: float
     ) -> None:
         """Let the learner learn; whoever chose the action."""
-        if not self._climbs:
-            return
-        score = None
-        if self._softmax is not None:
-            gains, probabilities, reference = self._softmax
-            score = self._learner.score(
-                choices, action, gains=gains, probabilities=probabilities, reference=reference
-            )
-        if self._coach is not None:
-            self._remember(self._coach, score, choices.features.shape[1])
-        if self._coach is None or self._coach.environment_too:
-            self._learner.took(score, reward + shaping)
+        if self._climbs:
+            self._learner.took(self._score(choices, action), reward + shaping)
 
-    def press(self, credit: CreditGiven, value: float) -> None:
-        """Move the policy toward what was praised, away from what was blamed, by each step's share (COACH)."""
-        if self._coach is None:
-            return
-        shares = dict(zip(credit.steps, credit.shares, strict=True))
-        for step, trace in self._traces:
-            if step in shares:
-                self._learner.push(self._coach.step_size * value * shares[step] * trace)
-
-    def end_episode(self, policy_id: int, played: Ending, *, proposed: bool) -> None:
+    def end_episode(self, end: EpisodeEnd) -> None:
         """Let the learner learn from the end, and tell it how its proposal did."""
-        if proposed:
+        if end.proposed:
             self._learner.end_episode()
-            self._learner.report(policy_id, played.performance)
+            self._learner.report(end.policy_id, end.performance)
 
     def no_policy(self) -> Floats:
         """Return zeros."""
         return np.zeros_like(self._learner.propose().weights)
 
     def state_digest(self) -> bytes:
-        """Return the learner's state and the traces that presses can still reach."""
-        return self._learner.state_digest() + b"".join(trace.tobytes() for _, trace in self._traces)
+        """Return the learner's state."""
+        return self._learner.state_digest()
 
     def export(self) -> dict[str, list[float]]:
         """Return the policy as it is now."""
         return {"actor": self._learner.propose().weights.tolist()}
 
-    def _remember(self, coach: Coach, score: Floats | None, n_features: int) -> None:
+    def _score(self, choices: Choices, action: int) -> Floats | None:
+        """Return grad log pi of the decision at hand; None where the policy did not decide."""
+        if self._softmax is None:
+            return None
+        gains, probabilities, reference = self._softmax
+        return self._learner.score(
+            choices, action, gains=gains, probabilities=probabilities, reference=reference
+        )
+
+
+class Coached(Climbing):
+    """The same, and presses move the policy themselves (COACH): each watched step leaves its trace of grad log pi."""
+
+    def __init__(self, learner: Actor, values: Values, coach: Coach) -> None:
+        super().__init__(learner, values)
+        self._coach = coach
+        self._trace = np.zeros(0)
+        self._traces: deque[tuple[int, Floats]] = deque(maxlen=KEPT_TRACES)
+        self._steps = 0
+
+    def begin_episode(self, start: EpisodeStart) -> StartedPolicy:
+        """Begin an episode with a trace of its own."""
+        self._trace = np.zeros(0)
+        return super().begin_episode(start)
+
+    def took(
+        self, choices: Choices, action: int, reward: float, *, shaping: float, augmentation: float
+    ) -> None:
+        """Keep the trace of the step, and let the learner learn from its reward where that is asked for."""
+        if not self._climbs:
+            return
+        score = self._score(choices, action)
+        self._remember(score, choices.features.shape[1])
+        if self._coach.environment_too:
+            self._learner.took(score, reward + shaping)
+
+    def press(self, credit: CreditGiven, value: float) -> None:
+        """Move the policy toward what was praised, away from what was blamed, by each step's share."""
+        shares = dict(zip(credit.steps, credit.shares, strict=True))
+        for step, trace in self._traces:
+            if step in shares:
+                self._learner.push(self._coach.step_size * value * shares[step] * trace)
+
+    def state_digest(self) -> bytes:
+        """Return the learner's state and the traces that presses can still reach."""
+        return super().state_digest() + b"".join(trace.tobytes() for _, trace in self._traces)
+
+    def _remember(self, score: Floats | None, n_features: int) -> None:
         """Keep the trace of grad log pi after this step, the next of all watched ones."""
         before = self._trace if len(self._trace) else np.zeros(n_features)
-        self._trace = coach.trace_decay * before + (np.zeros(n_features) if score is None else score)
+        self._trace = self._coach.trace_decay * before + (np.zeros(n_features) if score is None else score)
         self._traces.append((self._steps, self._trace))
         self._steps += 1

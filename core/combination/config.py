@@ -1,22 +1,29 @@
-"""Settings of combination: schemes and the weights they give to an episode (Eqs. 2 and 3), and trust (Eqs. 4, 5).
+"""Settings of combination: schemes and the weights they give to an episode (Eqs. 2 and 3), and an agent's settings.
 
 Nothing here needs compiled code, so a protocol can be read without it; the decision itself is in
-`core.combination.preference`, trust in `core.combination.trust.measures`.
+`core.combination.preference`, the rules of trust are in `core.combination.trust`.
 """
 
 import math
-from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal, get_args
 
 import msgspec
 
-from core.combination.bootstrap_config import (
-    AskingConfig,
-    BootstrapConfig,
+from core.combination.agreement import MatchKind
+from core.combination.bootstrap_config import AskingConfig, BootstrapConfig
+from core.combination.episode_weights import (
+    ADVISE,
+    ENVIRONMENT_WEIGHTS,
+    EXPONENTIAL,
+    FORM_NAMES,
+    LINEAR,
+    LINEAR_RAW,
+    EpisodeWeights,
+)
+from core.combination.trust import (
     Equation4,
     Equation5,
     FixedWeight,
-    MatchKind,
     RankCorrelation,
     SideBySide,
     Signed,
@@ -34,8 +41,8 @@ __all__ = [
     "LINEAR",
     "LINEAR_RAW",
     "SCHEMES",
-    "TEACHING_SCHEMES",
     "ActionBiasing",
+    "ActsOn",
     "Advise",
     "AgentConfig",
     "Annealed",
@@ -62,64 +69,19 @@ __all__ = [
     "Signed",
     "Tried",
     "TrustRule",
+    "waits_for_feedback",
 ]
 
 Scale = Literal["standardised", "raw"]
-
-LINEAR = 0
-"""Form: argmax w_r R + w_h H, both standardised over the actions of the decision (Eq. 3)."""
-EXPONENTIAL = 1
-"""Form: argmax w_r R (1 + H^w_h), H mapped to [0, 1] and R shifted to >= 0 (section 3.1)."""
-LINEAR_RAW = 2
-"""Form: argmax w_r R + w_h H of the values as they come (Eq. 3 to the letter)."""
-ADVISE = 3
-"""Form: argmax pi_R pi_H, softmax of R times the probability that the human calls the action right (Advise)."""
-
-FORM_NAMES: dict[int, str] = {
-    LINEAR: "linear",
-    EXPONENTIAL: "exponential",
-    LINEAR_RAW: "linear, raw values",
-    ADVISE: "Advise",
-}
-"""Names of the forms, for reports."""
-
-
-@dataclass(frozen=True, slots=True)
-class EpisodeWeights:
-    """How environment and human are combined during one episode."""
-
-    form: int
-    """LINEAR, EXPONENTIAL, LINEAR_RAW or ADVISE."""
-    w_r: float
-    """Weight of the environment's values, >= 0."""
-    w_h: float
-    """Weight of the human's values; negative where the human is believed to mean the opposite."""
-    share: float = 0.0
-    """Probability, per decision, of taking the human model's best action instead, in [0, 1]."""
-    shaping: float = 0.0
-    """What is added to the environment's reward of a step per unit of its H (reward shaping)."""
-    augmentation: float = 0.0
-    """The learner learns Q so that Q + this times H fits its returns (Q augmentation)."""
-
-    def __post_init__(self) -> None:
-        if self.form not in FORM_NAMES:
-            raise ValueError(f"form is one of {FORM_NAMES}, got {self.form}")
-        if not (math.isfinite(self.w_r) and self.w_r >= 0 and math.isfinite(self.w_h)):
-            raise ValueError(f"w_r is finite and >= 0, w_h finite; got w_r={self.w_r}, w_h={self.w_h}")
-        if not 0 <= self.share <= 1:
-            raise ValueError(f"share is a probability, got {self.share}")
-        if not (math.isfinite(self.shaping) and math.isfinite(self.augmentation)):
-            raise ValueError(
-                f"shaping and augmentation are finite, got {self.shaping} and {self.augmentation}"
-            )
-
-
-ENVIRONMENT_WEIGHTS = EpisodeWeights(LINEAR, 1.0, 0.0)
-"""The environment alone: what an agent does before anybody has given feedback."""
+ActsOn = Literal["choice", "reward", "values", "policy"]
+"""What of a learner a scheme acts on: its choices only, as any learner has, or what it learns: the reward of each step, the
+values of actions, or the policy itself (`core.combination.environment` refuses a learner without)."""
 
 
 class Linear(msgspec.Struct, frozen=True, tag="linear"):
     """a = argmax w_r R + w_h H with w_r = 1 and w_h from bootstrap learning (Eq. 3)."""
+
+    acts_on: ClassVar[ActsOn] = "choice"
 
     scale: Scale = "standardised"
     """What R and H are divided by (`docs/decisions/scale-of-r-and-h.md`)."""
@@ -132,6 +94,8 @@ class Linear(msgspec.Struct, frozen=True, tag="linear"):
 class Exponential(msgspec.Struct, frozen=True, tag="exponential"):
     """a = argmax w_r R (1 + H^w_h) with w_r = 1 and w_h from bootstrap learning (section 3.1)."""
 
+    acts_on: ClassVar[ActsOn] = "choice"
+
     def weights(self, trust: float, episode: int) -> EpisodeWeights:
         """Return the weights for the w_h that bootstrap learning holds now."""
         return EpisodeWeights(EXPONENTIAL, 1.0, trust)
@@ -139,6 +103,8 @@ class Exponential(msgspec.Struct, frozen=True, tag="exponential"):
 
 class Annealed(msgspec.Struct, frozen=True, tag="annealed"):
     """Eq. 3 with w_h = beta_0 decay^k in episode k: the paper's baseline (section 4; Knox & Stone 2010)."""
+
+    acts_on: ClassVar[ActsOn] = "choice"
 
     beta_0: float = 1.0
     """w_h of the first episode. 1: as much say as the environment, both being standardised. (Our choice.)"""
@@ -158,6 +124,8 @@ class Annealed(msgspec.Struct, frozen=True, tag="annealed"):
 class Constant(msgspec.Struct, frozen=True, tag="constant"):
     """Eq. 3 with a weight that never changes: what bootstrap learning has to beat with a bad participant."""
 
+    acts_on: ClassVar[ActsOn] = "choice"
+
     w_h: float = 1.0
     """As much say as the environment, both being standardised. (Our choice.)"""
     scale: Scale = "standardised"
@@ -171,6 +139,8 @@ class Constant(msgspec.Struct, frozen=True, tag="constant"):
 class EnvironmentOnly(msgspec.Struct, frozen=True, tag="environment-only"):
     """The underlying learner without a human: a = argmax R (section 4, "default")."""
 
+    acts_on: ClassVar[ActsOn] = "choice"
+
     def weights(self, trust: float, episode: int) -> EpisodeWeights:
         """Return w_r = 1, w_h = 0."""
         return ENVIRONMENT_WEIGHTS
@@ -178,6 +148,8 @@ class EnvironmentOnly(msgspec.Struct, frozen=True, tag="environment-only"):
 
 class HumanOnly(msgspec.Struct, frozen=True, tag="human-only"):
     """The human model without an environment: a = argmax H, as TAMER (Knox & Stone 2009; section 4)."""
+
+    acts_on: ClassVar[ActsOn] = "choice"
 
     def weights(self, trust: float, episode: int) -> EpisodeWeights:
         """Return w_r = 0, w_h = 1."""
@@ -190,6 +162,8 @@ class ActionBiasing(msgspec.Struct, frozen=True, tag="action-biasing"):
     The scales of Q and H are the values' own, as in the source, so `beta_0` belongs to one task and one
     learner; where the scale of Q is arbitrary (policies of the cross-entropy method) ask for "standardised".
     """
+
+    acts_on: ClassVar[ActsOn] = "choice"
 
     beta_0: float = 10.0
     """Weight of the first episode (default of TAMER's code)."""
@@ -208,6 +182,8 @@ class ActionBiasing(msgspec.Struct, frozen=True, tag="action-biasing"):
 
 class ControlSharing(msgspec.Struct, frozen=True, tag="control-sharing"):
     """With probability min(1, beta) take argmax H, else argmax R (Knox & Stone 2010, technique 7)."""
+
+    acts_on: ClassVar[ActsOn] = "choice"
 
     beta_0: float = 1.0
     """Probability in the first episode, clipped to 1 (as in the Frogger study of Griffith et al. 2013)."""
@@ -230,6 +206,8 @@ class Advise(msgspec.Struct, frozen=True, tag="advise"):
     actions of the decision as R is (`docs/decisions/more-schemes.md`).
     """
 
+    acts_on: ClassVar[ActsOn] = "choice"
+
     consistency: float = 0.9
     """C, in (0, 1): chance that a press is right. 0.5 means nothing, less the opposite. (Paper, section 4: 1 in 10 wrong.)"""
     temperature: float = 1.0
@@ -250,6 +228,8 @@ class Advise(msgspec.Struct, frozen=True, tag="advise"):
 class RewardShaping(msgspec.Struct, frozen=True, tag="reward-shaping"):
     """The learner hears r + beta H(s, a), beta annealed, and chooses by R alone (Knox & Stone 2010, technique 1)."""
 
+    acts_on: ClassVar[ActsOn] = "reward"
+
     beta_0: float = 1.0
     """Reward per unit of H in the first episode: a press is worth a line, or a cycle. (Our choice.)"""
     decay: float = 0.98
@@ -269,6 +249,8 @@ class QAugmentation(msgspec.Struct, frozen=True, tag="q-augmentation"):
     The temporal difference of Q + beta H is that of Q with beta (gamma H(s', a') - H(s, a)) added to the reward.
     """
 
+    acts_on: ClassVar[ActsOn] = "values"
+
     beta: float = 1.0
     """Weight of H, in units of the return. (Our choice.)"""
 
@@ -287,6 +269,8 @@ class Coach(msgspec.Struct, frozen=True, tag="coach"):
     theta <- theta + alpha f e, e being the trace of grad log pi up to the step that the press is about. No human model
     takes part in choices; the learner must be an actor (policy gradient).
     """
+
+    acts_on: ClassVar[ActsOn] = "policy"
 
     step_size: float = 0.05
     """alpha of the presses, > 0. (Our choice; the source's 0.05 belongs to a robot's features.)"""
@@ -322,24 +306,13 @@ Scheme = (
 )
 """Any scheme; msgspec decodes it by its tag, the field "type"."""
 
-SCHEMES: dict[str, type[Scheme]] = {
-    "linear": Linear,
-    "exponential": Exponential,
-    "annealed": Annealed,
-    "constant": Constant,
-    "environment-only": EnvironmentOnly,
-    "human-only": HumanOnly,
-    "action-biasing": ActionBiasing,
-    "control-sharing": ControlSharing,
-    "reward-shaping": RewardShaping,
-    "q-augmentation": QAugmentation,
-    "advise": Advise,
-    "coach": Coach,
-}
-"""Every scheme by its tag: the one registry."""
+SCHEMES: dict[str, type[Scheme]] = {str(kind.__struct_config__.tag): kind for kind in get_args(Scheme)}
+"""Every scheme by its tag."""
 
-TEACHING_SCHEMES = (RewardShaping, QAugmentation, Coach)
-"""Schemes that act on what the environment's learner learns: they need one that learns at every step."""
+
+def waits_for_feedback(scheme: Scheme) -> bool:
+    """Return whether the environment is played alone until the human model knows something: not in `HumanOnly`."""
+    return not isinstance(scheme, HumanOnly)
 
 
 def _linear_form(scale: Scale) -> int:

@@ -3,14 +3,14 @@
 `core.combination.agent` asks this side for values and actions and never knows which kind it has.
 """
 
-from typing import Protocol
+from typing import ClassVar, NamedTuple, Protocol
 
 import numpy as np
 
-from core.combination.climbing import Climbing
-from core.combination.config import Coach, Scheme
+from core.combination.climbing import Climbing, Coached
+from core.combination.config import ActsOn, Coach, Scheme
 from core.combination.preference import best_action
-from core.combination.sides import Drawn, Ending, Floats, Heard
+from core.combination.sides import EpisodeEnd, EpisodeStart, Floats, Heard, StartedPolicy
 from core.combination.window import Values
 from core.domain import Choices
 from core.episode import CreditGiven
@@ -20,16 +20,11 @@ from core.learners.contract import Actor, EnvironmentLearner, StepwiseLearner
 class EnvironmentSide(Protocol):
     """What an agent asks of its environment learner."""
 
-    def begin_episode(
-        self, episode: int, draw: Drawn | None, *, rng: np.random.Generator
-    ) -> tuple[int, Floats, bool]:
-        """Return number and theta of the policy of this episode, and whether it is the learner's new proposal.
+    offers: ClassVar[frozenset[ActsOn]]
+    """What of the learner a scheme can act on."""
 
-        Args:
-            episode: number of the episode in the session.
-            draw: how to play one of the ranked policies instead of a proposal; None where a proposal is asked for.
-            rng: of the exploration within the episode.
-        """
+    def begin_episode(self, start: EpisodeStart) -> StartedPolicy:
+        """Return the policy of this episode."""
         ...
 
     def values(self, choices: Choices, theta: Floats) -> Floats:
@@ -46,11 +41,7 @@ class EnvironmentSide(Protocol):
         """Take in a step, its reward, and what feedback adds to it, or to the value of what was done."""
         ...
 
-    def press(self, credit: CreditGiven, value: float) -> None:
-        """Hear how a press was shared out among the steps: for those whom presses teach directly."""
-        ...
-
-    def end_episode(self, policy_id: int, played: Ending, *, proposed: bool) -> None:
+    def end_episode(self, end: EpisodeEnd) -> None:
         """Take in how an episode ended."""
         ...
 
@@ -67,21 +58,36 @@ class EnvironmentSide(Protocol):
         ...
 
 
+class TaughtByPresses(Protocol):
+    """A side that presses teach directly, not through a human model."""
+
+    def press(self, credit: CreditGiven, value: float) -> None:
+        """Learn from how a press of this value was shared out among the steps."""
+        ...
+
+
+class Sides(NamedTuple):
+    """An environment's side, and the same one again where presses teach it directly."""
+
+    environment: EnvironmentSide
+    taught_by_presses: TaughtByPresses | None
+
+
 class PolicySearch:
     """A learner that proposes a policy for a whole episode: good ones can be played again."""
+
+    offers: ClassVar[frozenset[ActsOn]] = frozenset({"choice"})
 
     def __init__(self, learner: EnvironmentLearner, values: Values) -> None:
         self._learner = learner
         self._values = values
 
-    def begin_episode(
-        self, episode: int, draw: Drawn | None, *, rng: np.random.Generator
-    ) -> tuple[int, Floats, bool]:
-        """Return a ranked policy where `draw` is given, else the learner's proposal."""
-        if draw is not None:
-            return *draw(), False
+    def begin_episode(self, start: EpisodeStart) -> StartedPolicy:
+        """Return a ranked policy where one may be drawn, else the learner's proposal."""
+        if start.draw is not None:
+            return StartedPolicy(*start.draw(), proposed=False)
         candidate = self._learner.propose()
-        return candidate.policy_id, candidate.weights, True
+        return StartedPolicy(candidate.policy_id, candidate.weights, proposed=True)
 
     def values(self, choices: Choices, theta: Floats) -> Floats:
         """Return the features times theta."""
@@ -96,13 +102,10 @@ class PolicySearch:
     ) -> None:
         """Do nothing: this learner hears of whole episodes only."""
 
-    def press(self, credit: CreditGiven, value: float) -> None:
-        """Do nothing: presses reach this learner through the human model."""
-
-    def end_episode(self, policy_id: int, played: Ending, *, proposed: bool) -> None:
+    def end_episode(self, end: EpisodeEnd) -> None:
         """Tell the learner how its proposal did."""
-        if proposed:
-            self._learner.report(policy_id, played.performance)
+        if end.proposed:
+            self._learner.report(end.policy_id, end.performance)
 
     def no_policy(self) -> Floats:
         """Return zeros."""
@@ -120,15 +123,15 @@ class PolicySearch:
 class StepByStep:
     """A learner that changes at every step: each episode is a policy of its own, and none comes back."""
 
+    offers: ClassVar[frozenset[ActsOn]] = frozenset({"choice", "reward", "values"})
+
     def __init__(self, learner: StepwiseLearner) -> None:
         self._learner = learner
 
-    def begin_episode(
-        self, episode: int, draw: Drawn | None, *, rng: np.random.Generator
-    ) -> tuple[int, Floats, bool]:
+    def begin_episode(self, start: EpisodeStart) -> StartedPolicy:
         """Begin with what has been learned so far; the episode's number is that of the policy, theta is empty."""
-        self._learner.begin_episode(rng=rng)
-        return episode, np.empty(0), True
+        self._learner.begin_episode(rng=start.rng)
+        return StartedPolicy(start.episode, np.empty(0), proposed=True)
 
     def values(self, choices: Choices, theta: Floats) -> Floats:
         """Return the learner's values of now."""
@@ -144,12 +147,9 @@ class StepByStep:
         """Let the learner learn."""
         self._learner.took(choices, action, reward, shaping=shaping, augmentation=augmentation)
 
-    def press(self, credit: CreditGiven, value: float) -> None:
-        """Do nothing: presses reach this learner through the human model."""
-
-    def end_episode(self, policy_id: int, played: Ending, *, proposed: bool) -> None:
+    def end_episode(self, end: EpisodeEnd) -> None:
         """Let the learner learn from the end."""
-        self._learner.end_episode(played.time, terminated=played.ended == "termination")
+        self._learner.end_episode(end.time, terminated=end.terminated)
 
     def no_policy(self) -> Floats:
         """Return an empty theta: the learner goes by what it has learned, which is nothing without episodes."""
@@ -164,9 +164,16 @@ class StepByStep:
         return self._learner.export()
 
 
-def environment_side(
-    learner: EnvironmentLearner | StepwiseLearner, values: Values, scheme: Scheme
-) -> EnvironmentSide:
+NEEDED: dict[ActsOn, str] = {
+    "choice": "any learner",
+    "reward": "a learner that learns from the reward of each step: Sarsa or policy gradient",
+    "values": "a learner of action values that learns at every step: Sarsa",
+    "policy": "a learner with a softmax policy: policy gradient",
+}
+"""Which learner a scheme needs, by what it acts on, for messages."""
+
+
+def environment_sides(learner: EnvironmentLearner | StepwiseLearner, values: Values, scheme: Scheme) -> Sides:
     """Return the interface of any kind of learner.
 
     Args:
@@ -177,19 +184,21 @@ def environment_side(
     Raises:
         ValueError: the scheme acts on what the learner learns, and this learner cannot be acted on so.
     """
-    name = scheme.__struct_config__.tag
-    coach = scheme if isinstance(scheme, Coach) else None
-    if isinstance(learner, StepwiseLearner):
-        if coach is not None:
-            raise ValueError(f"scheme {name} needs a learner with a softmax policy: policy gradient")
-        return StepByStep(learner)
-    if name == "q-augmentation":
-        raise ValueError(f"scheme {name} needs a learner of action values that learns at every step: Sarsa")
-    if isinstance(learner, Actor):
-        return Climbing(learner, values, coach)
-    if coach is not None or name == "reward-shaping":
+    sides = _sides(learner, values, scheme)
+    if scheme.acts_on not in sides.environment.offers:
         raise ValueError(
-            f"scheme {name} acts on what the learner learns from each step; one that hears of whole episodes only, "
-            "such as cross-entropy, has nothing to act on"
+            f"scheme {scheme.__struct_config__.tag} needs {NEEDED[scheme.acts_on]}; got {type(learner).__name__}: "
+            "set another [agent.scheme] type, or another [learner] type"
         )
-    return PolicySearch(learner, values)
+    return sides
+
+
+def _sides(learner: EnvironmentLearner | StepwiseLearner, values: Values, scheme: Scheme) -> Sides:
+    if isinstance(learner, StepwiseLearner):
+        return Sides(StepByStep(learner), None)
+    if isinstance(learner, Actor):
+        if isinstance(scheme, Coach):
+            coached = Coached(learner, values, scheme)
+            return Sides(coached, coached)
+        return Sides(Climbing(learner, values), None)
+    return Sides(PolicySearch(learner, values), None)

@@ -1,4 +1,4 @@
-"""One source of human feedback: its presses, the credit they get, and the model learned from them."""
+"""One participant: their presses, the credit these get, and the model learned from them."""
 
 import struct
 
@@ -78,8 +78,8 @@ class HumanLearner:
             self._on_screen = -1
             self._learn()
 
-    def learn_from_press(self, press: int, time_ns: int, value: float, person: int = 0) -> CreditGiven:
-        """Learn from a press, value > 0 good, < 0 bad, whoever made it; return how it was shared out."""
+    def learn_from_press(self, press: int, time_ns: int, value: float, participant: int = 0) -> CreditGiven:
+        """Learn from a press, value > 0 good, < 0 bad, whichever participant made it; return how it was shared out."""
         given = self._assigner.press(press, time_ns, value)
         self._learn()
         return CreditGiven(
@@ -92,8 +92,8 @@ class HumanLearner:
             merged_into=given.merged_into,
         )
 
-    def learn_from_answer(self, samples: list[Sample], person: int = 0) -> None:
-        """Learn what an answer to a question says (`core.combination.asking.samples_of`), whoever gave it."""
+    def learn_from_answer(self, samples: list[Sample]) -> None:
+        """Learn what an answer to a question says (`core.combination.asking.samples_of`)."""
         self._answers.extend(samples)
         for sample in samples:
             self._learn_from(sample)

@@ -1,20 +1,24 @@
-"""Several sources of human feedback as one: a human model and a weight per source (section 3.1).
+"""The participants whom an agent listens to, one or several: a human model and a weight for each (section 3.1).
 
-f(R, H) of the paper is of one H. Several are folded into one: H = sum of w_s H_s / sd_s over the sources, w_s being what trust (or the scheme)
-gives source s, and sd_s the spread of H_s among the actions of recent decisions, so that who presses more has no more say. The weight of
-the folded H is its own spread. With one source that is the weight and the choice of one source, exactly (`docs/decisions/several-sources.md`).
+f(R, H) of the paper is of one H. With one participant that is their model's. Those of several are folded into one:
+H = sum of w_s H_s / sd_s over the participants, w_s being what trust (or the scheme) gives participant s, and sd_s the spread
+of H_s among the actions of recent decisions, so that who presses more has no more say. The weight of the folded H is its own
+spread. If only one of several presses, choices are those of that one (`docs/decisions/several-sources.md`).
 """
 
 import dataclasses
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from core.combination.bootstrap_learning import BootstrapLearning, EpisodeReport, RankedPolicy
+from core.combination.agreement import Agreement
+from core.combination.bootstrap_learning import BootstrapLearning
 from core.combination.config import BootstrapConfig, EpisodeWeights, Scheme
 from core.combination.human_learner import HumanLearner
 from core.combination.preference import best_action, worst_action
-from core.combination.trust.measures import Comparison, selection_probabilities
+from core.combination.ranking import EpisodeReport, RankedPolicy, draw_policy
+from core.combination.trust.measures import selection_probabilities
 from core.combination.window import DecisionWindow, Values
 from core.domain import Choices
 from core.episode import CreditGiven
@@ -23,25 +27,39 @@ from core.feedback.samples import MassAccount, Sample
 Floats = NDArray[np.float64]
 
 
-class Crowd:
-    """The human models of several sources, in the place of one `HumanLearner`."""
+class Listeners:
+    """The human models of one or several participants, and the one H that they make together."""
 
-    def __init__(self, learners: list[HumanLearner], n_weights: int) -> None:
-        """Begin without any press; `n_weights` is the length of v."""
-        self.learners = learners
-        self.factors = np.zeros(len(learners))
-        """What each source's v is multiplied by in the folded one, shape (S,)."""
+    def __init__(self, learners: Sequence[HumanLearner], n_weights: int) -> None:
+        """Begin without any press.
+
+        Args:
+            learners: one per participant, at least one; participants count from 0.
+            n_weights: length of v.
+        """
+        if not learners:
+            raise ValueError("an agent listens to at least one participant, got 0")
+        self.learners = tuple(learners)
+        self.factors = np.zeros(0 if self.alone else len(learners))
+        """What each participant's v is multiplied by in the folded one, shape (n,); of one alone nothing is folded, shape (0,)."""
         self._n_weights = n_weights
-        self._source_of: dict[int, int] = {}
+        self._participant_of: dict[int, int] = {}
+
+    @property
+    def alone(self) -> bool:
+        """Whether there is one participant, whose model is H as it stands."""
+        return len(self.learners) == 1
 
     @property
     def knows_something(self) -> bool:
-        """Whether any source prefers any action to another."""
+        """Whether any participant's model prefers any action to another."""
         return any(learner.knows_something for learner in self.learners)
 
     @property
     def weights(self) -> Floats:
-        """The folded v, shape (G,)."""
+        """V of H, shape (G,); zeros while nothing is known."""
+        if self.alone:
+            return self.learners[0].weights
         folded = np.zeros(self._n_weights)
         for factor, learner in zip(self.factors, self.learners, strict=True):
             if learner.knows_something:
@@ -50,22 +68,24 @@ class Crowd:
 
     @property
     def consistency(self) -> float:
-        """How many standard errors better than chance the source that is foreseen best is foreseen."""
+        """How many standard errors better than chance the participant who is foreseen best is foreseen."""
         return max(learner.consistency for learner in self.learners)
 
     @property
     def account(self) -> MassAccount:
-        """Where the mass of everybody's presses went."""
+        """Where the mass of all participants' presses went."""
         accounts = [dataclasses.astuple(learner.account) for learner in self.learners]
         return MassAccount(*(sum(column) for column in zip(*accounts, strict=True)))
 
-    def fold(self, weights: list[float], window: DecisionWindow) -> float:
-        """Set how the sources are folded, by their weights; return the weight of the folded H.
+    def fold(self, weights: Sequence[float], window: DecisionWindow) -> float:
+        """Set how several participants are folded, by their weights; return the weight of the folded H.
 
         Args:
-            weights: w_s of each source; a source that knows nothing has no say.
-            window: recent decisions, by which spreads are measured. Before there is any, each source counts by its own v.
+            weights: w_s of each participant; one whose model knows nothing has no say.
+            window: recent decisions, by which spreads are measured. Before there is any, each counts by its own v.
         """
+        if self.alone:
+            return weights[0]
         for s, (weight, learner) in enumerate(zip(weights, self.learners, strict=True)):
             spread = 0.0
             if learner.knows_something:
@@ -73,8 +93,33 @@ class Crowd:
             self.factors[s] = weight / spread if spread > 0 else 0.0
         return window.spread(self.weights) if len(window) else float(np.abs(self.factors).sum())
 
+    def preferred_by_each(
+        self, choices: Choices, values: Values, together: tuple[int, int]
+    ) -> tuple[tuple[int, int], ...]:
+        """Return each participant's best and worst action of a decision; -1 for one whose model knows nothing.
+
+        Args:
+            choices: the decision.
+            values: H of each action from feature rows and v.
+            together: best and worst action by the H of all: of one participant, their own.
+        """
+        if self.alone:
+            return (together,)
+        n = len(choices.ruled_out)
+        preferred = []
+        for learner in self.learners:
+            best, worst = -1, -1
+            if learner.knows_something:
+                heard = values(choices.feedback_features, learner.weights)
+                best, worst = (
+                    best_action(heard, choices.ruled_out, n),
+                    worst_action(heard, choices.ruled_out, n),
+                )
+            preferred.append((best, worst))
+        return tuple(preferred)
+
     def step_shown(self, step: int, features: Floats, time_ns: int) -> None:
-        """Note that a step came on screen: everybody sees it."""
+        """Note that a step came on screen: all participants see it."""
         for learner in self.learners:
             learner.step_shown(step, features, time_ns)
 
@@ -83,27 +128,27 @@ class Crowd:
         for learner in self.learners:
             learner.step_hidden(time_ns)
 
-    def learn_from_press(self, press: int, time_ns: int, value: float, person: int = 0) -> CreditGiven:
-        """Learn from a press of one person; return how it was shared out.
+    def learn_from_press(self, press: int, time_ns: int, value: float, participant: int = 0) -> CreditGiven:
+        """Learn from a press of one participant; return how it was shared out.
 
         Raises:
-            ValueError: nobody has this number.
+            ValueError: there is no participant of this number.
         """
-        if not 0 <= person < len(self.learners):
+        if not 0 <= participant < len(self.learners):
             raise ValueError(
-                f"press {press} is by person {person}, but this agent listens to {len(self.learners)}: "
-                "name the others in the protocol"
+                f"press {press} is by participant {participant}, but this agent listens to {len(self.learners)}, counted "
+                "from 0: name the others in the protocol"
             )
-        self._source_of[press] = person
-        return self.learners[person].learn_from_press(press, time_ns, value)
+        self._participant_of[press] = participant
+        return self.learners[participant].learn_from_press(press, time_ns, value)
 
-    def learn_from_answer(self, samples: list[Sample], person: int = 0) -> None:
-        """Learn what a person's answer to a question says."""
-        self.learners[person].learn_from_answer(samples)
+    def learn_from_answer(self, samples: list[Sample], participant: int = 0) -> None:
+        """Learn what a participant's answer to a question says."""
+        self.learners[participant].learn_from_answer(samples)
 
     def retract(self, press: int) -> None:
         """Forget a press as if it had never been made."""
-        self.learners[self._source_of[press]].retract(press)
+        self.learners[self._participant_of[press]].retract(press)
 
     def finish(self, time_ns: int) -> None:
         """Learn from the steps that still waited for presses."""
@@ -111,10 +156,10 @@ class Crowd:
             learner.finish(time_ns)
 
     def export(self) -> dict[str, list[float]]:
-        """Return each source's model, its names ending in the person's number after the first."""
+        """Return each participant's model, its names ending in the participant's number after the first."""
         return {
-            name if person == 0 else f"{name}-{person}": values
-            for person, learner in enumerate(self.learners)
+            name if participant == 0 else f"{name}-{participant}": values
+            for participant, learner in enumerate(self.learners)
             for name, values in learner.export().items()
         }
 
@@ -123,37 +168,32 @@ class Crowd:
         return self.factors.tobytes() + b"".join(learner.state_bytes() for learner in self.learners)
 
     def consistency_bytes(self) -> bytes:
-        """Return all that decides about everybody's later consistency, for fingerprints."""
+        """Return all that decides about all participants' later consistency, for fingerprints."""
         return b"".join(learner.consistency_bytes() for learner in self.learners)
 
 
-class CrowdTrust:
-    """Bootstrap learning with a weight per source: the same rule for each, over the same top policies."""
+class ListenersTrust:
+    """Bootstrap learning with a weight per participant: the same rule for each, over the same top policies."""
 
     def __init__(
         self,
         config: BootstrapConfig,
         window: DecisionWindow,
-        crowd: Crowd,
-        human_values: Values,
+        listeners: Listeners,
         *,
         root_seed: int,
     ) -> None:
         """Begin without policies and without trust; arguments as in `BootstrapLearning`."""
-        self.rules = [BootstrapLearning(config, window, root_seed=root_seed) for _ in crowd.learners]
-        self._config = config
+        self.rules = [BootstrapLearning(config, window, root_seed=root_seed) for _ in listeners.learners]
         self._window = window
-        self._crowd = crowd
-        self._human_values = human_values
-        # Of the episode being watched, per source: decisions, agreed, agreed with the worst.
-        self._counts = np.zeros((len(crowd.learners), 3), dtype=np.int64)
+        self._listeners = listeners
 
     @property
     def w_h(self) -> list[float]:
-        """Weight of each source; 0 for one that knows nothing."""
+        """Weight of each participant; 0 for one whose model knows nothing."""
         return [
             rule.w_h if learner.knows_something else 0.0
-            for rule, learner in zip(self.rules, self._crowd.learners, strict=True)
+            for rule, learner in zip(self.rules, self._listeners.learners, strict=True)
         ]
 
     @property
@@ -161,66 +201,56 @@ class CrowdTrust:
         """The top policies, best first."""
         return self.rules[0].ranked
 
-    def count(self, environment_action: int, choices: Choices) -> None:
-        """Hold the environment's choice in a decision against every source."""
-        n = len(choices.ruled_out)
-        for s, learner in enumerate(self._crowd.learners):
-            if learner.knows_something:
-                values = self._human_values(choices.feedback_features, learner.weights)
-                self._counts[s, 0] += 1
-                self._counts[s, 1] += environment_action == best_action(values, choices.ruled_out, n)
-                self._counts[s, 2] += environment_action == worst_action(values, choices.ruled_out, n)
-
-    def record(self, report: EpisodeReport) -> None:
+    def record(self, report: EpisodeReport, with_each: Sequence[Agreement | None]) -> None:
         """Take in an episode: rank its policy, revise every weight.
 
-        Where nobody counted decision by decision, the policy is held against each source in the recent decisions.
+        Args:
+            report: the episode, with the agreement of its policy with H.
+            with_each: agreement with each participant's own model; empty where nobody counted it. With one participant
+                that is the report's. With several a policy that was not compared with a participant's model while it was
+                played is compared with it in recent decisions.
         """
-        for s, (rule, learner) in enumerate(zip(self.rules, self._crowd.learners, strict=True)):
+        several = not self._listeners.alone
+        for s, (rule, learner) in enumerate(zip(self.rules, self._listeners.learners, strict=True)):
             known = learner.weights if learner.knows_something else None
-            comparison = None
-            if self._counts[s, 0]:
-                comparison = Comparison(*(int(count) for count in self._counts[s]))
-            elif known is not None and len(self._window) and len(report.theta):
-                comparison = self._window.compare(report.theta, known)
+            agreement = report.agreement
+            if several:
+                agreement = with_each[s] if with_each else None
+                if agreement is None and known is not None and len(self._window) and len(report.theta):
+                    agreement = self._window.compare(report.theta, known)
             rule.record(
-                dataclasses.replace(report, comparison=comparison, consistency=learner.consistency), known
+                dataclasses.replace(report, agreement=agreement, consistency=learner.consistency), known
             )
-        self._counts[:] = 0
 
     def probabilities(self) -> list[float]:
-        """Return the probability of each top policy being played: by performance, and by its match to every source.
+        """Return the probability of each top policy being played: by performance, and by its match to every participant.
 
-        p_i is proportional to pm_i max(0, 1 + sum over sources of w_s m_is).
+        p_i is proportional to pm_i max(0, 1 + sum over participants of w_s m_is).
         """
         ranked = self.ranked
-        pulls = np.zeros(len(ranked))
-        if self._config.symmetric:
-            for rule, learner, w_s in zip(self.rules, self._crowd.learners, self.w_h, strict=True):
-                if w_s:
-                    known = [m for m in rule.matches(learner.weights) if m is not None]
-                    usual = sum(known) / len(known) if known else 0.0
-                    matches = [usual if m is None else m for m in rule.matches(learner.weights)]
-                    pulls += w_s * np.array(matches)
-        return selection_probabilities(
-            [policy.performance for policy in ranked], [float(pull) for pull in pulls], 1.0
-        )
+        pull = np.zeros(len(ranked))
+        for rule, learner in zip(self.rules, self._listeners.learners, strict=True):
+            known = learner.weights if learner.knows_something else None
+            # One of several who has taken every press back has no say. (One alone keeps it: recorded sessions go by that.)
+            if known is not None or self._listeners.alone:
+                pull += rule.pulls(known)
+        return selection_probabilities([policy.performance for policy in ranked], pull.tolist())
 
     def draw(self, *, rng: np.random.Generator) -> RankedPolicy:
         """Return one of the top policies (there must be one), drawn by `probabilities`."""
-        ranked, probabilities = self.ranked, self.probabilities()
-        at = int(np.searchsorted(np.cumsum(probabilities), float(rng.random()), side="right"))
-        return ranked[min(at, len(ranked) - 1)]
+        return draw_policy(self.ranked, self.probabilities(), rng=rng)
 
     def combine(self, scheme: Scheme, episode: int) -> EpisodeWeights:
-        """Fold the sources by what the scheme gives each of them; return how the folded H is combined with R.
+        """Fold the participants by what the scheme gives each of them; return how H is combined with R.
 
-        Schemes that give H no weight in the choice (control sharing, reward shaping) hear all sources alike.
+        Schemes that give H no weight in the choice (control sharing, reward shaping) listen to all participants alike.
         """
-        each = [scheme.weights(w_s, episode) for w_s in self.w_h]
+        # Of one alone -0.0 is 0.0, as it stands in recordings.
+        w_h = [sum(self.w_h)] if self._listeners.alone else self.w_h
+        each = [scheme.weights(w_s, episode) for w_s in w_h]
         weights = [single.w_h for single in each]
-        silent = not (any(weights) and self._crowd.knows_something)
-        folded = self._crowd.fold([1.0] * len(each) if silent else weights, self._window)
+        silent = not (any(weights) and self._listeners.knows_something)
+        folded = self._listeners.fold([1.0] * len(each) if silent else weights, self._window)
         return each[0] if silent else dataclasses.replace(each[0], w_h=folded)
 
     def state_bytes(self) -> bytes:

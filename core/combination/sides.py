@@ -1,12 +1,13 @@
 """What passes between an agent, its environment's side (`core.combination.environment`), and who plays for it."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from typing import Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from core.combination.agreement import Agreement
 from core.combination.config import EpisodeWeights
 
 Floats = NDArray[np.float64]
@@ -14,23 +15,42 @@ Drawn = Callable[[], tuple[int, Floats]]
 """Draws one of the policies that have been ranked: its number and theta."""
 
 
-class Ending(Protocol):
-    """How an episode ended (`core.rollout.Played`)."""
+@dataclass(frozen=True, slots=True, eq=False)
+class EpisodeStart:
+    """What an environment's side has to know when an episode begins."""
 
-    @property
-    def performance(self) -> float:
-        """Performance measure, >= 0."""
-        ...
+    episode: int
+    """Number of the episode in the session."""
+    draw: Drawn | None
+    """How to play one of the ranked policies instead of a proposal; None where a proposal is asked for."""
+    rng: np.random.Generator
+    """Of the exploration within the episode."""
 
-    @property
-    def ended(self) -> Literal["termination", "truncation"]:
-        """Whether the episode came to its end."""
-        ...
 
-    @property
-    def time(self) -> int:
-        """The domain's own time at the end."""
-        ...
+@dataclass(frozen=True, slots=True, eq=False)
+class StartedPolicy:
+    """What an environment's side plays in the episode that has begun."""
+
+    policy_id: int
+    theta: Floats
+    """Weights of the policy, shape (F,); empty where the learner changes at every step."""
+    proposed: bool
+    """The learner's new proposal: it waits for the performance."""
+
+
+@dataclass(frozen=True, slots=True)
+class EpisodeEnd:
+    """What an environment's side has to know when an episode ends."""
+
+    policy_id: int
+    proposed: bool
+    """As in `StartedPolicy`."""
+    performance: float
+    """Performance measure, >= 0."""
+    terminated: bool
+    """The episode came to its end; otherwise it was broken off."""
+    time: int
+    """The domain's own time at the end."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,22 +103,34 @@ class Decision:
     """The human policy's best action; -1 while there is none."""
     human_worst_action: int
     """The human policy's worst action; -1 while there is none."""
+    of_participants: Sequence[tuple[int, int]] = field(default=(), compare=False)
+    """Best and worst action of each participant's own model; -1 while it knows nothing."""
 
 
-class Outcome(Ending, Protocol):
+class Outcome(Protocol):
     """How an episode went (`core.rollout.Played`)."""
 
     @property
-    def steps(self) -> int:
-        """Number of decisions."""
+    def performance(self) -> float:
+        """Performance measure, >= 0."""
         ...
 
     @property
-    def agreed(self) -> int:
-        """Decisions at which environment and human policy chose the same action."""
+    def ended(self) -> Literal["termination", "truncation"]:
+        """Whether the episode came to its end."""
         ...
 
     @property
-    def agreed_worst(self) -> int:
-        """Decisions at which the environment policy chose the human policy's worst action."""
+    def time(self) -> int:
+        """The domain's own time at the end."""
+        ...
+
+    @property
+    def agreement(self) -> Agreement | None:
+        """Agreement of the environment policy with the human policy; None where there was none."""
+        ...
+
+    @property
+    def with_each(self) -> Sequence[Agreement | None]:
+        """Agreement with each participant's own model; empty where the player did not count it."""
         ...

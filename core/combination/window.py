@@ -7,8 +7,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from core.combination.preference import best_action, mean_and_sd, worst_action
-from core.combination.trust.measures import Comparison
+from core.combination.agreement import Agreement
+from core.combination.preference import mean_and_sd
+from core.combination.tally import Tally, agreement_of, compare_choices, new_tally
 from core.compiled import kernel
 from core.domain import Choices
 
@@ -20,38 +21,32 @@ N_RANDOM_POLICIES = 20
 
 
 @kernel
-def count_agreement(
+def compare_decisions(
     env_values: NDArray[np.float64],
     human_values: NDArray[np.float64],
     ruled_out: NDArray[np.bool_],
     starts: NDArray[np.int64],
-) -> tuple[int, int]:
-    """Count decisions at which the environment's choice is the human's best, and its worst, action.
+    tally: Tally,
+) -> None:
+    """Count agreement in decisions that lie one after the other.
 
     Args:
         env_values: values of all actions of all decisions, one decision after the other, shape (R,).
         human_values: likewise.
         ruled_out: likewise.
         starts: first row of each decision and, last, R, shape (D + 1,).
+        tally: counts the decisions (`core.combination.tally`).
     """
-    agreed = 0
-    agreed_worst = 0
     for decision in range(starts.shape[0] - 1):
         low, high = starts[decision], starts[decision + 1]
-        n = high - low
-        chosen = best_action(env_values[low:high], ruled_out[low:high], n)
-        if chosen == best_action(human_values[low:high], ruled_out[low:high], n):
-            agreed += 1
-        if chosen == worst_action(human_values[low:high], ruled_out[low:high], n):
-            agreed_worst += 1
-    return agreed, agreed_worst
+        compare_choices(env_values[low:high], human_values[low:high], ruled_out[low:high], high - low, tally)
 
 
 @kernel
 def mean_spread(
     values: NDArray[np.float64], ruled_out: NDArray[np.bool_], starts: NDArray[np.int64]
 ) -> float:
-    """Return the root mean square, over decisions, of the sd of the values among the actions; as `count_agreement`."""
+    """Return the root mean square, over decisions, of the sd of the values among the actions; as `compare_decisions`."""
     total = 0.0
     for decision in range(starts.shape[0] - 1):
         low, high = starts[decision], starts[decision + 1]
@@ -80,16 +75,20 @@ class DecisionWindow:
         self._decisions.append(choices)
         self._stacked = None
 
-    def compare(self, theta: NDArray[np.float64], human_weights: NDArray[np.float64]) -> Comparison:
-        """Hold an environment policy against the human policy in all decisions kept (at least one)."""
+    def compare(self, theta: NDArray[np.float64], human_weights: NDArray[np.float64]) -> Agreement:
+        """Return the agreement of an environment policy with a human policy in all decisions kept (at least one)."""
         rows, feedback_rows, ruled_out, starts = self._rows()
-        agreed, agreed_worst = count_agreement(
+        tally = new_tally()
+        compare_decisions(
             self._environment_values(rows, theta),
             self._human_values(feedback_rows, human_weights),
             ruled_out,
             starts,
+            tally,
         )
-        return Comparison(len(self._decisions), agreed, agreed_worst)
+        agreement = agreement_of(tally)
+        assert agreement is not None, "a window with rows has decisions"
+        return agreement
 
     def spread(self, human_weights: NDArray[np.float64]) -> float:
         """Return how far H lies apart among the actions of a decision kept (root mean square of its sd)."""

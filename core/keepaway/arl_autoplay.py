@@ -11,23 +11,19 @@ from typing import Any
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
 from core.clock import NS_PER_S
-from core.combination.bootstrap_learning import BootstrapLearning, EpisodeReport
+from core.combination.agreement import Agreement
+from core.combination.bootstrap_learning import BootstrapLearning
 from core.combination.config import (
     ENVIRONMENT_WEIGHTS,
-    TEACHING_SCHEMES,
     AgentConfig,
-    BootstrapConfig,
-    Equation4,
     Exponential,
-    HumanOnly,
     Linear,
-    SideBySide,
+    waits_for_feedback,
 )
-from core.combination.trust.measures import Comparison
-from core.combination.window import DecisionWindow
+from core.combination.ranking import EpisodeReport
+from core.combination.tally import agreement_of
 from core.compiled import specialised
 from core.feedback.compiled_credit import credit_rule
 from core.feedback.config import CreditConfig, TrainerConfig
@@ -35,10 +31,7 @@ from core.feedback.delays import GammaDelay
 from core.feedback.samples import MassAccount
 from core.feedback.trainers import SimulatedTrainer
 from core.keepaway.arl_cycles import (
-    AGREED,
-    AGREED_WORST,
     BEFORE_FIRST,
-    COMPARED,
     CREDITED,
     EPISODE_STEPS,
     IN_GAPS,
@@ -67,8 +60,8 @@ KEEPAWAY_AGENT = AgentConfig(credit=CreditConfig(delay=GammaDelay()), human_mode
 
 NOBODY = KeepawayPersonConfig(trainer=TrainerConfig(press_probability=0.0, max_presses=0))
 """A participant who never presses a key."""
-ATTITUDES = (0.0, 1.0, -1.0)
-"""Towards the human, of the sets of learners side by side (`SideBySide`)."""
+NO_WEIGHTS: tuple[float, ...] = (0.0, 0.0, 0.0)
+"""w_h of the sets of learners side by side while nothing is known, and where there is one set."""
 SHORTEST_EPISODE_S = 0.5
 """Takers need longer than this to reach the ball."""
 
@@ -97,18 +90,16 @@ class ArlKeepawayConfig(msgspec.Struct, frozen=True, kw_only=True):
                 "compiled play credits each press by itself: scheme='individual' and merge_within_s=0, got "
                 f"{self.agent.credit}; play a session for others"
             )
-        if isinstance(self.agent.scheme, TEACHING_SCHEMES):
-            raise TypeError(
+        if self.agent.scheme.acts_on != "choice":
+            raise ValueError(
                 f"compiled play lets the human act on choices, not on Sarsa's learning: got {self.agent.scheme}"
             )
         trust = self.agent.bootstrap.trust
-        if isinstance(trust, Equation4) and (
-            trust.measured == "window" or (trust.match == "chance-corrected" and trust.chance is None)
-        ):
+        if trust.needs.window:
             raise ValueError(
                 f"compiled play keeps no window of decisions: measure as played and give chance, got {trust}"
             )
-        if isinstance(trust, SideBySide):
+        if trust.needs.side_by_side:
             self._check_side_by_side()
         if not (math.isfinite(self.pause_s) and self.pause_s >= 0):
             raise ValueError(f"pause_s is >= 0 seconds, got {self.pause_s}")
@@ -167,12 +158,9 @@ class ArlEpisode:
     """Trust in the human before the episode, by bootstrap learning: what the scheme was given."""
     steps: int
     """Decisions of all keepers."""
-    compared: int
-    """Decisions made while the human model knew something."""
-    agreed: int
-    """Of these, those at which the environment's best option was the human model's best."""
-    agreed_worst: int
-    """Of these, those at which it was the human model's worst."""
+    agreement: Agreement | None
+    """Of the environment's best options with the human model's, in the decisions made while it knew something; None where
+    there was none."""
     presses: tuple[MadePress, ...]
     """Presses made until the next kick-off, the refused ones too."""
 
@@ -197,15 +185,16 @@ class ArlAutoplay:
         self.streams = open_streams(root_seed, *path)
         self.match = new_match(task, self.streams)
         coder = keepaway_tiles(task, config.n_tilings)
-        self._attitudes = ATTITUDES if isinstance(config.agent.bootstrap.trust, SideBySide) else (0.0,)
-        n_learners = task.n_keepers * len(self._attitudes)
+        self._w_h_of = config.agent.bootstrap.trust.needs.side_by_side
+        """w_h of each set of learners side by side; empty: one set."""
+        n_learners = task.n_keepers * max(1, len(self._w_h_of))
         self.sarsa = new_sarsa(config.sarsa, coder, n_learners, task.n_actions)
-        """One learner per keeper; where they learn side by side one set of them after the other, in the order of `ATTITUDES`."""
+        """One learner per keeper; where they learn side by side one set of them after the other, in the order of the rule."""
         model = config.agent.human_model
         assert isinstance(model, TileModel), "checked by the configuration"
         self.human = new_human_set(model, coder, task.n_keepers, task.n_actions)
         self._seed = stream_seed(root_seed, *path, "session")
-        self.bootstrap = _bootstrap(config.agent.bootstrap, self._seed)
+        self.bootstrap = BootstrapLearning(config.agent.bootstrap, None, root_seed=self._seed)
         self._rules = task.rules()
         self._rule = credit_rule(delay)
         places = (math.ceil(self._rule.horizon_s / CYCLE_S) + 3) * task.n_keepers
@@ -238,7 +227,8 @@ class ArlAutoplay:
         """Play the next episode and the pause after it."""
         mix, w_h, watcher, start_ns = self._mix(), self.w_h, self._watch(), self._start_ns
         counts, status = self._timeline.counts, self.match.status
-        counts[EPISODE_STEPS:] = 0
+        counts[EPISODE_STEPS] = 0
+        self._timeline.tally[:] = 0
         anew = bool(status[CYCLE] > 0)
         reason = self._play(*self._arguments(mix, watcher, anew))
         while reason == NEEDS_DRAWS:
@@ -253,9 +243,7 @@ class ArlAutoplay:
             start_ns=start_ns,
             w_h=w_h,
             steps=int(counts[EPISODE_STEPS]),
-            compared=int(counts[COMPARED]),
-            agreed=int(counts[AGREED]),
-            agreed_worst=int(counts[AGREED_WORST]),
+            agreement=agreement_of(self._timeline.tally),
             presses=self._made(),
         )
         self._revise(episode)
@@ -302,23 +290,21 @@ class ArlAutoplay:
 
     def _mix(self) -> Mix:
         scheme = self.config.agent.scheme
-        if self.human.samples[0] or isinstance(scheme, HumanOnly):
+        if self.human.samples[0] or not waits_for_feedback(scheme):
             weights = scheme.weights(self.w_h, self._episode)
         else:
             weights = ENVIRONMENT_WEIGHTS
         seed = stream_seed(self._seed, "share", self._episode) >> 1 if weights.share else 0
-        playing, w_h_of = 0, (0.0, 0.0, 0.0)
-        trust = self.config.agent.bootstrap.trust
-        if isinstance(trust, SideBySide) and self.human.samples[0]:
-            playing = ATTITUDES.index(self.bootstrap.attitude)
-            w_h_of = (0.0, float(trust.weight), -float(trust.weight))
+        playing, w_h_of = 0, NO_WEIGHTS
+        if self._w_h_of and self.human.samples[0]:
+            playing, w_h_of = self._w_h_of.index(self.bootstrap.w_h), self._w_h_of
         return Mix(
             form=int(weights.form),
             w_r=float(weights.w_r),
             w_h=float(weights.w_h),
             share=float(weights.share),
             share_seed=seed,
-            sets=len(self._attitudes),
+            sets=max(1, len(self._w_h_of)),
             playing=playing,
             w_h_of=w_h_of,
         )
@@ -348,14 +334,13 @@ class ArlAutoplay:
 
     def _revise(self, episode: ArlEpisode) -> None:
         """Let bootstrap learning hear of the episode: every episode is a policy of its own."""
-        counts = (episode.compared, episode.agreed, episode.agreed_worst)
         self.bootstrap.record(
             EpisodeReport(
                 policy_id=self._episode,
                 theta=np.empty(0),
                 performance=episode.duration_s,
                 truncated=episode.truncated,
-                comparison=Comparison(*counts) if episode.compared else None,
+                agreement=episode.agreement,
                 consistency=consistency(self.human),
             ),
             self.human.weights[0, 0] if self.human.samples[0] else None,
@@ -369,12 +354,3 @@ def _room(config: ArlKeepawayConfig) -> int:
     most = trainer.max_presses * trainer.burst_presses
     reach_s = trainer.delay.horizon_s + trainer.burst_presses * trainer.burst_interval_s
     return most * (2 + math.ceil(reach_s / (config.pause_s + SHORTEST_EPISODE_S)))
-
-
-def _bootstrap(config: BootstrapConfig, seed: int) -> BootstrapLearning:
-    """Return bootstrap learning that needs no window: matches are measured as played."""
-
-    def nothing(rows: NDArray[np.float64], weights: NDArray[np.float64]) -> NDArray[np.float64]:
-        raise AssertionError("matches are measured as played")
-
-    return BootstrapLearning(config, DecisionWindow(1, nothing, nothing), root_seed=seed)

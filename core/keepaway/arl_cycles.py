@@ -9,7 +9,8 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.combination.preference import best_action, choose, takes_control, worst_action
+from core.combination.preference import choose, takes_control
+from core.combination.tally import Tally, compare_choices, new_tally
 from core.compiled import inner_kernel, kernel
 from core.feedback.compiled_credit import CreditRule, share_out
 from core.keepaway.game import begin_cycle, finish_cycle
@@ -47,13 +48,7 @@ STEPS: Final = 0
 """Steps since the session began."""
 EPISODE_STEPS: Final = 1
 """Steps of this episode."""
-COMPARED: Final = 2
-"""Decisions of this episode made while the human model knew something."""
-AGREED: Final = 3
-"""Of these, how often the environment's best was the human model's best option."""
-AGREED_WORST: Final = 4
-"""Of these, how often it was the human model's worst."""
-_COUNTS: Final = 5
+_COUNTS: Final = 2
 
 # Entries of `Timeline.masses`: where the mass of the session's presses went.
 PRESSES: Final = 0
@@ -78,7 +73,9 @@ class Timeline(NamedTuple):
     windows: Ints
     """In which state: first active tile per variable, shape (n, v)."""
     counts: Ints
-    """STEPS, EPISODE_STEPS, COMPARED, AGREED, AGREED_WORST, shape (5,)."""
+    """STEPS, EPISODE_STEPS, shape (2,)."""
+    tally: Tally
+    """Agreement in the decisions of this episode made while the human model knew something (`core.combination.tally`)."""
     masses: Floats
     """PRESSES, CREDITED, BEFORE_FIRST, IN_GAPS, shape (4,)."""
     shares: Floats
@@ -101,8 +98,8 @@ class Mix(NamedTuple):
     """How many sets of learners there are, one learner per keeper each: 1, or one set per attitude (`SideBySide`)."""
     playing: int
     """The set that chooses; the others look on."""
-    w_h_of: tuple[float, float, float]
-    """w_h of each set."""
+    w_h_of: tuple[float, ...]
+    """w_h of each set; three numbers also where there is one set."""
 
 
 def new_timeline(places: int, n_variables: int, n_options: int) -> Timeline:
@@ -114,6 +111,7 @@ def new_timeline(places: int, n_variables: int, n_options: int) -> Timeline:
         option=np.zeros(places, np.int64),
         windows=np.zeros((places, n_variables), np.int64),
         counts=np.zeros(_COUNTS, np.int64),
+        tally=new_tally(),
         masses=np.zeros(_MASSES),
         shares=np.zeros(places),
         heard=np.zeros(n_options),
@@ -256,24 +254,12 @@ def _prefer(values: Floats, human: HumanSet, mix: Mix, timeline: Timeline, i: in
     heard[:] = 0.0
     if human.samples[0] > 0:
         human_values(human, i, windows, heard)
-        liked = _compare(values, timeline)
+        liked = compare_choices(values, heard, timeline.available, n, timeline.tally)
         if takes_control(mix.share_seed, timeline.counts[EPISODE_STEPS], mix.share):
             return liked
     if mix.w_h == 0.0:
         return -1
     return choose(values, heard, timeline.available, n, mix.form, mix.w_r, mix.w_h)
-
-
-@inner_kernel
-def _compare(values: Floats, timeline: Timeline) -> int:
-    """Hold the environment's choice against the human model's; return the option that the latter likes best."""
-    n = len(values)
-    own = best_action(values, timeline.available, n)
-    liked = best_action(timeline.heard, timeline.available, n)
-    timeline.counts[COMPARED] += 1
-    timeline.counts[AGREED] += own == liked
-    timeline.counts[AGREED_WORST] += own == worst_action(timeline.heard, timeline.available, n)
-    return liked
 
 
 @inner_kernel

@@ -91,7 +91,7 @@ class KeepawayGame:
             SarsaLearner(config, domain.coder, n_learners=task.n_keepers, n_actions=task.n_actions),
             protocol.agent,
             n_feedback_features=len(domain.feedback_feature_names),
-            n_sources=1 + len(protocol.others),
+            n_participants=1 + len(protocol.others),
             feedback_tiles=domain.feedback_tiles,
             root_seed=root_seed,
         )

@@ -7,7 +7,6 @@ performance; a noise schedule is added to the variance, which keeps the search f
 
 import math
 import struct
-from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -78,25 +77,6 @@ class CrossEntropy:
         self.mean = best.mean(axis=0)
         self.variance = best.var(axis=0) + self.config.noise.variance(self.iteration)
         self.iteration += 1
-
-    def state(self) -> dict[str, object]:
-        """Return everything that decides about later samples, as plain JSON types."""
-        return {
-            "iteration": self.iteration,
-            "mean": self.mean.tolist(),
-            "variance": self.variance.tolist(),
-            "root_seed": self.root_seed,
-        }
-
-    @classmethod
-    def from_state(cls, config: CrossEntropyConfig, state: dict[str, object]) -> Self:
-        """Return a search that goes on where the one behind `state` stood."""
-        mean = np.array(state["mean"], dtype=np.float64)
-        search = cls(config, n_weights=len(mean), root_seed=int(str(state["root_seed"])))
-        search.iteration = int(str(state["iteration"]))
-        search.mean = mean
-        search.variance = np.array(state["variance"], dtype=np.float64)
-        return search
 
 
 class CrossEntropyLearner:

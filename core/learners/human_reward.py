@@ -1,9 +1,7 @@
 """The human reward model H(s, a) = v . psi(s, a) + intercept, learned from presses."""
 
-from collections.abc import Iterable, Mapping
-from typing import Any
+from collections.abc import Iterable
 
-import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
@@ -94,36 +92,6 @@ class HumanRewardModel:
         """Return all that the model has learned, for fingerprints."""
         parts = (self._totals, self._means, self._scatter, self._sgd_weights)
         return self._n_samples.to_bytes(8, "little") + b"".join(part.tobytes() for part in parts)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the model as plain JSON types: weights for others, state to go on from."""
-        return {
-            "config": msgspec.to_builtins(self.config),
-            "weights": self.weights.tolist(),
-            "intercept": self.intercept,
-            "n_samples": self._n_samples,
-            "total_weight": float(self._totals[0]),
-            "means": self._means.tolist(),
-            "scatter": self._scatter.tolist(),
-            "sgd_weights": self._sgd_weights.tolist(),
-        }
-
-    @classmethod
-    def from_dict(cls, plain: Mapping[str, Any]) -> "HumanRewardModel":
-        """Return the model that `to_dict` described; it goes on with the same bits."""
-        try:
-            model = cls(msgspec.convert(plain["config"], FeatureModelConfig), len(plain["weights"]))
-            model._n_samples = int(plain["n_samples"])
-            model._totals[0] = plain["total_weight"]
-            for name, array in (
-                ("means", model._means),
-                ("scatter", model._scatter),
-                ("sgd_weights", model._sgd_weights),
-            ):
-                array[...] = np.array(plain[name], dtype=np.float64).reshape(array.shape)
-        except KeyError as error:
-            raise ValueError(f"a human reward model without the field {error}") from error
-        return model
 
     def _reset(self) -> None:
         n_moments = self.n_features + self._constant_input + 1

@@ -3,15 +3,14 @@
 A game between two changes of the human model is one call.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from core.combination.config import ENVIRONMENT_WEIGHTS, EpisodeWeights
 from core.combination.preference import best_action, choose, takes_control, worst_action
+from core.combination.tally import Tally, count_decision
 from core.compiled import kernel
-from core.tetris.autoplay import PIECE_LIMIT, best_of, worst_of
+from core.tetris.autoplay import best_of, worst_of
 from core.tetris.board import (
     COLUMNS,
     MAX_PLACEMENTS,
@@ -39,7 +38,7 @@ from core.tetris.evaluation import (
     linear_policy,
 )
 from core.tetris.features import BERTSEKAS_21
-from core.tetris.kept_game import AGREED, AGREED_WORST, FINISHED, LINES, PIECES, KeptGame
+from core.tetris.kept_game import FINISHED, LINES, PIECES, KeptGame
 from core.tetris.pieces import MAX_SHAPE_SIZE
 
 
@@ -89,75 +88,8 @@ class CombinedGame(KeptGame):
             self._share_seed,
             self._ring,
             self._counters,
+            self.tally,
         )
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class CombinedEpisode:
-    """What an episode played with R and H together came to."""
-
-    lines: int
-    """Lines cleared."""
-    n_decisions: int
-    """Pieces placed."""
-    n_agree: int
-    """Decisions where the environment policy's best action is the human policy's best action."""
-    n_agree_worst: int
-    """Decisions where it is the human policy's worst action instead."""
-    finished: bool
-    """Whether the game ended; False where the piece cap stopped it."""
-    window_boards: Ints
-    """Columns of the boards of the last w decisions, oldest first, shape (w, n_columns)."""
-    window_decisions: Ints
-    """Number of each of these decisions in the episode: the counter of its piece, shape (w,)."""
-
-
-def play_combined(
-    environment_weights: NDArray[np.float64],
-    human_weights: NDArray[np.float64],
-    seed: int,
-    config: TetrisConfig,
-    combination: EpisodeWeights = ENVIRONMENT_WEIGHTS,
-    *,
-    share_seed: int = 0,
-    piece_cap: int = PIECE_LIMIT,
-    window: int = 0,
-) -> CombinedEpisode:
-    """Play one episode in which every decision combines R = theta . phi and H = v . psi (Eqs. 1 to 3).
-
-    All placements are open, also those that primitive actions could not reach (`TetrisConfig.placements`).
-
-    Args:
-        environment_weights: theta, under `config.features`, shape (F,).
-        human_weights: v, under `config.feedback_features`, shape (G,).
-        seed: of the piece stream, in [0, 2**63).
-        config: board and rules; `lines_in_value` must be off.
-        combination: form and weights of the combination in this episode.
-        share_seed: seed that decides where control is shared (`combination.share`), in [0, 2**62).
-        piece_cap: stop after this many pieces, >= 0.
-        window: how many of the last decisions to hand back, >= 0.
-    """
-    game = CombinedGame(
-        environment_weights,
-        human_weights,
-        seed,
-        config,
-        combination,
-        share_seed=share_seed,
-        window=max(window, 1),
-    )
-    game.advance(piece_cap)
-    recent = range(max(game.pieces - window, 0), game.pieces)
-    boards = [game.kept(decision)[0] for decision in recent]
-    return CombinedEpisode(
-        lines=game.lines,
-        n_decisions=game.pieces,
-        n_agree=game.agreed,
-        n_agree_worst=game.agreed_worst,
-        finished=game.finished,
-        window_boards=np.array(boards, dtype=np.int64).reshape(len(boards), config.columns),
-        window_decisions=np.array(recent, dtype=np.int64),
-    )
 
 
 @kernel
@@ -179,13 +111,13 @@ def _play_combined(
     share_seed: int,
     ring: Ints,
     counters: Ints,
+    tally: Tally,
 ) -> None:
-    """Play on to the game's end or to `cap` pieces; the board, `ring` and `counters` are changed."""
+    """Play on to the game's end or to `cap` pieces; the board, `ring`, `counters` and `tally` are changed."""
     n_columns, must_fit = rules[COLUMNS], rules[OVERFLOW] == 0
     env_values, human_values = np.empty(MAX_PLACEMENTS), np.empty(MAX_PLACEMENTS)
     ruled_out = np.zeros(MAX_PLACEMENTS, dtype=np.bool_)
     decision, lines = counters[PIECES], counters[LINES]
-    n_agree, n_agree_worst = counters[AGREED], counters[AGREED_WORST]
     fill_heights(work, NOW, n_columns)
     over = counters[FINISHED] != 0
     while not over:
@@ -217,8 +149,7 @@ def _play_combined(
             env_best = best_action(env_values, ruled_out, n)
             human_best = best_action(human_values, ruled_out, n)
             human_worst = worst_action(human_values, ruled_out, n)
-        n_agree += env_best == human_best
-        n_agree_worst += env_best == human_worst
+        count_decision(tally, env_best, human_best, human_worst)
         action = choose(env_values, human_values, ruled_out, n, form, w_r, w_h)
         if share > 0.0 and takes_control(share_seed, decision, share):
             action = human_best
@@ -229,7 +160,6 @@ def _play_combined(
         decision += 1
         over = crowded and not must_fit and wall_height(work, NOW, n_columns) > rules[ROWS]
     counters[PIECES], counters[LINES], counters[FINISHED] = decision, lines, over
-    counters[AGREED], counters[AGREED_WORST] = n_agree, n_agree_worst
 
 
 @kernel

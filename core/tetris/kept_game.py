@@ -1,7 +1,7 @@
 """A game of Tetris that compiled code plays slice by slice: what can be asked of it between two slices.
 
-A game is columns and counters, so it can be stopped and continued. What a watcher needs of the last decisions (board and
-action) is kept in a ring, so that whoever judges them need not have been asked at each.
+A game is columns and counters, so it can be stopped and continued. What a participant needs of the last decisions (board
+and action) is kept in a ring, so that whoever judges them need not have been asked at each.
 """
 
 from abc import ABC, abstractmethod
@@ -10,12 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.combination.config import EpisodeWeights
+from core.combination.tally import new_tally
 from core.tetris.board import new_work, rule_codes
 from core.tetris.config import MAX_COLUMNS, TetrisConfig
 from core.tetris.evaluation import linear_policy
 
-# Places in a game's row of counters; players without a human model have the first three only.
-PIECES, LINES, FINISHED, AGREED, AGREED_WORST, COMPARED = range(6)
+# Places in a game's row of counters.
+PIECES, LINES, FINISHED = range(3)
 
 
 class KeptGame(ABC):
@@ -50,7 +51,9 @@ class KeptGame(ABC):
         self._rules = rule_codes(config)
         # One row per kept decision: the columns of the board, then the action.
         self._ring = np.zeros((window, MAX_COLUMNS + 1), dtype=np.int64)
-        self._counters = np.zeros(6, dtype=np.int64)
+        self._counters = np.zeros(3, dtype=np.int64)
+        self.tally = new_tally()
+        """Agreement of the environment policy with the human policy, decision by decision so far (`core.combination.tally`)."""
         self.set_human_weights(human_weights)
 
     @property
@@ -67,16 +70,6 @@ class KeptGame(ABC):
     def finished(self) -> bool:
         """Whether the game has ended (not: was stopped by a cap)."""
         return bool(self._counters[FINISHED])
-
-    @property
-    def agreed(self) -> int:
-        """Decisions so far at which the environment policy's best action was the human policy's best."""
-        return int(self._counters[AGREED])
-
-    @property
-    def agreed_worst(self) -> int:
-        """Decisions so far at which it was the human policy's worst action instead."""
-        return int(self._counters[AGREED_WORST])
 
     @abstractmethod
     def advance(self, piece_cap: int) -> None:

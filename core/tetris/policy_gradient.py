@@ -1,7 +1,7 @@
 """Whole games of Tetris in compiled code in which a policy-gradient learner plays, with a human model, and learns.
 
 The policy is a softmax over placements (Kakade 2001), of f(R, H) where there is a human model
-(`core.combination.soft`). A game is columns and counters, so it can be stopped and continued: the human model may
+(`core.combination.preference`). A game is columns and counters, so it can be stopped and continued: the human model may
 change between two pieces.
 """
 
@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.combination.config import ENVIRONMENT_WEIGHTS, EpisodeWeights
-from core.combination.preference import best_action, choose, takes_control, worst_action
-from core.combination.soft import fill_logits
+from core.combination.preference import choose, fill_logits, takes_control
+from core.combination.tally import Tally, compare_choices
 from core.compiled import inner_kernel, kernel
 from core.counters import uniform_at
 from core.learners.linear import action_values
@@ -21,7 +21,6 @@ from core.learners.policy_gradient_kernels import Memory, fill_score, learn_from
 from core.softmax import drawn, softmax
 from core.streams import stream_seed
 from core.tetris.afterstate import Tetris
-from core.tetris.autoplay import PIECE_LIMIT
 from core.tetris.board import (
     COLUMNS,
     FEATURES,
@@ -49,15 +48,7 @@ from core.tetris.combined import place_among_offered
 from core.tetris.config import MAX_COLUMNS, TetrisConfig
 from core.tetris.evaluation import Floats, fill_values
 from core.tetris.features import BERTSEKAS_21, feature_set, fill_after, fill_bertsekas
-from core.tetris.kept_game import (
-    AGREED,
-    AGREED_WORST,
-    COMPARED,
-    FINISHED,
-    LINES,
-    PIECES,
-    KeptGame,
-)
+from core.tetris.kept_game import FINISHED, LINES, PIECES, KeptGame
 from core.tetris.pieces import MAX_SHAPE_SIZE, SHAPE_TOPS, SHAPE_WIDTHS
 
 N_SCALE_GAMES = 20
@@ -106,11 +97,6 @@ class PolicyGradientGame(KeptGame):
         self._seeds = np.array([seed, share_seed, chance_seed], dtype=np.int64)
         learner.begin_episode()
 
-    @property
-    def compared(self) -> int:
-        """Decisions so far at which there was a human policy."""
-        return int(self._counters[COMPARED])
-
     def advance(self, piece_cap: int) -> None:
         """Play on until the game ends or has `piece_cap` pieces."""
         combination = self._combination
@@ -131,32 +117,13 @@ class PolicyGradientGame(KeptGame):
             float(combination.shaping),
             self._ring,
             self._counters,
+            self.tally,
         )
 
     def set_human_weights(self, human_weights: NDArray[np.float64]) -> None:
         """Go on with another human model; all 0: there is no human policy."""
         super().set_human_weights(human_weights)
         self._human_known = bool(np.any(human_weights))
-
-
-def play_policy_gradient(
-    learner: PolicyGradient,
-    human_weights: NDArray[np.float64],
-    seed: int,
-    config: TetrisConfig,
-    combination: EpisodeWeights = ENVIRONMENT_WEIGHTS,
-    *,
-    chance_seed: int,
-    share_seed: int = 0,
-    piece_cap: int = PIECE_LIMIT,
-) -> PolicyGradientGame:
-    """Return the game after one episode in which the learner has learned; arguments as in `PolicyGradientGame`."""
-    game = PolicyGradientGame(
-        learner, human_weights, seed, config, combination, chance_seed=chance_seed, share_seed=share_seed
-    )
-    game.advance(piece_cap)
-    learner.end_episode()
-    return game
 
 
 @lru_cache(maxsize=16)
@@ -247,8 +214,9 @@ def _play_on(
     shaping: float,
     ring: Ints,
     counters: Ints,
+    tally: Tally,
 ) -> None:
-    """Play on to the game's end or to `cap` pieces; memory, board, `ring` and `counters` are changed."""
+    """Play on to the game's end or to `cap` pieces; memory, board, `ring`, `counters` and `tally` are changed."""
     n_columns, must_fit = rules[COLUMNS], rules[OVERFLOW] == 0
     human_values, logits, gains = np.zeros(MAX_PLACEMENTS), np.empty(MAX_PLACEMENTS), np.empty(MAX_PLACEMENTS)
     probabilities, ruled_out = np.empty(MAX_PLACEMENTS), np.zeros(MAX_PLACEMENTS, dtype=np.bool_)
@@ -270,11 +238,7 @@ def _play_on(
         human_best = 0
         if human_known:
             fill_values(human_code, human_table, human_numbers, work, rules, n, True, human_values)
-            human_best = best_action(human_values, ruled_out, n)
-            env_best = best_action(env_values, ruled_out, n)
-            counters[COMPARED] += 1
-            counters[AGREED] += env_best == human_best
-            counters[AGREED_WORST] += env_best == worst_action(human_values, ruled_out, n)
+            human_best = compare_choices(env_values, human_values, ruled_out, n, tally)
         if share > 0.0 and takes_control(seeds[1], piece, share):
             action = human_best
             score[:] = 0.0

@@ -9,6 +9,7 @@ from core.clock import NS_PER_S
 from core.combination.agent import ArlAgent, EpisodePolicy
 from core.combination.config import Coach
 from core.combination.human_learner import HumanLearner
+from core.combination.tally import AGREED, AGREED_WORST, agreement_of
 from core.domain import Choices, Domain
 from core.episode import EpisodeEnded, StepTaken
 from core.feedback.viewing import SteadyViewing
@@ -45,7 +46,7 @@ class TetrisGame:
             _learner(protocol, root_seed),
             protocol.agent,
             n_feedback_features=len(domain.feedback_feature_names),
-            n_sources=1 + len(protocol.others),
+            n_participants=1 + len(protocol.others),
             root_seed=root_seed,
         )
 
@@ -103,10 +104,11 @@ def tetris_player(config: TetrisConfig, agent: ArlAgent) -> Player:
         return Played(
             performance=float(game.lines),
             steps=game.pieces,
-            agreed=game.agreed,
-            agreed_worst=game.agreed_worst,
+            agreed=int(game.tally[AGREED]),
+            agreed_worst=int(game.tally[AGREED_WORST]),
             ended="termination" if game.finished else "truncation",
             time=game.pieces,
+            agreement=agreement_of(game.tally) if policy.human_known else None,
         )
 
     return play

@@ -8,11 +8,11 @@ bit (tested), in a hundredth of the time.
 
 import heapq
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from core.clock import NS_PER_S
 from core.combination.agent import ArlAgent
-from core.combination.config import Coach, Equation4
+from core.combination.tally import AGREED, AGREED_WORST, Tally, agreement_of, new_tally
 from core.episode import KeyPressed
 from core.feedback.delays import CurrentStep, PreviousStep
 from core.feedback.source import Oracle
@@ -51,10 +51,8 @@ class _Showing:
     began_ns: int
     next_unshown: int = 0
     """First step of the episode that the agent has not been shown."""
-    compared: int = 0
-    """Decisions while there was a human policy."""
-    agreed: int = 0
-    agreed_worst: int = 0
+    tally: Tally = field(default_factory=new_tally)
+    """Agreement in the decisions while there was a human policy."""
     presses: int = 0
 
     def state(self, step: int) -> tuple[TetrisState, int]:
@@ -120,15 +118,15 @@ class WatchedTetris:
         self._trainer.begin_episode(self._episode)
         self._gate.episode_started()
         self._play_out(showing)
-        self.agent.count_decisions(showing.compared, showing.agreed, showing.agreed_worst)
         self.agent.learn_from_domain(
             policy,
             Played(
                 performance=float(game.lines),
                 steps=game.pieces,
-                agreed=showing.agreed,
-                agreed_worst=showing.agreed_worst,
+                agreed=int(showing.tally[AGREED]),
+                agreed_worst=int(showing.tally[AGREED_WORST]),
                 ended="termination" if game.finished else "truncation",
+                agreement=agreement_of(showing.tally),
             ),
         )
         self._pause(showing)
@@ -159,12 +157,10 @@ class WatchedTetris:
     def _decide(self, showing: _Showing, pieces: int) -> None:
         """Let the agent make its decisions until there are so many pieces, with the human model as it is."""
         game = showing.game
-        before = game.pieces, game.agreed, game.agreed_worst
+        before = game.tally.copy()
         game.advance(pieces)
         if self.agent.human.knows_something:
-            showing.compared += game.pieces - before[0]
-            showing.agreed += game.agreed - before[1]
-            showing.agreed_worst += game.agreed_worst - before[2]
+            showing.tally += game.tally - before
 
     def _step_of_next_press(self, showing: _Showing) -> int:
         """Return the step of this episode that will be on screen at the next press to come; a far one if none will."""
@@ -232,10 +228,6 @@ class WatchedTetris:
 
 def _check(protocol: Protocol) -> None:
     """Refuse what would need every step, or decisions that are not kept."""
-    trust = protocol.agent.bootstrap.trust
-    window_needed = isinstance(trust, Equation4) and (
-        trust.measured == "window" or (trust.match == "chance-corrected" and trust.chance is None)
-    )
     for fine, wanted in (
         (tetris_rules(protocol).placements == "all", 'domain.placements = "all"'),
         (protocol.session.watched == "proposed", 'session.watched = "proposed"'),
@@ -245,11 +237,14 @@ def _check(protocol: Protocol) -> None:
         ),
         (protocol.agent.credit.scheme == "individual", 'agent.credit.scheme = "individual"'),
         (
-            not isinstance(protocol.agent.scheme, Coach),
+            protocol.agent.scheme.acts_on != "policy",
             "a scheme whose presses teach the human model, not the learner itself",
         ),
         (not protocol.others, "one participant: no others"),
-        (not window_needed, "a trust rule that needs no window of decisions (give it its chance level)"),
+        (
+            not protocol.agent.bootstrap.trust.needs.window,
+            "a trust rule that needs no window of decisions (give it its chance level)",
+        ),
     ):
         if not fine:
             raise ValueError(f"a session between whose presses compiled code plays needs {wanted}")

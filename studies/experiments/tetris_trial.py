@@ -12,7 +12,6 @@ from core.session import build_agent
 from core.tetris.oracle import TetrisOracle
 from core.tetris.sessions import TICKS_PER_STEP, tetris_rules
 from core.tetris.watched import WatchedTetris
-from core.tetris.watched_gradient import WatchedPolicyGradient
 
 
 def step_ns(protocol: Protocol) -> int:
@@ -40,17 +39,9 @@ class GradientTrial(msgspec.Struct, frozen=True):
     gradient: PolicyGradientConfig
 
 
-def new_gradient_trial(settings: GradientTrial, root_seed: int) -> WatchedPolicyGradient:
+def new_gradient_trial(settings: GradientTrial, root_seed: int) -> WatchedTetris:
     """Return a trial of policy gradient that has not begun; as `new_trial`."""
-    protocol = settings.protocol
-    return WatchedPolicyGradient(
-        protocol,
-        settings.gradient,
-        SimulatedTrainer(protocol.trainer, root_seed=root_seed),
-        TetrisOracle(tetris_rules(protocol), protocol.trainer.knowledge),
-        root_seed=root_seed,
-        step_ns=step_ns(protocol),
-    )
+    return new_trial(msgspec.structs.replace(settings.protocol, learner=settings.gradient), root_seed)
 
 
 def run_gradient_trial(settings: GradientTrial, root_seed: int) -> dict[str, NDArray[np.float64]]:

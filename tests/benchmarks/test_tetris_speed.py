@@ -18,9 +18,9 @@ import pytest
 from core.combination.config import LINEAR, EpisodeWeights
 from core.learners.policy_gradient import PolicyGradient, PolicyGradientConfig
 from core.tetris.autoplay import play_greedy
-from core.tetris.combined import play_combined
 from core.tetris.config import TetrisConfig
-from core.tetris.policy_gradient import placement_scales, play_policy_gradient
+from core.tetris.policy_gradient import placement_scales
+from tests.core.tetris.playing import play_combined, play_policy_gradient
 from tests.core.tetris.test_autoplay import naive_game
 from tests.data_folder import data_folder
 
@@ -68,9 +68,7 @@ def test_combined_play_places_half_a_million_pieces_a_second(record_weights):
     def play() -> int:
         weights = EpisodeWeights(LINEAR, 1.0, 0.5)
         return sum(
-            play_combined(
-                record_weights, human, seed, CONFIG, weights, piece_cap=50_000, window=500
-            ).n_decisions
+            play_combined(record_weights, human, seed, CONFIG, weights, piece_cap=50_000, window=500).pieces
             for seed in range(10)
         )
 

@@ -5,6 +5,7 @@ import pytest
 
 from core.combination.agent import ArlAgent
 from core.combination.config import AgentConfig, BootstrapConfig, Equation4, Exponential, Linear, Tried
+from core.combination.tally import EpisodeTally
 from core.feedback.config import CreditConfig, TrainerConfig
 from core.feedback.delays import CurrentStep, GammaDelay
 from core.keepaway.arl_autoplay import ArlAutoplay, ArlKeepawayConfig
@@ -78,7 +79,7 @@ class StepByStep:
         domain, agent = self.domain, self.agent
         w_h, policy = agent.w_h, agent.begin_episode(episode, exploring=True)
         state, n = domain.initial(episode), 0
-        agreed = agreed_worst = 0
+        tally = EpisodeTally()
         while not domain.terminal(state):
             now_ns = start_ns + state.cycle * CYCLE_NS
             self.press_until(now_ns)
@@ -87,25 +88,25 @@ class StepByStep:
             agent.step_shown(self.steps, choices.feedback_features[decision.action], now_ns)
             transition = domain.transition(state, decision.action)
             agent.learn_from_step(choices, decision.action, transition.reward)
-            agreed += decision.environment_action == decision.human_action
-            agreed_worst += decision.environment_action == decision.human_worst_action
+            tally.add(decision)
             state, n, self.steps = transition.next_state, n + 1, self.steps + 1
         end_ns = start_ns + state.cycle * CYCLE_NS
         # Presses made while the last option was under way come before its end.
         self.press_until(end_ns - 1)
         agent.step_hidden(end_ns)
-        agent.learn_from_domain(policy, self._played(state, n, agreed, agreed_worst))
+        agent.learn_from_domain(policy, self._played(state, n, tally.agreement))
         self.press_until(end_ns + self.pause_ns)
         return state.cycle, w_h, end_ns + self.pause_ns
 
-    def _played(self, state, steps, agreed, agreed_worst):
+    def _played(self, state, steps, agreement):
         return Played(
             performance=self.domain.performance(state),
             steps=steps,
-            agreed=agreed,
-            agreed_worst=agreed_worst,
+            agreed=agreement.agreed if agreement else 0,
+            agreed_worst=agreement.agreed_worst if agreement else 0,
             ended="termination",
             time=state.cycle,
+            agreement=agreement,
         )
 
 

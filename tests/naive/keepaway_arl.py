@@ -11,11 +11,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from core.combination.bootstrap_learning import BootstrapLearning, EpisodeReport
+from core.combination.agreement import Agreement
+from core.combination.bootstrap_learning import BootstrapLearning
 from core.combination.config import ENVIRONMENT_WEIGHTS, HumanOnly, SideBySide
 from core.combination.preference import best_action, choose, takes_control, worst_action
-from core.combination.trust.measures import Comparison
-from core.combination.window import DecisionWindow
+from core.combination.ranking import EpisodeReport
 from core.feedback import trainers
 from core.feedback.assigner import CreditAssigner
 from core.keepaway.arl_autoplay import ArlKeepawayConfig
@@ -74,7 +74,7 @@ class Participant(trainers.SimulatedTrainer):
 class Episode:
     cycles: int
     w_h: float
-    comparison: tuple[int, int, int]
+    agreement: tuple[int, int, int]
     presses: list[tuple[int, float, bool, bool]] = field(default_factory=list)
 
 
@@ -100,9 +100,7 @@ class ArlKeepaway:
         self.consistency = Consistency()
         self.assigner = CreditAssigner(config.agent.credit)
         self.seed = stream_seed(root_seed, *path, "session")
-        self.bootstrap = BootstrapLearning(
-            config.agent.bootstrap, DecisionWindow(1, None, None), root_seed=self.seed
-        )
+        self.bootstrap = BootstrapLearning(config.agent.bootstrap, None, root_seed=self.seed)
         self.person = Participant(config.person.trainer, root_seed=self.seed) if config.person else None
         self.gate = PressGate(config.keys)
         self.due: list = []
@@ -151,14 +149,14 @@ class ArlKeepaway:
             self.assigner.step_hidden(self.steps - 1, self.now_ns)
         self.now_ns += round(self.config.pause_s * 1e9)
         self.press_until(self.now_ns)
-        counts = self.record.comparison
+        counts = self.record.agreement
         self.bootstrap.record(
             EpisodeReport(
                 policy_id=self.episode,
                 theta=np.empty(0),
                 performance=self.record.cycles * 0.1,
                 truncated=False,
-                comparison=Comparison(*counts) if counts[0] else None,
+                agreement=Agreement(*counts) if counts[0] else None,
                 consistency=self.consistency.score,
             ),
             self.human.weights if self.human.knows_something else None,
@@ -205,9 +203,9 @@ class ArlKeepaway:
                 np.stack([self.features(keeper, o, windows) for o in range(self.n)])
             )
             own, liked = best_action(values, none, self.n), best_action(heard, none, self.n)
-            n, agreed, worst = self.record.comparison
+            n, agreed, worst = self.record.agreement
             disliked = worst_action(heard, none, self.n)
-            self.record.comparison = (n + 1, agreed + (own == liked), worst + (own == disliked))
+            self.record.agreement = (n + 1, agreed + (own == liked), worst + (own == disliked))
             if takes_control(self.share_seed, self.in_episode, weights.share):
                 preferred = liked
         if preferred < 0 and weights.w_h:

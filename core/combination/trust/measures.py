@@ -1,59 +1,13 @@
-"""How far the human is trusted: degree of match and w_h (section 3.1, Eqs. 4 and 5), as pure functions.
+"""What rules of trust are made of: w_h and probabilities of policies (section 3.1, Eqs. 4 and 5), as pure functions.
 
 All sums are rounded once (`math.fsum`), so they do not depend on the order of policies or episodes.
 """
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-
-from core.combination.config import MatchKind
-
-
-@dataclass(frozen=True, slots=True)
-class Comparison:
-    """Choices of an environment policy held against those of the human policy."""
-
-    decisions: int
-    """How many decisions were compared, >= 1."""
-    agreed: int
-    """At how many the environment policy chose the human policy's best action."""
-    agreed_worst: int
-    """At how many it chose the human policy's worst action."""
-
-    def __post_init__(self) -> None:
-        if not (self.decisions >= 1 and min(self.agreed, self.agreed_worst) >= 0):
-            raise ValueError(f"a comparison needs decisions and counts >= 0: {self}")
-        if max(self.agreed, self.agreed_worst) > self.decisions:
-            raise ValueError(f"more agreements than decisions: {self}")
-
-    @property
-    def rate(self) -> float:
-        """Fraction of equal choices, in [0, 1]."""
-        return self.agreed / self.decisions
-
-    @property
-    def signed(self) -> float:
-        """Fraction of the human's best minus fraction of the human's worst actions, in [-1, 1]."""
-        return (self.agreed - self.agreed_worst) / self.decisions
-
-
-def degree_of_match(comparison: Comparison, kind: MatchKind, chance: float = 0.0) -> float:
-    """Return m_i.
-
-    Args:
-        comparison: counts.
-        kind: rate in [0, 1]; chance-corrected max(0, (rate - chance) / (1 - chance)); signed in [-1, 1].
-        chance: agreement rate of unrelated policies, in [0, 1).
-    """
-    if kind == "signed":
-        return comparison.signed
-    if kind == "rate":
-        return comparison.rate
-    return max(0.0, (comparison.rate - chance) / (1.0 - chance))
 
 
 def human_weight(performance: Sequence[float], match: Sequence[float]) -> float:
@@ -191,28 +145,35 @@ def _centred_ranks(values: Sequence[float]) -> NDArray[np.float64]:
     return np.asarray((2.0 * upto - counts - len(values))[place], dtype=np.float64)
 
 
-def selection_probabilities(
-    performance: Sequence[float], match: Sequence[float | None], w_h: float
-) -> list[float]:
+def pulls(match: Sequence[float | None], w_h: float) -> list[float]:
+    """Return w_h m_i of each top policy: by how much a participant makes it likelier to be played (section 3.1).
+
+    Args:
+        match: m_i, or None for a policy never compared: it gets the mean match of the others.
+        w_h: human weight.
+    """
+    known = [m for m in match if m is not None]
+    usual = math.fsum(known) / len(known) if known else 0.0
+    return [w_h * (usual if m is None else m) for m in match]
+
+
+def selection_probabilities(performance: Sequence[float], pull: Sequence[float]) -> list[float]:
     """Return the probability of each top policy being played (section 3.1), symmetric update included.
 
-    p_i is proportional to pm_i max(0, 1 + w_h m_i): to the performance where the human is not trusted (w_h = 0),
-    and the higher, the more a policy matches a trusted human, or opposes a distrusted one.
+    p_i is proportional to pm_i max(0, 1 + sum of w_h m_i over the participants): to the performance where no participant
+    is trusted (w_h = 0), and the higher, the more a policy matches a trusted one, or opposes a distrusted one.
 
     Args:
         performance: pm_i, >= 0, at least one policy.
-        match: m_i, or None for a policy never compared: it gets the mean match of the others.
-        w_h: human weight.
+        pull: of each policy, all participants together (`pulls`).
 
     Returns:
         Probabilities that sum to 1. Policies count alike until some pm_i > 0.
     """
-    _check_performance(performance, match)
+    _check_performance(performance, pull)
     if not performance:
         raise ValueError("there is no policy to select")
-    known = [m for m in match if m is not None]
-    usual = math.fsum(known) / len(known) if known else 0.0
-    factors = [max(0.0, 1.0 + w_h * (usual if m is None else m)) for m in match]
+    factors = [max(0.0, 1.0 + p) for p in pull]
     if not any(performance):
         performance = [1.0] * len(factors)
     scores = [pm * factor for pm, factor in zip(performance, factors, strict=True)]
@@ -223,7 +184,7 @@ def selection_probabilities(
     return [score / total for score in scores]
 
 
-def _check_performance(performance: Sequence[float], match: Sequence[float | None]) -> None:
+def _check_performance(performance: Sequence[float], match: Sequence[float]) -> None:
     if len(performance) != len(match):
         raise ValueError(f"need one match per performance, got {len(match)} and {len(performance)}")
     if any(not (pm >= 0 and math.isfinite(pm)) for pm in performance):

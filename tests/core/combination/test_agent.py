@@ -9,6 +9,7 @@ import pytest
 
 from core.clock import NS_PER_S
 from core.combination.agent import ArlAgent, EpisodePolicy, exact_values
+from core.combination.agreement import Agreement
 from core.combination.config import (
     ENVIRONMENT_WEIGHTS,
     LINEAR,
@@ -26,7 +27,7 @@ from core.combination.config import (
     TrustRule,
 )
 from core.combination.preference import takes_control
-from core.combination.trust.measures import Comparison
+from core.combination.tally import EpisodeTally
 from core.domain import Choices
 from core.feedback.credit import CurrentStep, PreviousStep
 from core.feedback.samples import CreditConfig
@@ -54,11 +55,10 @@ class CountingLearner:
 @dataclass(frozen=True)
 class Outcome:
     performance: float
-    steps: int = 10
-    agreed: int = 0
-    agreed_worst: int = 0
     ended: Literal["termination", "truncation"] = "termination"
     time: int = 0
+    agreement: Agreement | None = None
+    with_each: tuple[Agreement | None, ...] = ()
 
 
 def agent(
@@ -68,7 +68,7 @@ def agent(
     root_seed: int = 1,
     bootstrap: BootstrapConfig | None = None,
     credit: CreditConfig | None = None,
-    n_sources: int = 1,
+    n_participants: int = 1,
 ) -> ArlAgent:
     config = AgentConfig(
         scheme=scheme or Linear(),
@@ -80,7 +80,7 @@ def agent(
         config,
         n_feedback_features=2,
         root_seed=root_seed,
-        n_sources=n_sources,
+        n_participants=n_participants,
     )
 
 
@@ -114,7 +114,7 @@ def test_the_agent_initially_assumes_the_absence_of_a_human() -> None:
         # the values are the second feature: theta is 0, 1
         assert (decision.action, decision.environment_action) == (2, 2)
         assert (decision.human_action, decision.human_worst_action) == (-1, -1)
-        pupil.learn_from_domain(policy, Outcome(7.0, agreed=10))
+        pupil.learn_from_domain(policy, Outcome(7.0))
         assert pupil.w_h == 0.0
 
 
@@ -152,28 +152,36 @@ def test_the_human_alone_decides_where_that_is_asked_for() -> None:
 def test_trust_follows_the_agreement_of_an_episode() -> None:
     pupil = agent()
     teach(pupil)
-    play(pupil, 0, Outcome(5.0, steps=20, agreed=8, agreed_worst=1))
+    play(pupil, 0, Outcome(5.0, agreement=Agreement(20, 8, 1)))
     assert pupil.w_h == 0.4
     assert pupil.begin_episode(1, exploring=True).weights == EpisodeWeights(LINEAR, 1.0, 0.4)
 
 
 def test_agreement_is_not_counted_before_there_is_a_human_policy() -> None:
     pupil = agent()
-    play(pupil, 0, Outcome(5.0, steps=20, agreed=20))
+    play(pupil, 0, Outcome(5.0))
     teach(pupil)
     assert pupil.w_h == 0.0
-    play(pupil, 1, Outcome(5.0, steps=20, agreed=4))
+    play(pupil, 1, Outcome(5.0, agreement=Agreement(20, 4, 0)))
     assert pupil.w_h == 0.2
     # The first press came in the middle of a watched episode: two decisions were compared, one agreed.
     other = agent()
-    policy = other.begin_episode(0, exploring=True)
-    other.choose(choices((1, 2), (3, 1)), policy, step=0)
+    policy, tally = other.begin_episode(0, exploring=True), EpisodeTally()
+    tally.add(other.choose(choices((1, 2), (3, 1)), policy, step=0))
     teach(other)
-    other.choose(choices((1, 2), (3, 1)), policy, step=1)  # environment 0, human 1, and 0 their worst
-    other.choose(choices((2, 2), (0, 1), (1, 1)), policy, step=2)  # both 0
-    other.choose(choices((0, 3), (3, 1), (0, 4)), policy, step=3)  # environment 2, human 1, and 2 their worst
-    other.learn_from_domain(policy, Outcome(5.0, steps=4, agreed=1, agreed_worst=2))
-    assert other.bootstrap.ranked[0].comparison == Comparison(3, 1, 2)
+    for step, rows in enumerate(
+        [
+            ((1, 2), (3, 1)),  # environment 0, human 1, and 0 their worst
+            ((2, 2), (0, 1), (1, 1)),  # both 0
+            ((0, 3), (3, 1), (0, 4)),  # environment 2, human 1, and 2 their worst
+        ],
+        start=1,
+    ):
+        tally.add(other.choose(choices(*rows), policy, step=step))
+    assert tally.agreement == Agreement(3, 1, 2)
+    assert tally.with_each == (Agreement(3, 1, 2),)
+    other.learn_from_domain(policy, Outcome(5.0, agreement=tally.agreement, with_each=tally.with_each))
+    assert other.bootstrap.ranked[0].agreement == Agreement(3, 1, 2)
     assert other.w_h == 1 / 3
 
 
@@ -248,27 +256,27 @@ def test_the_fingerprint_tells_what_was_learned_from_whom() -> None:
     digests.add(fresh.digest())
     teach(fresh)
     digests.add(fresh.digest())
-    play(fresh, 0, Outcome(5.0, agreed=3))
+    play(fresh, 0, Outcome(5.0, agreement=Agreement(10, 3, 0)))
     digests.add(fresh.digest())
     other = agent()
     teach(other)
-    play(other, 0, Outcome(5.0, agreed=4))
+    play(other, 0, Outcome(5.0, agreement=Agreement(10, 4, 0)))
     digests.add(other.digest())
     assert len(digests) == 4
     assert all(len(digest) == 64 for digest in digests)
 
 
-@pytest.mark.parametrize("n_sources", [1, 2])
+@pytest.mark.parametrize("n_participants", [1, 2])
 @pytest.mark.parametrize(
     ("trust", "goes_by_it"),
     [(Tried(), True), (Signed(consistent_above=2.0), True), (Signed(), False), (Equation4(), False)],
     ids=str,
 )
 def test_the_fingerprint_knows_how_well_presses_were_foreseen_where_trust_goes_by_it(
-    trust: TrustRule, goes_by_it: bool, n_sources: int
+    trust: TrustRule, goes_by_it: bool, n_participants: int
 ) -> None:
     def taught(*presses: tuple[tuple[float, float], float]) -> ArlAgent:
-        pupil = agent(bootstrap=BootstrapConfig(trust=trust), n_sources=n_sources)
+        pupil = agent(bootstrap=BootstrapConfig(trust=trust), n_participants=n_participants)
         for step, (features, value) in enumerate(presses):
             now_ns = (step + 1) * NS_PER_S
             pupil.step_shown(step, np.array(features), now_ns)
@@ -296,8 +304,8 @@ def test_credit_is_reported_with_what_fell_outside() -> None:
 def test_all_weights_are_exported_by_name() -> None:
     pupil = agent()
     teach(pupil)
-    play(pupil, 0, Outcome(5.0, agreed=5))
-    play(pupil, 1, Outcome(9.0, agreed=5))
+    play(pupil, 0, Outcome(5.0, agreement=Agreement(10, 5, 0)))
+    play(pupil, 1, Outcome(9.0, agreement=Agreement(10, 5, 0)))
     exported = pupil.export()
     assert exported["policy-0"] == [1.0, 1.0]
     assert exported["policy-1"] == [0.0, 1.0]
@@ -309,7 +317,7 @@ def test_an_adversary_becomes_a_teacher_under_the_signed_rule() -> None:
     pupil = agent(bootstrap=BootstrapConfig(trust=Signed(minimum_episodes=2)))
     teach(pupil)
     for episode in range(3):
-        play(pupil, episode, Outcome(5.0, steps=10, agreed=0, agreed_worst=8))
+        play(pupil, episode, Outcome(5.0, agreement=Agreement(10, 0, 8)))
     assert pupil.w_h == pytest.approx(-1.6)
     policy = pupil.begin_episode(3, exploring=True)
     # The environment is indifferent between the first two, the human model likes the first one: not that one.

@@ -21,7 +21,7 @@ from core.feedback.samples import CreditConfig
 from core.learners.cross_entropy import CrossEntropyConfig, CrossEntropyLearner
 from core.streams import stream
 from core.tetris.afterstate import Tetris
-from core.tetris.combined import play_combined
+from core.tetris.combined import CombinedGame
 from core.tetris.config import TetrisConfig
 
 RULES = TetrisConfig()
@@ -79,18 +79,8 @@ def test_watched_and_unseen_episodes_are_decided_alike(scheme: Scheme) -> None:
     for episode in range(3):
         policy = agent.begin_episode(episode, exploring=True)
         seed = 1000 + episode
-        unseen = play_combined(
-            policy.theta,
-            policy.human_weights,
-            seed,
-            RULES,
-            policy.weights,
-            share_seed=policy.share_seed,
-            piece_cap=60,
+        unseen = CombinedGame(
+            policy.theta, policy.human_weights, seed, RULES, policy.weights, share_seed=policy.share_seed
         )
-        assert play(agent, policy, seed, 60) == (
-            unseen.lines,
-            unseen.n_decisions,
-            unseen.n_agree,
-            unseen.n_agree_worst,
-        )
+        unseen.advance(60)
+        assert play(agent, policy, seed, 60) == (unseen.lines, *unseen.tally.tolist())

@@ -98,13 +98,13 @@ def test_settings_out_of_range_are_refused(wrong):
         AskingConfig(**wrong)
 
 
-@pytest.mark.parametrize("n_sources", [1, 2])
-def test_an_agent_asks_its_top_policies_and_learns_from_the_answer(n_sources):
+@pytest.mark.parametrize("n_participants", [1, 2])
+def test_an_agent_asks_its_top_policies_and_learns_from_the_answer(n_participants):
     who = ArlAgent(
         CountingLearner(),
         AgentConfig(asking=AskingConfig(per_episode=1, share=0.5, minimum_decisions=1)),
         n_feedback_features=2,
-        n_sources=n_sources,
+        n_participants=n_participants,
         root_seed=1,
     )
     for episode in range(3):  # theta = (0, 1), (1, 1), (2, 1), equally good
@@ -121,7 +121,7 @@ def test_an_agent_asks_its_top_policies_and_learns_from_the_answer(n_sources):
     who.learn_from_answer(question, 1)
     assert who.human.knows_something
     assert who.digest() != before
-    first = who.human.learners[0] if n_sources == 2 else who.human
+    first = who.human.learners[0]
     assert first.weights[1] > first.weights[0]
 
 

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from core.combination.agent import exact_values
-from core.combination.bootstrap_learning import BootstrapLearning, EpisodeReport
+from core.combination.agreement import Agreement
+from core.combination.bootstrap_learning import BootstrapLearning
 from core.combination.config import (
     BootstrapConfig,
     Equation4,
@@ -19,7 +20,8 @@ from core.combination.config import (
     Tried,
     TrustRule,
 )
-from core.combination.trust.measures import Comparison
+from core.combination.ranking import EpisodeReport, draw_policy
+from core.combination.trust.measures import selection_probabilities
 from core.combination.window import DecisionWindow
 from core.domain import Choices
 from core.streams import stream
@@ -52,8 +54,13 @@ def report(
     theta: tuple[float, float] = (1.0, 0.0),
 ) -> EpisodeReport:
     """An episode of 10 decisions."""
-    comparison = None if agreed is None else Comparison(10, agreed, worst)
-    return EpisodeReport(policy_id, np.array(theta), performance, truncated, comparison)
+    agreement = None if agreed is None else Agreement(10, agreed, worst)
+    return EpisodeReport(policy_id, np.array(theta), performance, truncated, agreement)
+
+
+def probabilities(bootstrap: BootstrapLearning) -> list[float]:
+    """Of each ranked policy being played, with one participant."""
+    return selection_probabilities([p.performance for p in bootstrap.ranked], bootstrap.pulls(HUMAN))
 
 
 def choices(*rows: tuple[float, float]) -> Choices:
@@ -161,16 +168,16 @@ def test_window_counts_best_and_worst_choices() -> None:
     window.remember(choices((0, 1), (1, 1), (2, 2)))
     assert len(window) == 2
     # theta = (0, 1): action 1 (human's worst of 1, 0), then action 2 (human's best of 0, 1, 2)
-    assert window.compare(np.array([0.0, 1.0]), HUMAN) == Comparison(2, 1, 1)
+    assert window.compare(np.array([0.0, 1.0]), HUMAN) == Agreement(2, 1, 1)
     window.remember(choices((0, 0), (5, 5)))  # pushes out the decision that went against the human
-    assert window.compare(np.array([0.0, 1.0]), HUMAN) == Comparison(2, 2, 0)
+    assert window.compare(np.array([0.0, 1.0]), HUMAN) == Agreement(2, 2, 0)
 
 
 def test_ruled_out_actions_are_nobodys_choice_in_the_window() -> None:
     window = empty_window()
     features = np.array([[3.0, 0.0], [2.0, 5.0], [1.0, 9.0]])
     window.remember(Choices(features, features, np.array([True, False, True])))
-    assert window.compare(np.array([0.0, 1.0]), HUMAN) == Comparison(1, 1, 1)
+    assert window.compare(np.array([0.0, 1.0]), HUMAN) == Agreement(1, 1, 1)
 
 
 @pytest.mark.statistical
@@ -248,11 +255,11 @@ def test_selection_uses_performance_and_match() -> None:
     bootstrap.record(report(0, 30.0, agreed=0), HUMAN)
     bootstrap.record(report(1, 10.0, agreed=10), HUMAN)
     # 30 * 1, 10 * 1.5
-    assert bootstrap.probabilities(HUMAN) == pytest.approx([2 / 3, 1 / 3])
+    assert probabilities(bootstrap) == pytest.approx([2 / 3, 1 / 3])
     asymmetric = learning(FixedWeight(0.5), symmetric=False)
     asymmetric.record(report(0, 30.0, agreed=0), HUMAN)
     asymmetric.record(report(1, 10.0, agreed=10), HUMAN)
-    assert asymmetric.probabilities(HUMAN) == [0.75, 0.25]
+    assert probabilities(asymmetric) == [0.75, 0.25]
 
 
 @pytest.mark.statistical
@@ -261,7 +268,8 @@ def test_policies_are_drawn_with_their_probabilities() -> None:
     for policy_id, performance in enumerate([60.0, 30.0, 10.0, 0.0]):
         bootstrap.record(report(policy_id, performance), None)
     n = 4000
-    drawn = [bootstrap.draw(None, rng=stream(2, "policy", k)).policy_id for k in range(n)]
+    chances = probabilities(bootstrap)
+    drawn = [draw_policy(bootstrap.ranked, chances, rng=stream(2, "policy", k)).policy_id for k in range(n)]
     # standard error at most sqrt(0.25/4000) = 0.008; allow 4 of them
     assert [drawn.count(policy_id) / n for policy_id in range(4)] == pytest.approx(
         [0.6, 0.3, 0.1, 0], abs=0.032

@@ -17,7 +17,7 @@ from core.combination.config import (
     HumanOnly,
     Signed,
 )
-from core.combination.listeners import Crowd
+from core.combination.tally import EpisodeTally
 from core.domain import Choices
 from core.episode import KeyPressed, UnseenPlayed
 from core.feedback.config import CreditConfig, TrainerConfig
@@ -36,12 +36,12 @@ SETTINGS = {
 }
 
 
-def agent(n_sources: int, **changes) -> ArlAgent:
+def agent(n_participants: int, **changes) -> ArlAgent:
     return ArlAgent(
         CountingLearner(),
         AgentConfig(**SETTINGS, **changes),
         n_feedback_features=2,
-        n_sources=n_sources,
+        n_participants=n_participants,
         root_seed=1,
     )
 
@@ -51,9 +51,9 @@ def decision(seed: int, n: int = 5) -> Choices:
     return Choices(rng.normal(size=(n, 2)), rng.normal(size=(n, 2)), np.zeros(n, dtype=bool))
 
 
-def press(who: ArlAgent, number: int, psi: tuple[float, float], value: float, person: int = 0) -> None:
+def press(who: ArlAgent, number: int, psi: tuple[float, float], value: float, participant: int = 0) -> None:
     who.step_shown(number, np.array(psi), 10 * number)
-    who.learn_from_press(number, 10 * number + 1, value, person)
+    who.learn_from_press(number, 10 * number + 1, value, participant)
     who.step_hidden(10 * number + 5)
 
 
@@ -62,10 +62,13 @@ def live(who: ArlAgent, episodes: int, decisions: int = 12):
     chosen = []
     for episode in range(episodes):
         policy = who.begin_episode(episode, exploring=episode % 2 == 0)
+        tally = EpisodeTally()
         for step in range(decisions):
             chosen.append(who.choose(decision(100 * episode + step), policy, step=step))
+            tally.add(chosen[-1])
         press(who, episode, (1.0, -0.5), 1.0 if episode % 3 else -1.0)
-        who.learn_from_domain(policy, Outcome(performance=float(episode % 4)))
+        outcome = Outcome(float(episode % 4), agreement=tally.agreement, with_each=tally.with_each)
+        who.learn_from_domain(policy, outcome)
     return chosen, who.weights_of_sources
 
 
@@ -87,11 +90,10 @@ def test_folding_by_hand():
     """Two sources with v = (1, 0) and (0, 4), weights 0.5 and -0.25, in one decision."""
     who = agent(2)
     crowd = who.human
-    assert isinstance(crowd, Crowd)
-    press(who, 0, (2.0, 0.0), 1.0, person=0)  # v = 0.5 * 1 * (2, 0) = (1, 0)
-    press(who, 1, (0.0, 2.0), 1.0, person=1)
-    press(who, 2, (0.0, 2.0), 1.0, person=1)  # (0, 1), error 1 - 2 = -1: (0, 0)
-    press(who, 3, (0.0, 8.0), 1.0, person=1)  # (0, 4)
+    press(who, 0, (2.0, 0.0), 1.0, participant=0)  # v = 0.5 * 1 * (2, 0) = (1, 0)
+    press(who, 1, (0.0, 2.0), 1.0, participant=1)
+    press(who, 2, (0.0, 2.0), 1.0, participant=1)  # (0, 1), error 1 - 2 = -1: (0, 0)
+    press(who, 3, (0.0, 8.0), 1.0, participant=1)  # (0, 4)
     assert [learner.weights.tolist() for learner in crowd.learners] == [[1.0, 0.0], [0.0, 4.0]]
     psi = np.array([[1.0, 0.0], [-1.0, 0.0], [1.0, 3.0], [-1.0, 3.0]])
     who.window.remember(Choices(np.zeros((4, 2)), psi, np.zeros(4, dtype=bool)))
@@ -107,8 +109,8 @@ def test_who_presses_more_has_no_more_say():
     folds = []
     for size in (1.0, 10.0):
         who = agent(2)
-        press(who, 0, (2.0, 0.0), 1.0, person=0)
-        press(who, 1, (0.0, 2.0), size, person=1)
+        press(who, 0, (2.0, 0.0), 1.0, participant=0)
+        press(who, 1, (0.0, 2.0), size, participant=1)
         for k in range(5):
             who.window.remember(decision(k))
         who.human.fold([1.0, 1.0], who.window)
@@ -118,16 +120,18 @@ def test_who_presses_more_has_no_more_say():
 
 def test_a_press_is_taken_back_from_whoever_made_it():
     who = agent(2)
-    press(who, 0, (2.0, 0.0), 1.0, person=0)
-    press(who, 1, (0.0, 2.0), 1.0, person=1)
+    press(who, 0, (2.0, 0.0), 1.0, participant=0)
+    press(who, 1, (0.0, 2.0), 1.0, participant=1)
     who.retract(1)
     assert [learner.knows_something for learner in who.human.learners] == [True, False]
 
 
-def test_a_person_nobody_listens_to_is_an_error():
-    with pytest.raises(ValueError, match="press 0 is by person 2, but this agent listens to 2"):
-        press(agent(2), 0, (1.0, 0.0), 1.0, person=2)
-    with pytest.raises(ValueError, match="at least one source"):
+def test_a_press_of_an_unknown_participant_is_refused():
+    with pytest.raises(ValueError, match="press 0 is by participant 2, but this agent listens to 2"):
+        press(agent(2), 0, (1.0, 0.0), 1.0, participant=2)
+    with pytest.raises(ValueError, match="press 0 is by participant 1, but this agent listens to 1"):
+        press(agent(1), 0, (1.0, 0.0), 1.0, participant=1)
+    with pytest.raises(ValueError, match="at least one participant"):
         agent(0)
 
 

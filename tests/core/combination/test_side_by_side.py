@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from core.combination.agent import ArlAgent
-from core.combination.bootstrap_learning import BootstrapLearning, EpisodeReport
+from core.combination.agreement import Agreement
+from core.combination.bootstrap_learning import BootstrapLearning
 from core.combination.config import AgentConfig, BootstrapConfig, SideBySide
-from core.combination.trust.measures import Comparison
+from core.combination.ranking import EpisodeReport
 from core.combination.window import DecisionWindow
 from core.learners.cross_entropy import CrossEntropyConfig, CrossEntropyLearner
 from core.streams import stream
@@ -20,8 +21,8 @@ def learning(rule=RULE, root_seed=3):
     return BootstrapLearning(BootstrapConfig(trust=rule), window, root_seed=root_seed)
 
 
-def report(episode, comparison, performance=5.0):
-    return EpisodeReport(episode, np.zeros(2), performance, False, comparison)
+def report(episode, agreement, performance=5.0):
+    return EpisodeReport(episode, np.zeros(2), performance, False, agreement)
 
 
 def play(agreement, *, rule=RULE, episodes=1200, turns_at=0):
@@ -36,10 +37,11 @@ def play(agreement, *, rule=RULE, episodes=1200, turns_at=0):
     bootstrap, rng, used = learning(rule), stream(5, "agreement"), []
     for episode in range(episodes):
         used.append(bootstrap.w_h)
-        a = agreement[bootstrap.attitude] + float(rng.normal(0.0, 0.1))
-        a = -a if episode < turns_at and bootstrap.attitude == 0.0 else a
+        attitude = bootstrap.w_h / rule.weight
+        a = agreement[attitude] + float(rng.normal(0.0, 0.1))
+        a = -a if episode < turns_at and attitude == 0.0 else a
         agreed = round(50 + 50 * float(np.clip(a, -1.0, 1.0)))
-        bootstrap.record(report(episode, Comparison(100, agreed, 100 - agreed)), V)
+        bootstrap.record(report(episode, Agreement(100, agreed, 100 - agreed)), V)
     return np.array(used)
 
 
@@ -89,13 +91,13 @@ def test_episodes_without_a_human_policy_change_nothing():
         bootstrap.record(report(episode, None), None)
     assert bootstrap.w_h == 0.0
     for one in (bootstrap, fresh):
-        one.record(report(50, Comparison(10, 5, 0)), V)
-    assert bootstrap.attitude == fresh.attitude
+        one.record(report(50, Agreement(10, 5, 0)), V)
+    assert bootstrap.w_h == fresh.w_h
 
 
 def test_a_match_is_the_signed_one():
     bootstrap = learning()
-    bootstrap.record(report(0, Comparison(10, 5, 2)), V)
+    bootstrap.record(report(0, Agreement(10, 5, 2)), V)
     assert bootstrap.matches(V) == [pytest.approx(0.3)]
 
 
@@ -105,8 +107,8 @@ def test_the_fingerprint_tells_of_whose_turn_it_is():
     differed = 0
     for episode in range(10):
         for bootstrap in (one, other):
-            bootstrap.record(report(episode, Comparison(10, 5, 5)), V)
-        if one.attitude != other.attitude:
+            bootstrap.record(report(episode, Agreement(10, 5, 5)), V)
+        if one.w_h != other.w_h:
             differed += 1
             assert one.state_bytes() != other.state_bytes()
     assert differed
@@ -115,7 +117,7 @@ def test_the_fingerprint_tells_of_whose_turn_it_is():
 def test_an_agent_with_one_learner_refuses_it():
     config = AgentConfig(bootstrap=BootstrapConfig(trust=RULE))
     learner = CrossEntropyLearner(CrossEntropyConfig(), n_weights=2, root_seed=1)
-    with pytest.raises(TypeError, match="side by side"):
+    with pytest.raises(ValueError, match="side by side"):
         ArlAgent(learner, config, n_feedback_features=2, root_seed=1)
 
 

@@ -1,21 +1,22 @@
 """Schemes that act on what the environment's learner learns: reward shaping, Q augmentation, COACH. By hand."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
 from core.combination.agent import ArlAgent
-from core.combination.climbing import Climbing
+from core.combination.climbing import Coached
 from core.combination.config import (
     ENVIRONMENT_WEIGHTS,
+    SCHEMES,
     AgentConfig,
     Coach,
+    EnvironmentOnly,
+    Linear,
     QAugmentation,
     RewardShaping,
 )
-from core.combination.environment import environment_side
-from core.combination.sides import Heard
+from core.combination.environment import environment_sides
+from core.combination.sides import EpisodeEnd, EpisodeStart, Heard
 from core.combination.window import Values
 from core.domain import Choices
 from core.episode import CreditGiven
@@ -136,15 +137,20 @@ def pair() -> Choices:
     return Choices(np.eye(2), np.zeros((2, 1)), np.zeros(2, dtype=bool))
 
 
-def coached(**settings) -> tuple[Climbing, PolicyGradientLearner]:
+def begin(side: Coached, episode: int) -> None:
+    side.begin_episode(EpisodeStart(episode, draw=None, rng=stream(1, "none")))
+
+
+def coached(**settings) -> tuple[Coached, PolicyGradientLearner]:
     learner = PolicyGradientLearner(PolicyGradientConfig(), scales=[1.0, 1.0])
-    side = environment_side(learner, VALUES, Coach(**settings))
-    assert isinstance(side, Climbing)
-    side.begin_episode(0, None, rng=stream(1, "none"))
+    side, taught_by_presses = environment_sides(learner, VALUES, Coach(**settings))
+    assert isinstance(side, Coached)
+    assert taught_by_presses is side
+    begin(side, 0)
     return side, learner
 
 
-def decide(side: Climbing, action: int, *, step: int = 0, reward: float = 0.0) -> None:
+def decide(side: Coached, action: int, *, step: int = 0, reward: float = 0.0) -> None:
     choices = pair()
     values = side.values(choices, np.zeros(2))
     side.act(values, choices, -1, Heard(np.zeros(2), ENVIRONMENT_WEIGHTS, 1, step, False))
@@ -175,8 +181,8 @@ def test_a_press_moves_the_policy_toward_what_was_done():
 def test_steps_count_through_the_session_and_traces_end_with_the_episode():
     side, learner = coached(step_size=0.1, trace_decay=0.5)
     decide(side, 0)
-    side.end_episode(0, SimpleNamespace(performance=1.0, ended="termination", time=1), proposed=True)
-    side.begin_episode(1, None, rng=stream(1, "none"))
+    side.end_episode(EpisodeEnd(0, proposed=True, performance=1.0, terminated=True, time=1))
+    begin(side, 1)
     decide(side, 1)  # step 1 of the session; a trace of its own: (-0.5, 0.5)
     side.press(credit((1, 1.0)), 1.0)
     np.testing.assert_allclose(learner.gradient.weights, [-0.05, 0.05], rtol=1e-12)
@@ -210,8 +216,12 @@ class Searcher:
 @pytest.mark.parametrize(
     ("learner", "scheme", "reason"),
     [
-        (Searcher, RewardShaping(), "reward-shaping acts on what the learner learns"),
-        (Searcher, Coach(), "coach acts on what the learner learns"),
+        (
+            Searcher,
+            RewardShaping(),
+            "reward-shaping needs a learner that learns from the reward of each step",
+        ),
+        (Searcher, Coach(), "coach needs a learner with a softmax policy: policy gradient; got Searcher"),
         (Searcher, QAugmentation(), "q-augmentation needs a learner of action values"),
         (sarsa, Coach(), "coach needs a learner with a softmax policy"),
         (
@@ -224,3 +234,26 @@ class Searcher:
 def test_a_learner_that_cannot_be_taught_so_is_refused(learner, scheme, reason):
     with pytest.raises(ValueError, match=reason):
         ArlAgent(learner(), AgentConfig(scheme=scheme), n_feedback_features=1, root_seed=1)
+
+
+@pytest.mark.parametrize("scheme", [Linear(), RewardShaping(), EnvironmentOnly()], ids=str)
+def test_presses_reach_no_learner_that_they_do_not_teach_directly(scheme):
+    learners = [sarsa(), PolicyGradientLearner(PolicyGradientConfig(), scales=[1.0])]
+    if scheme.acts_on == "choice":
+        learners.append(Searcher())
+    for learner in learners:
+        assert environment_sides(learner, VALUES, scheme).taught_by_presses is None
+
+
+@pytest.mark.parametrize("kind", SCHEMES.values())
+def test_every_scheme_is_either_served_or_refused_by_every_kind_of_learner(kind):
+    """What a scheme acts on is something that a message can name, and that some learner offers."""
+    scheme, refusals = kind(), []
+    for learner in (Searcher(), sarsa(), PolicyGradientLearner(PolicyGradientConfig(), scales=[1.0])):
+        try:
+            environment_sides(learner, VALUES, scheme)
+        except ValueError as error:
+            refusals.append(str(error))
+    tag = kind.__struct_config__.tag
+    assert all(refusal.startswith(f"scheme {tag} needs a learner") for refusal in refusals)
+    assert len(refusals) == {"choice": 0, "reward": 1, "values": 2, "policy": 2}[scheme.acts_on]

@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from core.combination.bootstrap_learning import BootstrapLearning, EpisodeReport
+from core.combination.agreement import Agreement
+from core.combination.bootstrap_learning import BootstrapLearning
 from core.combination.config import BootstrapConfig, RankCorrelation, Tried
-from core.combination.trust.measures import Comparison, rank_human_weight, rank_test
+from core.combination.ranking import EpisodeReport
+from core.combination.trust.measures import rank_human_weight, rank_test
 from core.combination.window import DecisionWindow
 from core.streams import stream
 
@@ -27,7 +29,7 @@ def play(rule: Tried, helps: dict[float, float], *, consistency: float, episodes
         used.append(bootstrap.w_h)
         performance = float(rng.exponential(helps[bootstrap.w_h]))
         bootstrap.record(
-            EpisodeReport(episode, np.zeros(2), performance, False, Comparison(10, 5, 0), consistency), V
+            EpisodeReport(episode, np.zeros(2), performance, False, Agreement(10, 5, 0), consistency), V
         )
     return np.array(used)
 
@@ -62,9 +64,7 @@ def test_belief_ends_when_the_environment_turns():
         used.append(bootstrap.w_h)
         best = 1.0 if episode < 300 else 0.0
         performance = float(rng.exponential(6.0 if bootstrap.w_h == best else 1.0))
-        bootstrap.record(
-            EpisodeReport(episode, np.zeros(2), performance, False, Comparison(10, 5, 0), 9.0), V
-        )
+        bootstrap.record(EpisodeReport(episode, np.zeros(2), performance, False, Agreement(10, 5, 0), 9.0), V)
     assert (np.array(used[150:300]) == 1.0).mean() > 0.85
     assert (np.array(used[700:]) == 1.0).mean() < 0.3
 
@@ -82,9 +82,9 @@ def test_episodes_without_a_human_policy_change_nothing():
     for episode in range(50):
         bootstrap.record(EpisodeReport(episode, np.zeros(2), 3.0, False, None, 9.0), None)
     assert bootstrap.w_h == 0.0
-    bootstrap.record(EpisodeReport(50, np.zeros(2), 3.0, False, Comparison(10, 5, 0), 9.0), V)
+    bootstrap.record(EpisodeReport(50, np.zeros(2), 3.0, False, Agreement(10, 5, 0), 9.0), V)
     other = learning(Tried(minimum_episodes=2))
-    other.record(EpisodeReport(50, np.zeros(2), 3.0, False, Comparison(10, 5, 0), 9.0), V)
+    other.record(EpisodeReport(50, np.zeros(2), 3.0, False, Agreement(10, 5, 0), 9.0), V)
     assert bootstrap.w_h == other.w_h
 
 
@@ -120,7 +120,7 @@ def test_policies_that_agree_and_do_better_earn_trust_by_rank_correlation():
     for episode in range(40):
         agreed = episode % 10
         bootstrap.record(
-            EpisodeReport(episode, np.zeros(2), float(agreed), False, Comparison(10, agreed, 0)), V
+            EpisodeReport(episode, np.zeros(2), float(agreed), False, Agreement(10, agreed, 0)), V
         )
     # r = 1 less 1 / sqrt(39), times 1.5
     assert bootstrap.w_h == pytest.approx(1.5 * (1 - 1 / np.sqrt(39)))

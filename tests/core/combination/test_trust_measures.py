@@ -6,11 +6,11 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from core.combination.agreement import Agreement, degree_of_match
 from core.combination.trust.measures import (
-    Comparison,
-    degree_of_match,
     human_weight,
     next_human_weight,
+    pulls,
     selection_probabilities,
     signed_human_weight,
 )
@@ -22,7 +22,7 @@ MATCH = st.floats(0, 1)
 
 def test_degree_of_match_by_hand() -> None:
     # 8 of 20 best, 3 of 20 worst
-    counts = Comparison(20, 8, 3)
+    counts = Agreement(20, 8, 3)
     assert degree_of_match(counts, "rate") == 0.4
     assert degree_of_match(counts, "signed") == 0.25
     # above chance: (0.4 - 0.2) / (1 - 0.2)
@@ -78,30 +78,30 @@ def test_signed_weight_by_hand() -> None:
 
 
 def test_selection_is_proportional_to_performance_where_the_human_is_not_trusted() -> None:
-    assert selection_probabilities([10, 30], [1.0, 0.0], 0.0) == [0.25, 0.75]
+    assert selection_probabilities([10, 30], pulls([1.0, 0.0], 0.0)) == [0.25, 0.75]
 
 
 def test_selection_rises_with_the_match_to_a_trusted_human() -> None:
     # 10 (1 + 0.5 * 1) = 15, 30 (1 + 0.5 * 0) = 30
-    assert selection_probabilities([10, 30], [1.0, 0.0], 0.5) == pytest.approx([1 / 3, 2 / 3])
+    assert selection_probabilities([10, 30], pulls([1.0, 0.0], 0.5)) == pytest.approx([1 / 3, 2 / 3])
     # an adversary, w_h = -0.5, opposed by the first policy: the same
-    assert selection_probabilities([10, 30], [-1.0, 0.0], -0.5) == pytest.approx([1 / 3, 2 / 3])
+    assert selection_probabilities([10, 30], pulls([-1.0, 0.0], -0.5)) == pytest.approx([1 / 3, 2 / 3])
 
 
 def test_a_policy_never_compared_counts_as_the_others_on_average() -> None:
     # mean of 0.2 and 0.6 is 0.4: factors 1.2, 1.4, 1.6
-    assert selection_probabilities([1, 1, 1], [0.2, None, 0.6], 1.0) == pytest.approx(
+    assert selection_probabilities([1, 1, 1], pulls([0.2, None, 0.6], 1.0)) == pytest.approx(
         [1.2 / 4.2, 1.4 / 4.2, 1.6 / 4.2]
     )
-    assert selection_probabilities([1, 3], [None, None], 1.0) == [0.25, 0.75]
+    assert selection_probabilities([1, 3], pulls([None, None], 1.0)) == [0.25, 0.75]
 
 
 def test_selection_is_defined_without_performance_and_against_full_distrust() -> None:
-    assert selection_probabilities([0, 0], [None, None], 0.0) == [0.5, 0.5]
+    assert selection_probabilities([0, 0], pulls([None, None], 0.0)) == [0.5, 0.5]
     # 0 (1 + 1 * 1) and 0 (1 + 1 * 0), policies alike: 2/3, 1/3
-    assert selection_probabilities([0, 0], [1.0, 0.0], 1.0) == pytest.approx([2 / 3, 1 / 3])
+    assert selection_probabilities([0, 0], pulls([1.0, 0.0], 1.0)) == pytest.approx([2 / 3, 1 / 3])
     # both factors are max(0, 1 - 2 * 1) = 0: performance decides
-    assert selection_probabilities([1, 3], [1.0, 1.0], -2.0) == [0.25, 0.75]
+    assert selection_probabilities([1, 3], pulls([1.0, 1.0], -2.0)) == [0.25, 0.75]
 
 
 @given(st.lists(st.tuples(PERFORMANCE, MATCH), min_size=1, max_size=12))
@@ -136,7 +136,7 @@ def test_equation_5_moves_towards_the_episodes_match(
 def test_selection_probabilities_are_probabilities(
     policies: list[tuple[float, float | None]], w_h: float
 ) -> None:
-    probabilities = selection_probabilities([pm for pm, _ in policies], [m for _, m in policies], w_h)
+    probabilities = selection_probabilities([pm for pm, _ in policies], pulls([m for _, m in policies], w_h))
     assert math.fsum(probabilities) == pytest.approx(1.0)
     assert min(probabilities) >= 0
 
@@ -162,8 +162,8 @@ def test_what_cannot_be_is_refused_with_the_reason() -> None:
     with pytest.raises(ValueError, match="at least 2 episodes"):
         signed_human_weight([1.0], [0.5], gain=1.0, standard_errors=1.0)
     with pytest.raises(ValueError, match="no policy"):
-        selection_probabilities([], [], 0.0)
+        selection_probabilities([], pulls([], 0.0))
     with pytest.raises(ValueError, match="counts >= 0"):
-        Comparison(0, 0, 0)
+        Agreement(0, 0, 0)
     with pytest.raises(ValueError, match="more agreements"):
-        Comparison(3, 4, 0)
+        Agreement(3, 4, 0)

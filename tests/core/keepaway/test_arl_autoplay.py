@@ -4,6 +4,7 @@ import msgspec
 import numpy as np
 import pytest
 
+from core.combination.agreement import Agreement
 from core.combination.config import (
     AgentConfig,
     Annealed,
@@ -98,7 +99,7 @@ def test_compiled_play_is_the_play_of_a_session_in_python(name):
     for _ in range(15):
         ours, theirs = fast.play_episode(), slow.play_episode()
         assert (ours.cycles, ours.w_h) == (theirs.cycles, theirs.w_h)
-        assert (ours.compared, ours.agreed, ours.agreed_worst) == theirs.comparison
+        assert ours.agreement == (Agreement(*theirs.agreement) if theirs.agreement[0] else None)
         made = [(p.time_ns, p.value, p.deliberate, p.accepted) for p in ours.presses]
         assert made == theirs.presses
     if len(slow.learners) == 1:
@@ -154,9 +155,9 @@ def test_with_nobody_watching_learners_side_by_side_play_as_one_and_all_learn():
 def test_of_learners_side_by_side_each_plays_and_all_learn_from_every_episode():
     game, played = ArlAutoplay(setting(agent(trust=SideBySide())), 4, "turns"), set()
     for _ in range(40):
-        attitude, before = game.bootstrap.attitude, game.sarsa.weights.copy()
+        attitude, before = game.bootstrap.w_h, game.sarsa.weights.copy()  # weight 1
         episode = game.play_episode()
-        if episode.compared:
+        if episode.agreement:
             assert episode.w_h == attitude
             played.add(attitude)
         changed = (game.sarsa.weights != before).any(axis=(1, 2)).reshape(3, 3)

@@ -2,7 +2,6 @@
 
 import math
 
-import msgspec
 import numpy as np
 import pytest
 
@@ -97,20 +96,6 @@ def test_one_candidate_at_a_time_is_the_same_search():
         stepped.report(candidate.policy_id, performance_of(candidate.weights))
     np.testing.assert_array_equal(stepped.search.mean, whole.mean)
     np.testing.assert_array_equal(stepped.search.variance, whole.variance)
-
-
-def test_a_search_resumed_from_its_state_goes_on_as_if_never_stopped():
-    config = CrossEntropyConfig(population=10)
-    unbroken = CrossEntropy(config, n_weights=3, root_seed=6)
-    for _ in range(3):
-        unbroken.update([performance_of(sample) for sample in unbroken.population()])
-    stored = msgspec.json.encode(unbroken.state())
-    resumed = CrossEntropy.from_state(config, msgspec.json.decode(stored))
-    for search in (unbroken, resumed):
-        search.update([performance_of(sample) for sample in search.population()])
-    np.testing.assert_array_equal(resumed.mean, unbroken.mean)
-    np.testing.assert_array_equal(resumed.variance, unbroken.variance)
-    np.testing.assert_array_equal(resumed.population(), unbroken.population())
 
 
 def test_another_seed_is_another_search():

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from core.combination.config import ADVISE, EXPONENTIAL, LINEAR, LINEAR_RAW
-from core.combination.soft import fill_logits
+from core.combination.preference import fill_logits
 from core.learners.policy_gradient import PolicyGradient, PolicyGradientConfig, PolicyGradientLearner
 from core.learners.policy_gradient_kernels import (
     BASELINE,

@@ -8,8 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from core.combination.agreement import Agreement
 from core.combination.config import EXPONENTIAL, LINEAR, LINEAR_RAW, EpisodeWeights
 from core.combination.preference import best_action, choose, takes_control, worst_action
+from core.combination.tally import AGREED, agreement_of
 from core.compiled import JIT_DISABLED
 from core.fixed_point import exact_weights
 from core.learners.linear import action_values
@@ -17,10 +19,10 @@ from core.streams import stream
 from core.tetris.afterstate import Tetris, TetrisState
 from core.tetris.autoplay import GreedyGames, best_of, play_greedy, worst_of
 from core.tetris.board import piece_at
-from core.tetris.combined import play_combined
 from core.tetris.config import FEATURE_SETS, TetrisConfig
 from core.tetris.features import DELLACHERIE_WEIGHTS, DT_10_WEIGHTS, DT_20_WEIGHTS, feature_set
 from core.tetris.pieces import seven_bag_piece, uniform_piece
+from tests.core.tetris.playing import play_combined
 from tests.data_folder import data_folder
 from tests.naive import tetris as naive
 
@@ -177,37 +179,37 @@ def test_a_combined_episode_is_the_one_played_step_by_step(rules, combination, f
         if weighted.share > 0 and takes_control(99, state.pieces, weighted.share):
             action = human
         state = domain.transition(state, action).next_state
-    episode = play_combined(theta, v, 3, config, weighted, share_seed=99, piece_cap=120, window=25)
-    assert (episode.n_decisions, episode.lines, episode.finished) == (state.pieces, state.lines, state.over)
-    assert (episode.n_agree, episode.n_agree_worst) == (agree, agree_worst)
-    assert episode.window_boards.tolist() == boards[-25:]
-    assert episode.window_decisions.tolist() == list(range(len(boards)))[-25:]
+    game = play_combined(theta, v, 3, config, weighted, share_seed=99, piece_cap=120, window=25)
+    assert (game.pieces, game.lines, game.finished) == (state.pieces, state.lines, state.over)
+    assert game.tally.tolist() == [state.pieces, agree, agree_worst]
+    recent = range(max(0, game.pieces - 25), game.pieces)
+    assert [list(game.kept(decision)[0]) for decision in recent] == boards[-25:]
 
 
 def test_the_window_hands_back_states_whose_choices_can_be_looked_at_again():
     config = TetrisConfig()
     theta = sensible_weights("bertsekas-21", config, 1)
-    episode = play_combined(theta, theta, 3, config, piece_cap=40, window=10)
+    game = play_combined(theta, theta, 3, config, piece_cap=40, window=10)
     domain = Tetris(config)
-    for columns, k in zip(episode.window_boards, episode.window_decisions, strict=True):
-        state = TetrisState(tuple(map(int, columns)), 3, int(k))
+    for k in range(game.pieces - 10, game.pieces):
+        state = TetrisState(game.kept(k)[0], 3, k)
         assert len(domain.choices(state).features) == len(domain.placements(state))
 
 
 def test_an_environment_that_is_the_human_agrees_with_it_in_every_decision():
     theta = sensible_weights("bertsekas-21", TetrisConfig(), 4)
-    episode = play_combined(theta, theta, 5, TetrisConfig(), piece_cap=100)
+    game = play_combined(theta, theta, 5, TetrisConfig(), piece_cap=100)
     # Changes of the same features under the same weights: the same order of the actions.
-    assert episode.n_agree == episode.n_decisions == 100
+    assert agreement_of(game.tally) == Agreement(100, 100, 0)
     opposite = play_combined(theta, -theta, 5, TetrisConfig(), piece_cap=100)
-    assert opposite.n_agree == 0
+    assert opposite.tally[AGREED] == 0
 
 
 def test_with_no_weight_on_the_human_a_combined_episode_is_the_greedy_game():
     theta = sensible_weights("bertsekas-21", TetrisConfig(), 4)
-    episode = play_combined(theta, np.ones(21), 5, TetrisConfig(), piece_cap=200)
+    game = play_combined(theta, np.ones(21), 5, TetrisConfig(), piece_cap=200)
     games = play_greedy(theta, [5], TetrisConfig(), piece_cap=200)
-    assert (episode.lines, episode.n_decisions) == (games.lines[0], games.pieces[0])
+    assert (game.lines, game.pieces) == (games.lines[0], games.pieces[0])
 
 
 def test_multiplying_the_weights_by_a_power_of_two_changes_no_game():

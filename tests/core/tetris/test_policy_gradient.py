@@ -5,6 +5,7 @@ import pytest
 
 from core.combination.config import EXPONENTIAL, LINEAR, LINEAR_RAW, EpisodeWeights
 from core.combination.preference import best_action, worst_action
+from core.combination.tally import COMPARED
 from core.compiled import JIT_DISABLED
 from core.counters import uniform_at
 from core.fixed_point import exact_weights
@@ -13,7 +14,8 @@ from core.learners.policy_gradient import PolicyGradient, PolicyGradientConfig
 from core.streams import stream, stream_seed
 from core.tetris.afterstate import Tetris
 from core.tetris.config import TetrisConfig
-from core.tetris.policy_gradient import PolicyGradientGame, placement_scales, play_policy_gradient
+from core.tetris.policy_gradient import PolicyGradientGame, placement_scales
+from tests.core.tetris.playing import play_policy_gradient
 from tests.naive.policy_gradient import NaiveLearner, logits, probabilities
 
 SMALL = TetrisConfig(rows=10, columns=6)
@@ -96,9 +98,10 @@ def test_compiled_episodes_are_those_of_the_slow_twin(case, update):
         expected = naive_episode(twin, human, seed, config, weights, chance, share)
         if update == "episode":
             twin.theta = twin.theta + rates["step_size"] * twin.gradient
-        assert (played.lines, played.pieces, played.agreed, played.agreed_worst) == expected
+        compared, agreed, agreed_worst = played.tally.tolist()
+        assert (played.lines, played.pieces, agreed, agreed_worst) == expected
         assert played.finished
-        assert played.compared == played.pieces
+        assert compared == played.pieces
         np.testing.assert_allclose(pupil.memory.weights, twin.theta, rtol=1e-7, atol=1e-12)
     assert pupil.memory.weights.any() or JIT_DISABLED  # so few games may clear no line
 
@@ -114,8 +117,8 @@ def test_a_game_can_be_stopped_and_continued():
             game.advance(before + 1)
             assert game.pieces == before + 1 or game.finished
         halting.end_episode()
-        for count in ("lines", "pieces", "compared", "agreed", "agreed_worst"):
-            assert getattr(game, count) == getattr(played, count)
+        assert (game.lines, game.pieces) == (played.lines, played.pieces)
+        assert game.tally.tolist() == played.tally.tolist()
     assert whole.state_bytes() == halting.state_bytes()
 
 
@@ -146,16 +149,16 @@ def test_the_human_model_may_change_between_two_pieces():
         for human in (likes(SMALL), nobody())
     )
     late.advance(3)
-    assert late.compared == 0
+    assert late.tally[COMPARED] == 0
     late.set_human_weights(likes(SMALL))
     for game in (early, late):
         game.advance(8)
-    assert (early.compared, late.compared) == (8, 5)
+    assert (early.tally[COMPARED], late.tally[COMPARED]) == (8, 5)
 
 
 def test_without_a_human_policy_nothing_is_compared():
     played = play_policy_gradient(pupil_for(SMALL), nobody(), 1, SMALL, chance_seed=1)
-    assert (played.compared, played.agreed, played.agreed_worst) == (0, 0, 0)
+    assert played.tally.tolist() == [0, 0, 0]
 
 
 def test_the_human_alone_plays_greedily_and_teaches_the_learner_nothing():

@@ -12,9 +12,10 @@ from core.protocol import Protocol, SessionConfig
 from core.streams import stream_seed
 from core.tetris.afterstate import Tetris, TetrisState
 from core.tetris.config import TetrisConfig
-from core.tetris.policy_gradient import placement_scales, play_policy_gradient
+from core.tetris.policy_gradient import placement_scales
 from core.tetris.sessions import open_game
 from studies.experiments.tetris_trial import GradientTrial, new_gradient_trial, run_gradient_trial
+from tests.core.tetris.playing import play_policy_gradient
 
 EPISODES = 4 if JIT_DISABLED else 30
 RULES = TetrisConfig(rows=12, columns=6, placements="all")

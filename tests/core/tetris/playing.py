@@ -1,0 +1,26 @@
+"""Whole games of Tetris in one call, for tests."""
+
+from core.combination.config import EpisodeWeights
+from core.tetris.autoplay import PIECE_LIMIT
+from core.tetris.combined import CombinedGame
+from core.tetris.config import TetrisConfig
+from core.tetris.policy_gradient import PolicyGradientGame
+
+
+def play_combined(
+    theta, v, seed: int, config: TetrisConfig, *weights: EpisodeWeights, piece_cap=PIECE_LIMIT, **settings
+) -> CombinedGame:
+    """Return a game of environment and human after its end, or `piece_cap` pieces; arguments as in `CombinedGame`."""
+    game = CombinedGame(theta, v, seed, config, *weights, **settings)
+    game.advance(piece_cap)
+    return game
+
+
+def play_policy_gradient(
+    learner, v, seed: int, config: TetrisConfig, *weights: EpisodeWeights, piece_cap=PIECE_LIMIT, **settings
+) -> PolicyGradientGame:
+    """Return the game after one episode in which the learner has learned; arguments as in `PolicyGradientGame`."""
+    game = PolicyGradientGame(learner, v, seed, config, *weights, **settings)
+    game.advance(piece_cap)
+    learner.end_episode()
+    return game
