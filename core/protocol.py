@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 import msgspec
 
-from core.combination.config import AgentConfig
+from core.combination.config import AgentConfig, check_learner
 from core.feedback.config import CreditConfig, TrainerConfig
 from core.feedback.delays import GammaDelay, describe
 from core.keepaway.person_config import KeepawayPersonConfig
@@ -130,11 +130,13 @@ class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
                 "a session has one learner, learners side by side play in experiments only "
                 "(core.keepaway.arl_autoplay): set another [agent.bootstrap.trust] type"
             )
-        if needs.window and isinstance(self.learner, SarsaConfig):
+        if needs.window and self.learner.kind == "stepwise":
             raise ValueError(
                 "a policy that changes at every step cannot be asked again about earlier decisions: use "
                 'measured = "as-played", and name the chance of a chance-corrected match'
             )
+
+        check_learner(self.agent.scheme, self.learner.kind, _tag(self.learner))
 
     @property
     def game(self) -> str:

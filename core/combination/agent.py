@@ -12,7 +12,7 @@ from core.combination.human_learner import HumanLearner
 from core.combination.listeners import Listeners, ListenersTrust
 from core.combination.preference import best_action, choose, takes_control, worst_action
 from core.combination.ranking import EpisodeReport
-from core.combination.sides import Decision, EpisodeEnd, EpisodePolicy, EpisodeStart, Heard, Outcome
+from core.combination.sides import Decision, EpisodeEnd, EpisodePolicy, EpisodeStart, HumanPreference, Outcome
 from core.combination.window import DecisionWindow, Values
 from core.domain import Choices
 from core.episode import CreditGiven
@@ -53,7 +53,7 @@ class ArlAgent:
         """Begin without human feedback.
 
         Args:
-            learner: proposes policies and is told their performance, or learns at every step.
+            learner: proposes policies and learns from their performance, or learns at every step.
             config: scheme, trust, credit, human model.
             n_feedback_features: G, length of psi(s, a).
             root_seed: of the session; streams "policy", "explore", "share", "softmax" and "chance".
@@ -164,24 +164,24 @@ class ArlAgent:
             )
             handed_over = takes_control(policy.share_seed, step, policy.weights.share)
         preferred = human_action if handed_over else self._prefer(env_values, human_values, choices, policy)
-        heard = Heard(human_values, policy.weights, policy.chance_seed, step, handed_over)
-        action = self._environment.act(env_values, choices, preferred, heard)
+        human = HumanPreference(human_values, policy.weights, policy.chance_seed, step, handed_over)
+        action = self._environment.act(env_values, choices, preferred, human)
         self._decided = (policy.weights, human_values)
         return Decision(action, environment_action, human_action, human_worst_action, of_participants)
 
     def learn_from_step(self, choices: Choices, action: int, reward: float) -> None:
         """Take in what was done in the decision last made, whoever chose it, and the reward of its step.
 
-        Reward shaping adds beta H(s, a) to the reward, H without its constant; Q augmentation tells the learner beta H.
+        Reward shaping adds beta H(s, a) to the reward, H without its constant; Q augmentation gives the learner beta H.
         """
         weights, human_values = self._decided
-        heard = float(human_values[action])
+        h = float(human_values[action])
         self._environment.took(
             choices,
             action,
             reward,
-            shaping=weights.shaping * heard,
-            augmentation=weights.augmentation * heard,
+            shaping=weights.shaping * h,
+            augmentation=weights.augmentation * h,
         )
 
     def learn_from_domain(self, policy: EpisodePolicy, played: Outcome) -> None:
@@ -256,7 +256,7 @@ class ArlAgent:
     def final_policy(self, episode: int) -> EpisodePolicy:
         """Return what the agent would play to be judged, as episode `episode` >= 0.
 
-        That is its best policy, what it has heard, and the weights its scheme gives them now. Without any policy
+        That is its best policy, its human models, and the weights its scheme gives them now. Without any policy
         the environment has no say (theta = 0).
         """
         ranked = self.bootstrap.ranked

@@ -9,14 +9,14 @@ from typing import ClassVar
 
 import numpy as np
 
-from core.combination.config import ActsOn, Coach
+from core.combination.config import Coach
 from core.combination.preference import best_action, fill_logits
-from core.combination.sides import EpisodeEnd, EpisodeStart, Floats, Heard, StartedPolicy
+from core.combination.sides import EpisodeEnd, EpisodeStart, Floats, HumanPreference, StartedPolicy
 from core.combination.window import Values
 from core.counters import uniform_at
 from core.domain import Choices
 from core.episode import CreditGiven
-from core.learners.contract import Actor
+from core.learners.contract import Actor, LearnerKind
 from core.softmax import drawn, softmax
 
 KEPT_TRACES = 256
@@ -26,7 +26,7 @@ KEPT_TRACES = 256
 class Climbing:
     """A learner whose proposal is a softmax policy that learns while it is played; good ones can be played again."""
 
-    offers: ClassVar[frozenset[ActsOn]] = frozenset({"choice", "reward", "policy"})
+    kind: ClassVar[LearnerKind] = "climbing"
 
     def __init__(self, learner: Actor, values: Values) -> None:
         self._learner = learner
@@ -49,17 +49,17 @@ class Climbing:
         """Return the learner's values of now; of a ranked policy the features times theta."""
         return self._learner.values(choices) if self._climbs else self._values(choices.features, theta)
 
-    def act(self, values: Floats, choices: Choices, preferred: int, heard: Heard) -> int:
+    def act(self, values: Floats, choices: Choices, preferred: int, human: HumanPreference) -> int:
         """Draw from the softmax of f(R, H); a ranked policy, and a human who decides alone, take the best action."""
         n = len(values)
         self._softmax = None
-        weights = heard.weights
-        if heard.handed_over or not self._climbs or weights.w_r == 0.0:
+        weights = human.weights
+        if human.handed_over or not self._climbs or weights.w_r == 0.0:
             return preferred if preferred >= 0 else best_action(values, choices.ruled_out, n)
         logits, gains, probabilities = np.empty(n), np.empty(n), np.empty(n)
         reference = fill_logits(
             values,
-            heard.human_values,
+            human.human_values,
             choices.ruled_out,
             n,
             weights.form,
@@ -70,7 +70,7 @@ class Climbing:
         )
         softmax(logits, choices.ruled_out, n, probabilities)
         self._softmax = (gains, probabilities, reference)
-        return int(drawn(probabilities, n, uniform_at(heard.chance_seed, heard.step)))
+        return int(drawn(probabilities, n, uniform_at(human.chance_seed, human.step)))
 
     def took(
         self, choices: Choices, action: int, reward: float, *, shaping: float, augmentation: float

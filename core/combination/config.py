@@ -31,6 +31,7 @@ from core.combination.trust import (
     TrustRule,
 )
 from core.feedback.config import CreditConfig
+from core.learners.contract import LearnerKind
 from core.learners.human_config import HumanModelConfig, RidgeModel
 
 __all__ = [
@@ -69,13 +70,27 @@ __all__ = [
     "Signed",
     "Tried",
     "TrustRule",
+    "check_learner",
     "waits_for_feedback",
 ]
 
 Scale = Literal["standardised", "raw"]
 ActsOn = Literal["choice", "reward", "values", "policy"]
 """What of a learner a scheme acts on: its choices only, as any learner has, or what it learns: the reward of each step, the
-values of actions, or the policy itself (`core.combination.environment` refuses a learner without)."""
+values of actions, or the policy itself (`check_learner` refuses a learner without)."""
+OFFERS: dict[LearnerKind, frozenset[ActsOn]] = {
+    "search": frozenset({"choice"}),
+    "climbing": frozenset({"choice", "reward", "policy"}),
+    "stepwise": frozenset({"choice", "reward", "values"}),
+}
+"""What each kind of learner has that a scheme can act on."""
+NEEDED: dict[ActsOn, str] = {
+    "choice": "any learner",
+    "reward": "a learner that learns from the reward of each step: Sarsa or policy gradient",
+    "values": "a learner of action values that learns at every step: Sarsa",
+    "policy": "a learner with a softmax policy: policy gradient",
+}
+"""Which learner a scheme needs, by what it acts on, for messages."""
 
 
 class Linear(msgspec.Struct, frozen=True, tag="linear"):
@@ -226,7 +241,7 @@ class Advise(msgspec.Struct, frozen=True, tag="advise"):
 
 
 class RewardShaping(msgspec.Struct, frozen=True, tag="reward-shaping"):
-    """The learner hears r + beta H(s, a), beta annealed, and chooses by R alone (Knox & Stone 2010, technique 1)."""
+    """The learner learns from r + beta H(s, a), beta annealed, and chooses by R alone (Knox & Stone 2010, technique 1)."""
 
     acts_on: ClassVar[ActsOn] = "reward"
 
@@ -308,6 +323,24 @@ Scheme = (
 
 SCHEMES: dict[str, type[Scheme]] = {str(kind.__struct_config__.tag): kind for kind in get_args(Scheme)}
 """Every scheme by its tag."""
+
+
+def check_learner(scheme: Scheme, kind: LearnerKind, name: str) -> None:
+    """Refuse a learner that a scheme cannot act on.
+
+    Args:
+        scheme: how environment and human are combined.
+        kind: of the environment's learner.
+        name: of the learner, for the message.
+
+    Raises:
+        ValueError: the scheme acts on what the learner learns, and this one cannot be acted on so.
+    """
+    if scheme.acts_on not in OFFERS[kind]:
+        raise ValueError(
+            f"scheme {scheme.__struct_config__.tag} needs {NEEDED[scheme.acts_on]}; got {name}: set another "
+            "[agent.scheme] type, or another [learner] type"
+        )
 
 
 def waits_for_feedback(scheme: Scheme) -> bool:

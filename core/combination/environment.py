@@ -8,20 +8,20 @@ from typing import ClassVar, NamedTuple, Protocol
 import numpy as np
 
 from core.combination.climbing import Climbing, Coached
-from core.combination.config import ActsOn, Coach, Scheme
+from core.combination.config import Coach, Scheme, check_learner
 from core.combination.preference import best_action
-from core.combination.sides import EpisodeEnd, EpisodeStart, Floats, Heard, StartedPolicy
+from core.combination.sides import EpisodeEnd, EpisodeStart, Floats, HumanPreference, StartedPolicy
 from core.combination.window import Values
 from core.domain import Choices
 from core.episode import CreditGiven
-from core.learners.contract import Actor, EnvironmentLearner, StepwiseLearner
+from core.learners.contract import Actor, EnvironmentLearner, LearnerKind, StepwiseLearner
 
 
 class EnvironmentSide(Protocol):
     """What an agent asks of its environment learner."""
 
-    offers: ClassVar[frozenset[ActsOn]]
-    """What of the learner a scheme can act on."""
+    kind: ClassVar[LearnerKind]
+    """Of its learner: says what a scheme can act on."""
 
     def begin_episode(self, start: EpisodeStart) -> StartedPolicy:
         """Return the policy of this episode."""
@@ -31,7 +31,7 @@ class EnvironmentSide(Protocol):
         """Return R of each action under the policy theta, shape (n,)."""
         ...
 
-    def act(self, values: Floats, choices: Choices, preferred: int, heard: Heard) -> int:
+    def act(self, values: Floats, choices: Choices, preferred: int, human: HumanPreference) -> int:
         """Return the action to take; `preferred` is that of both sides together, -1 where this one decides alone."""
         ...
 
@@ -76,7 +76,7 @@ class Sides(NamedTuple):
 class PolicySearch:
     """A learner that proposes a policy for a whole episode: good ones can be played again."""
 
-    offers: ClassVar[frozenset[ActsOn]] = frozenset({"choice"})
+    kind: ClassVar[LearnerKind] = "search"
 
     def __init__(self, learner: EnvironmentLearner, values: Values) -> None:
         self._learner = learner
@@ -93,14 +93,14 @@ class PolicySearch:
         """Return the features times theta."""
         return self._values(choices.features, theta)
 
-    def act(self, values: Floats, choices: Choices, preferred: int, heard: Heard) -> int:
+    def act(self, values: Floats, choices: Choices, preferred: int, human: HumanPreference) -> int:
         """Return the preferred action; the best one where there is none."""
         return preferred if preferred >= 0 else best_action(values, choices.ruled_out, len(values))
 
     def took(
         self, choices: Choices, action: int, reward: float, *, shaping: float, augmentation: float
     ) -> None:
-        """Do nothing: this learner hears of whole episodes only."""
+        """Do nothing: this learner learns from whole episodes only."""
 
     def end_episode(self, end: EpisodeEnd) -> None:
         """Tell the learner how its proposal did."""
@@ -123,7 +123,7 @@ class PolicySearch:
 class StepByStep:
     """A learner that changes at every step: each episode is a policy of its own, and none comes back."""
 
-    offers: ClassVar[frozenset[ActsOn]] = frozenset({"choice", "reward", "values"})
+    kind: ClassVar[LearnerKind] = "stepwise"
 
     def __init__(self, learner: StepwiseLearner) -> None:
         self._learner = learner
@@ -137,7 +137,7 @@ class StepByStep:
         """Return the learner's values of now."""
         return self._learner.values(choices)
 
-    def act(self, values: Floats, choices: Choices, preferred: int, heard: Heard) -> int:
+    def act(self, values: Floats, choices: Choices, preferred: int, human: HumanPreference) -> int:
         """Return the preferred action unless the learner explores."""
         return self._learner.act(values, preferred)
 
@@ -164,15 +164,6 @@ class StepByStep:
         return self._learner.export()
 
 
-NEEDED: dict[ActsOn, str] = {
-    "choice": "any learner",
-    "reward": "a learner that learns from the reward of each step: Sarsa or policy gradient",
-    "values": "a learner of action values that learns at every step: Sarsa",
-    "policy": "a learner with a softmax policy: policy gradient",
-}
-"""Which learner a scheme needs, by what it acts on, for messages."""
-
-
 def environment_sides(learner: EnvironmentLearner | StepwiseLearner, values: Values, scheme: Scheme) -> Sides:
     """Return the interface of any kind of learner.
 
@@ -185,11 +176,7 @@ def environment_sides(learner: EnvironmentLearner | StepwiseLearner, values: Val
         ValueError: the scheme acts on what the learner learns, and this learner cannot be acted on so.
     """
     sides = _sides(learner, values, scheme)
-    if scheme.acts_on not in sides.environment.offers:
-        raise ValueError(
-            f"scheme {scheme.__struct_config__.tag} needs {NEEDED[scheme.acts_on]}; got {type(learner).__name__}: "
-            "set another [agent.scheme] type, or another [learner] type"
-        )
+    check_learner(scheme, sides.environment.kind, type(learner).__name__)
     return sides
 
 

@@ -52,4 +52,4 @@ class EpisodeWeights:
 
 
 ENVIRONMENT_WEIGHTS = EpisodeWeights(LINEAR, 1.0, 0.0)
-"""The environment alone: what an agent does before anybody has given feedback."""
+"""The environment alone: what an agent plays before there is any feedback."""

@@ -110,10 +110,10 @@ class Listeners:
         for learner in self.learners:
             best, worst = -1, -1
             if learner.knows_something:
-                heard = values(choices.feedback_features, learner.weights)
+                human = values(choices.feedback_features, learner.weights)
                 best, worst = (
-                    best_action(heard, choices.ruled_out, n),
-                    worst_action(heard, choices.ruled_out, n),
+                    best_action(human, choices.ruled_out, n),
+                    worst_action(human, choices.ruled_out, n),
                 )
             preferred.append((best, worst))
         return tuple(preferred)

@@ -54,8 +54,8 @@ class EpisodeEnd:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Heard:
-    """What the other side says of a decision, for those who draw from both together."""
+class HumanPreference:
+    """The human side of a decision, for a learner that draws from both sides together."""
 
     human_values: Floats
     """H of each action, shape (n,); zeros while nothing is known."""

@@ -1,8 +1,11 @@
 """Settings of the noisy cross-entropy method (`core.learners.cross_entropy`). No numerical library is imported."""
 
 import math
+from typing import ClassVar
 
 import msgspec
+
+from core.learners.contract import LearnerKind
 
 
 def _check_at_least(name: str, value: float, lowest: float) -> None:
@@ -58,6 +61,8 @@ class CrossEntropyConfig(
     msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag="cross-entropy"
 ):
     """Settings of the noisy cross-entropy method."""
+
+    kind: ClassVar[LearnerKind] = "search"
 
     population: int = 100
     """Samples per iteration (Szita & Lorincz 2006; Thiery & Scherrer 2009)."""

@@ -1,15 +1,19 @@
 """Settings of policy gradient (`core.learners.policy_gradient`). No numerical library is imported."""
 
 import math
-from typing import Literal
+from typing import ClassVar, Literal
 
 import msgspec
+
+from core.learners.contract import LearnerKind
 
 
 class PolicyGradientConfig(
     msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag="policy-gradient"
 ):
     """A softmax policy that climbs the gradient of its reward (Baxter & Bartlett 2001; the libPG family)."""
+
+    kind: ClassVar[LearnerKind] = "climbing"
 
     step_size: float = 0.03
     """alpha, >= 0, for features scaled by their spread among the actions of a decision."""

@@ -1,10 +1,16 @@
 """Settings of SMDP Sarsa(lambda) (`core.learners.sarsa`). No numerical library is imported."""
 
+from typing import ClassVar
+
 import msgspec
+
+from core.learners.contract import LearnerKind
 
 
 class SarsaConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag="sarsa"):
     """Sarsa(lambda); the defaults are those of the released keepaway players."""
+
+    kind: ClassVar[LearnerKind] = "stepwise"
 
     step_size: float = 0.125
     """alpha, divided by the number of active tiles in every update."""

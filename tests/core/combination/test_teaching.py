@@ -16,7 +16,7 @@ from core.combination.config import (
     RewardShaping,
 )
 from core.combination.environment import environment_sides
-from core.combination.sides import EpisodeEnd, EpisodeStart, Heard
+from core.combination.sides import EpisodeEnd, EpisodeStart, HumanPreference
 from core.combination.window import Values
 from core.domain import Choices
 from core.episode import CreditGiven
@@ -153,7 +153,7 @@ def coached(**settings) -> tuple[Coached, PolicyGradientLearner]:
 def decide(side: Coached, action: int, *, step: int = 0, reward: float = 0.0) -> None:
     choices = pair()
     values = side.values(choices, np.zeros(2))
-    side.act(values, choices, -1, Heard(np.zeros(2), ENVIRONMENT_WEIGHTS, 1, step, False))
+    side.act(values, choices, -1, HumanPreference(np.zeros(2), ENVIRONMENT_WEIGHTS, 1, step, False))
     side.took(choices, action, reward, shaping=0.0, augmentation=0.0)
 
 
