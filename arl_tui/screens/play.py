@@ -103,8 +103,8 @@ class PlayScreen(Screen[None], inherit_bindings=False):
                 self._begin_episode()
             case EpisodeEnded():
                 self._end_episode(occurrence)
-            case UnseenPlayed(w_h=w_h):
-                self._human_weights.append(w_h)
+            case UnseenPlayed():
+                self._human_weights.append(self._live.tally.weight)
             case StopAsked():
                 self._say("Stopping: everything is being saved ...")
 
@@ -134,7 +134,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         self._say("")
 
     def _end_episode(self, episode: EpisodeEnded) -> None:
-        self._human_weights.append(episode.w_h)
+        self._human_weights.append(self._live.tally.weight)
         lines = self._words.told(episode.performance)
         self.scene.title("Game over" if episode.ended == "termination" else "End of this game")
         if self._watched >= self._episodes or self._live.phase != "running":

@@ -6,12 +6,21 @@ from pathlib import Path
 import msgspec
 
 from core.episode import Event, Input, Output
+from core.recording import version_1
 from core.recording.recorder import CHAIN_DIGITS, Chain
-from core.recording.schema import FORMAT, End, Header, Line
+from core.recording.schema import FORMAT, VERSION, End, Header, Line, not_readable
 
 CHAIN_MARK = b',"chain":"'
 
 _decoder = msgspec.json.Decoder(Line)
+_decoder_1 = msgspec.json.Decoder(version_1.Changed)
+
+
+class _Kind(msgspec.Struct):
+    """What has to be known of a line before it is decoded."""
+
+    type: str = ""
+    version: object = VERSION
 
 
 class RecordingError(Exception):
@@ -20,10 +29,11 @@ class RecordingError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Recording:
-    """A recording in memory: checked, in the order of the file."""
+    """A recording in memory: checked, in the order of the file. Events of version 1 are today's (`core.recording.version_1`)."""
 
     path: Path
     header: Header
+    """As in the file, its protocol as today's program understands it."""
     events: tuple[Event, ...]
     complete: bool
     """False when the session was cut off: there is no end line."""
@@ -58,7 +68,7 @@ def read_recording(path: Path, *, allow_truncated: bool = True) -> Recording:
     if not lines:
         raise RecordingError(f"{path}: not a recording: it holds no whole line")
     chain = Chain()
-    header = _decode(path, 1, lines[0], chain)
+    header = _decode(path, 1, lines[0], chain, VERSION)
     if not isinstance(header, Header):
         raise RecordingError(f"{path}:1: the first line is of type {header!r}; expected a {FORMAT} header")
     events: list[Event] = []
@@ -68,7 +78,7 @@ def read_recording(path: Path, *, allow_truncated: bool = True) -> Recording:
             raise RecordingError(
                 f"{path}:{number}: there is a line behind the end line; was something appended?"
             )
-        record = _decode(path, number, line, chain)
+        record = _decode(path, number, line, chain, header.version)
         if isinstance(record, Header):
             raise RecordingError(f"{path}:{number}: a second header; were two files joined?")
         if isinstance(record, End):
@@ -76,10 +86,12 @@ def read_recording(path: Path, *, allow_truncated: bool = True) -> Recording:
         else:
             events.append(record)
     _check_end(path, len(lines), events, end, allow_truncated=allow_truncated)
+    if header.version == 1:
+        header = msgspec.structs.replace(header, protocol=version_1.with_schedules(header.protocol))
     return Recording(path, header, tuple(events), complete=end is not None, lost_tail=tail)
 
 
-def _decode(path: Path, number: int, line: bytes, chain: Chain) -> Line:
+def _decode(path: Path, number: int, line: bytes, chain: Chain, version: int) -> Line:
     payload, mark, rest = line.rpartition(CHAIN_MARK)
     if not mark or len(rest) != CHAIN_DIGITS + 2 or not rest.endswith(b'"}'):
         raise RecordingError(
@@ -93,10 +105,34 @@ def _decode(path: Path, number: int, line: bytes, chain: Chain) -> Line:
             "this line was changed, or one before it was changed, removed or moved"
         )
     try:
-        line_read: Line = _decoder.decode(payload)
+        return _record(payload, version)
     except (msgspec.DecodeError, ValueError) as error:
         raise RecordingError(f"{path}:{number}: {error}; the line begins {payload[:80]!r}") from error
-    return line_read
+
+
+def _record(payload: bytes, version: int) -> Line:
+    """Return what a line says, in today's terms.
+
+    Raises:
+        ValueError: it is none of this version (`msgspec.ValidationError` where a field is wrong).
+    """
+    kind = msgspec.json.decode(payload, type=_Kind)
+    if kind.type == "header" and not (isinstance(kind.version, int) and 1 <= kind.version <= VERSION):
+        raise ValueError(not_readable(kind.version))
+    changed = kind.type in version_1.CHANGED_TAGS
+    if version == 1 and changed:
+        before: version_1.Changed = _decoder_1.decode(payload)
+        return before.upgraded()
+    try:
+        record: Line = _decoder.decode(payload)
+    except msgspec.ValidationError as error:
+        if changed and kind.type != "session-ended" and b'"w_h":' in payload:
+            raise ValueError(
+                f"{error}: this {kind.type} is of version 1 of the format (it says `w_h`), and the header says version "
+                f"{version} (`trust`, `weight`): the header was changed, or two files were joined"
+            ) from error
+        raise
+    return record
 
 
 def _check_end(

@@ -13,7 +13,8 @@ import msgspec
 from core.episode import Event, Record
 
 FORMAT: Literal["arl-recording"] = "arl-recording"
-VERSION = 1
+VERSION = 2
+"""Version that is written. 1 is read, too (`core.recording.version_1`)."""
 
 
 class Header(Record, frozen=True, kw_only=True, omit_defaults=False, tag="header"):
@@ -44,8 +45,8 @@ class Header(Record, frozen=True, kw_only=True, omit_defaults=False, tag="header
     """Where an imported recording comes from; what a resumed one continues."""
 
     def __post_init__(self) -> None:
-        if self.version != VERSION:
-            raise ValueError(f"version {self.version} of the format; this program reads version {VERSION}")
+        if not 1 <= self.version <= VERSION:
+            raise ValueError(not_readable(self.version))
 
 
 class End(Record, frozen=True, kw_only=True, tag="end"):
@@ -53,6 +54,14 @@ class End(Record, frozen=True, kw_only=True, tag="end"):
 
     events: int
     """Number of lines between the header and this one."""
+
+
+def not_readable(version: object) -> str:
+    """Return why a file of this version of the format cannot be read, and what to do."""
+    known = f"this program reads versions 1 to {VERSION}"
+    if isinstance(version, int) and version > VERSION:
+        return f"version {version} of the format; {known}: the file was made by a newer arl-tui, so update this one"
+    return f"version {version!r} of the format; {known}: was the header changed?"
 
 
 Line = Header | Event | End

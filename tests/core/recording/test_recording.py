@@ -90,7 +90,7 @@ def test_inputs_and_outputs_are_told_apart(tmp_path):
         ended="termination",
         agreed=1,
         agreed_worst=0,
-        w_h=0.5,
+        trust=0.5,
         digest="ab",
     )
     writer = LineWriter(tmp_path / "a.jsonl", HEADER)
@@ -162,11 +162,14 @@ def test_another_file_is_not_taken_for_a_recording(tmp_path, content):
 def test_a_newer_format_is_refused_with_both_versions(path):
     writer = LineWriter(path.with_name("new.jsonl"), HEADER)
     writer.close()
-    payload = path.read_bytes().splitlines()[0].replace(b'"version":1', b'"version":2')
+    payload = path.read_bytes().splitlines()[0].replace(b'"version":2', b'"version":3')
     payload = payload[: payload.rindex(b',"chain"')] + b"}"
     chain = hashlib.sha256(payload).hexdigest()[:16].encode()
     path.write_bytes(payload[:-1] + b',"chain":"' + chain + b'"}\n')
-    with pytest.raises(RecordingError, match="version 2 of the format; this program reads version 1"):
+    with pytest.raises(
+        RecordingError,
+        match=r"jsonl:1: version 3 of the format; this program reads versions 1 to 2: .*update",
+    ):
         read_recording(path)
 
 
