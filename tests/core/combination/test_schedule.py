@@ -6,6 +6,8 @@ from hypothesis import strategies as st
 
 from core.combination.config import SCHEMES, Annealed, Linear
 from core.combination.schedule import EpisodesSoFar, NextEpisode, next_episode
+from core.protocol import SessionConfig
+from tests.data_folder import REPOSITORY
 
 FALLING = [kind for kind in SCHEMES.values() if "decay" in kind.__struct_fields__]
 
@@ -42,17 +44,15 @@ def test_the_counts_before_a_watched_game_of_a_session():
 
 
 def test_the_page_on_annealing_prints_the_weights_of_a_default_session():
-    games = [EpisodesSoFar.before_watched_game(k, unseen_before=0, unseen_between=100) for k in range(5)]
-    weights = {
-        per: [
-            scheme.weights(0.0, next_episode(scheme, so_far).scheduled).w_h
-            for so_far in games
-            for scheme in [Annealed(per=per)]
-        ]
-        for per in ("episode", "watched-game")
-    }
-    assert weights["episode"] == pytest.approx([1, 0.130, 0.0169, 0.00220, 0.000286], rel=3e-3)
-    assert weights["watched-game"] == pytest.approx([1, 0.98, 0.960, 0.941, 0.922], rel=1e-3)
+    between = SessionConfig().unseen_between
+    page = (REPOSITORY / "docs" / "decisions" / "annealing.md").read_text(encoding="utf-8")
+    for per in ("episode", "watched-game"):
+        scheme = Annealed(per=per)
+        weights = []
+        for game in (1, 2, 3, 4, 5, 10, 20, 50):
+            so_far = EpisodesSoFar.before_watched_game(game - 1, unseen_before=0, unseen_between=between)
+            weights.append(scheme.weights(0.0, next_episode(scheme, so_far).scheduled).w_h)
+        assert f'| `per = "{per}"` | {" | ".join(f"{weight:.2g}" for weight in weights)} |' in page
 
 
 @pytest.mark.parametrize(("episodes", "watched"), [(-1, 0), (3, -1), (3, 4)])
