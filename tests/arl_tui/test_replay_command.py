@@ -53,7 +53,8 @@ def test_a_session_whose_learner_died_replays_up_to_there(tmp_path: Path) -> Non
     writer.close()
     result = run("replay", tmp_path / "died.jsonl")
     assert result.exit_code == 0, result.output
-    assert "cut off" in result.output
+    assert "ended: worker died" in result.output
+    assert "the recording ends there" in result.output
 
 
 def test_columns_stand_below_each_other_however_long_the_scores_are() -> None:
