@@ -244,7 +244,7 @@ class CreditGiven(Record, frozen=True, kw_only=True, tag="credit-given"):
     before_first: float
     """Mass that fell before the first watched step."""
     in_gaps: float
-    """Mass that fell into pauses and between episodes."""
+    """Mass that fell into pauses, between episodes, and on what was on screen before a `TimeGap`."""
     too_late: float = 0.0
     """Mass of steps whose sample had been given out already (aggregate credit, a press reported very late)."""
     merged_into: int | None = None
