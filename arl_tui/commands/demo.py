@@ -1,6 +1,7 @@
 """`arl demo`: watch, press, record, replay, summary, in about a minute."""
 
 import secrets
+import shlex
 import sys
 from pathlib import Path
 
@@ -97,5 +98,6 @@ def tell_summary(path: Path) -> None:
     )
     click.echo(f"Human weight w_h at the end: {summary.w_h:.2f}")
     click.echo(
-        f"What would another credit rule have learned? arl replay {path} --credit previous --credit gamma"
+        f"What would another credit rule have learned? arl replay {shlex.quote(str(path))} --credit previous "
+        "--credit gamma"
     )
