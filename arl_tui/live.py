@@ -15,6 +15,8 @@ from core.episode import (
     EpisodeEnded,
     EpisodeStarted,
     Event,
+    FocusLost,
+    FocusRegained,
     FrameShown,
     Input,
     KeyPressed,
@@ -25,6 +27,8 @@ from core.episode import (
     SessionEnded,
     StepTaken,
     StopAsked,
+    StopReason,
+    TimeGap,
     UnseenPlayed,
     WrongPressAsked,
 )
@@ -33,7 +37,7 @@ from core.keys import KeyConfig, PressGate
 FRAMES_REMEMBERED = 256
 """About ten seconds: far more than a key's handler is ever late."""
 
-Cover = Literal["pause", "help", "quit-dialogue", "resize"]
+Cover = Literal["pause", "help", "quit-dialogue", "resize", "gap"]
 Occurrence = Event | Picture | PressSuggested | Ready
 
 
@@ -143,6 +147,9 @@ class LiveSession:
         self.ready = False
         self.take_stamps: Callable[[], list[tuple[int, int]]] = list
         """Returns flush stamps (frame, time) not seen yet; set by the app that owns the driver."""
+        self.find_gap: Callable[[], TimeGap | None] = lambda: None
+        """Returns a gap in time that has just ended (`arl_tui.gaps`); set by the app, asked before all that comes in."""
+        self._has_focus = True
         self._frames = FrameLedger()
         self._link = link
         self._clock = clock
@@ -163,6 +170,8 @@ class LiveSession:
             self._sink = sink
             self.phase = "running"
             self._link.send(Begin())
+            if not self._has_focus:
+                self._enter(FocusLost(time_ns=self._clock.now_ns()))
 
     def press(
         self, key: str, time_ns: int, *, source: Literal["participant", "simulated"] = "participant"
@@ -170,6 +179,7 @@ class LiveSession:
         """Take in a key press made at `time_ns`."""
         if self.phase != "running":
             return
+        self.notice_gap()
         self.collect_frames()
         self.gate.frame, self.gate.step = self._frames.at(time_ns)
         for record in self.gate.press(key, time_ns, source=source):
@@ -182,11 +192,39 @@ class LiveSession:
 
     def collect_frames(self) -> None:
         """Take in the flush stamps that have arrived."""
+        self.notice_gap()
         for frame, time_ns in self.take_stamps():
             if self.phase != "running" or self.gate.covered:
                 self._frames.dropped(frame)
             else:
                 self._enter(self._frames.flushed(frame, time_ns))
+
+    def notice_gap(self) -> None:
+        """Note that the program has stood still, if it has: what it shows then covers the game by itself."""
+        gap = self.find_gap()
+        if gap is None or self.phase != "running":
+            return
+        last_ns, middle_ns = gap.last_ns, (gap.last_ns + gap.time_ns) // 2
+        for frame, time_ns in self.take_stamps():
+            # A frame that left just before the gap is in the file before it; one from after it comes under the cover.
+            if self.gate.covered or (time_ns > middle_ns and not gap.suspended_ns):
+                self._frames.dropped(frame)
+            else:
+                self._enter(self._frames.flushed(frame, time_ns))
+                last_ns = max(last_ns, time_ns)
+        self._frames.cleared(last_ns)
+        self._enter(
+            TimeGap(last_ns=last_ns, time_ns=max(last_ns, gap.time_ns), suspended_ns=gap.suspended_ns)
+        )
+
+    def focus(self, has_focus: bool) -> None:
+        """Note that the terminal's window has lost the keyboard, or has it again."""
+        if has_focus == self._has_focus:
+            return
+        self._has_focus = has_focus
+        if self.phase == "running":
+            now_ns = self._clock.now_ns()
+            self._enter(FocusRegained(time_ns=now_ns) if has_focus else FocusLost(time_ns=now_ns))
 
     def cover(self, reason: Cover) -> None:
         """Note that something else is on screen: simulated time stops."""
@@ -205,7 +243,7 @@ class LiveSession:
             self.gate.covered = False
             self._enter(Resumed(time_ns=self._clock.now_ns()))
 
-    def stop(self, reason: Literal["participant", "worker-died", "time-limit"] = "participant") -> None:
+    def stop(self, reason: StopReason = "participant") -> None:
         """End the session: the worker truncates the episode and says its last word."""
         if self.phase == "running":
             self.collect_frames()
@@ -241,6 +279,7 @@ class LiveSession:
     def _take_output(self, output: Output) -> None:
         if self._sink is None or self.phase == "over":
             return
+        self.notice_gap()
         # What was flushed before this message arrived comes before it in the file.
         self.collect_frames()
         self._sink.record(output)

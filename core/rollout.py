@@ -22,6 +22,7 @@ from core.episode import (
     ScreenCleared,
     StepTaken,
     StopAsked,
+    TimeGap,
 )
 
 
@@ -85,6 +86,10 @@ class Listener(Protocol):
 
     def step_hidden(self, time_ns: int) -> None:
         """Note that the step on screen went off it."""
+        ...
+
+    def interrupted(self, last_ns: int) -> None:
+        """Note that the program stood still from `last_ns` on: no later press speaks of what was on screen before."""
         ...
 
     def learn_from_press(self, press: int, time_ns: int, value: float, person: int = 0) -> CreditGiven:
@@ -171,6 +176,9 @@ class Audience:
                 self._screen_shows(step, time_ns)
             case ScreenCleared(time_ns=time_ns):
                 self._screen_shows(-1, time_ns)
+            case TimeGap(last_ns=last_ns):
+                self._listener.interrupted(last_ns)
+                self._on_screen = -1
             case KeyPressed(verdict="accepted", press=press, time_ns=time_ns, value=value, person=person):
                 assert value is not None, "an accepted press means something"
                 yield self._listener.learn_from_press(press, time_ns, value, person)
@@ -179,7 +187,7 @@ class Audience:
             case StopAsked():
                 self.stop_asked = item
             case _:
-                pass  # a refused press, a cue, the end of a pause: recorded, nothing to learn
+                pass  # a refused press, a cue, the end of a pause, the window's focus: recorded, nothing to learn
 
     def _screen_shows(self, step: int, time_ns: int) -> None:
         if step == self._on_screen:

@@ -1,6 +1,7 @@
 """`arl demo`: watch, press, record, replay, summary, in about a minute."""
 
 import secrets
+import shlex
 import sys
 from pathlib import Path
 
@@ -99,5 +100,6 @@ def tell_summary(path: Path) -> None:
         f"Weight of the human in the last game: {summary.weight:.2f}; trust in the human after it: {summary.trust:.2f}"
     )
     click.echo(
-        f"What would another credit rule have learned? arl replay {path} --credit previous --credit gamma"
+        f"What would another credit rule have learned? arl replay {shlex.quote(str(path))} --credit previous "
+        "--credit gamma"
     )

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from arl_tui.commands.credit import what_if_delays
-from arl_tui.commands.exact import GETTING_READY, protocol_of, read_or_stop, run_again
+from arl_tui.commands.exact import GETTING_READY, need_outputs, protocol_of, read_or_stop, run_again
 from arl_tui.commands.play import read_protocol
 from arl_tui.commands.what_if_table import table, write_csv
 from arl_tui.words import words_of
@@ -45,6 +45,7 @@ def replay_recording(
         click.echo(GETTING_READY, err=True)
         run_again(recording)
         return
+    need_outputs(recording)
     chosen = protocol_of(recording) if protocol is None else read_protocol(protocol)
     delays = what_if_delays(credits or [chosen.delay_of], recording, chosen)
     rows = compare(
@@ -59,6 +60,11 @@ def replay_recording(
     units = words_of(chosen.game).units[1]
     click.echo("\n".join(table(rows, units)))
     click.echo(OFF_POLICY)
+    from studies.statistics import few_trials_note
+
+    few = few_trials_note(games, "games")
+    if few is not None:
+        click.echo(few)
     if csv_path is not None:
         write_csv(csv_path, rows, {describe(delay): source for delay, source in delays.items()}, units)
         click.echo(f"Table: {csv_path}")

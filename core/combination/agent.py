@@ -267,6 +267,10 @@ class ArlAgent:
         """Note that the step on screen went off it."""
         self.human.step_hidden(time_ns)
 
+    def interrupted(self, last_ns: int) -> None:
+        """Note that the program stood still from `last_ns` on: no later press speaks of what was on screen before."""
+        self.human.interrupted(last_ns)
+
     def learn_from_press(self, press: int, time_ns: int, value: float, person: int = 0) -> CreditGiven:
         """Learn from a press of a person, value > 0 good, < 0 bad; return how it was shared out."""
         given = self.human.learn_from_press(press, time_ns, value, person)

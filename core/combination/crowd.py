@@ -83,6 +83,11 @@ class Crowd:
         for learner in self.learners:
             learner.step_hidden(time_ns)
 
+    def interrupted(self, last_ns: int) -> None:
+        """Note that the program stood still from `last_ns` on, for everybody."""
+        for learner in self.learners:
+            learner.interrupted(last_ns)
+
     def learn_from_press(self, press: int, time_ns: int, value: float, person: int = 0) -> CreditGiven:
         """Learn from a press of one person; return how it was shared out.
 

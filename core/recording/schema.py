@@ -46,7 +46,9 @@ class Header(Record, frozen=True, kw_only=True, omit_defaults=False, tag="header
 
     def __post_init__(self) -> None:
         if not 1 <= self.version <= VERSION:
-            raise ValueError(not_readable(self.version))
+            raise ValueError(
+                f"version {self.version} of the format; this program reads versions 1 to {VERSION}"
+            )
 
 
 class End(Record, frozen=True, kw_only=True, tag="end"):
@@ -56,18 +58,19 @@ class End(Record, frozen=True, kw_only=True, tag="end"):
     """Number of lines between the header and this one."""
 
 
-def not_readable(version: object) -> str:
-    """Return why a file of this version of the format cannot be read, and what to do."""
-    known = f"this program reads versions 1 to {VERSION}"
-    if isinstance(version, int) and version > VERSION:
-        return f"version {version} of the format; {known}: the file was made by a newer arl-tui, so update this one"
-    return f"version {version!r} of the format; {known}: was the header changed?"
-
-
 Line = Header | Event | End
 
 DURABLE = frozenset(
-    {"KeyPressed", "PressRetracted", "EpisodeEnded", "UnseenPlayed", "StopAsked", "SessionEnded", "End"}
+    {
+        "KeyPressed",
+        "PressRetracted",
+        "TimeGap",
+        "EpisodeEnded",
+        "UnseenPlayed",
+        "StopAsked",
+        "SessionEnded",
+        "End",
+    }
 )
 """Records that are forced to the disk at once; the others are on their way to it."""
 

@@ -91,7 +91,7 @@ def run_sweep(
     missing = [unit for unit in units if not unit.path(folder).exists()]
     done = len(units) - len(missing)
     on_progress(done, len(units))
-    for unit, text in _played(experiment.name, missing, quick, executor):
+    for unit, text in _played(experiment.source or experiment.name, missing, quick, executor):
         write_whole(unit.path(folder), text)
         done += 1
         on_progress(done, len(units))

@@ -55,7 +55,8 @@ def test_a_session_whose_learner_died_replays_up_to_there(tmp_path: Path) -> Non
     writer.close()
     result = run("replay", tmp_path / "died.jsonl")
     assert result.exit_code == 0, result.output
-    assert "cut off" in result.output
+    assert "ended: worker died" in result.output
+    assert "the recording ends there" in result.output
 
 
 def row(**changes: object) -> WhatIfRow:
