@@ -11,12 +11,13 @@ from typing import Any
 from textual import constants, events
 
 from arl_tui.driver import FlushClock, stamped_driver
+from arl_tui.gaps import LOOKS_PER_S, GapWatch
 from arl_tui.garbage import GarbageControl
 from arl_tui.link import Link, PressSuggested, Ready
 from arl_tui.live import LiveSession, Occurrence, Tally
 from arl_tui.once import after
 from arl_tui.palette import palette_for
-from arl_tui.plain_app import PlainApp
+from arl_tui.plain_app import PlainApp, foreign_words
 from arl_tui.recordings import new_path, rescue
 from arl_tui.screens.closing import ClosingScreen
 from arl_tui.screens.play import PlayScreen
@@ -86,6 +87,7 @@ class ArlApp(PlainApp[Outcome]):
             on_over=self._on_over,
         )
         self.live.take_stamps = self._take_stamps
+        self.live.gate.reader = self.reader
         palette = palette_for(sitting.protocol.screen.palette, self.console.color_system)
         self.play = PlayScreen(sitting.protocol, self.live, palette)
         self.welcome = WelcomeScreen(sitting.protocol, sitting.participant, simulated=sitting.simulated)
@@ -127,7 +129,15 @@ class ArlApp(PlainApp[Outcome]):
             return
         self._garbage.first_paint()
         self.switch_screen(self.play)
+        self.live.find_gap = GapWatch(self._clock).look
         self.live.begin(self._recorder)
+        self._look_at_the_time()
+
+    def _look_at_the_time(self) -> None:
+        """Notice a gap within a fifth of a second, whether anything else happens or not."""
+        self.live.notice_gap()
+        if self.live.phase == "running":
+            after(self, 1.0 / LOOKS_PER_S, self._look_at_the_time)
 
     def _end_by_signal(self, number: signal.Signals) -> None:
         """Save what there is and go: nobody will press a key on a closing screen."""
@@ -184,7 +194,16 @@ class ArlApp(PlainApp[Outcome]):
             self.live.press(
                 key_name(event), nanoseconds(event.time), source="simulated" if simulated else "participant"
             )
+        elif isinstance(event, events.AppFocus | events.AppBlur):
+            self.live.focus(isinstance(event, events.AppFocus))
         await super().on_event(event)
+
+    def tell_foreign_key(self, alphabet: str) -> None:
+        """Say it beside the game, where there is one: a note over it would hide it."""
+        if self.screen is self.play:
+            self.play.feedback.show_note(foreign_words(alphabet))
+        else:
+            super().tell_foreign_key(alphabet)
 
     def post_display_hook(self) -> None:
         """Note that a picture of the game has just been handed to the terminal's writer."""

@@ -5,23 +5,19 @@ from typing import Literal
 
 import click
 
+from arl_tui.command_line import Arl, ToWrite, recordings_option
 from arl_tui.commands.experiment import experiment
 from arl_tui.commands.fit import fit
 from arl_tui.commands.timing import timing
 from arl_tui.commands.train import train
 from arl_tui.commands.watch import watch
-from arl_tui.recordings import DEFAULT_FOLDER
 
 FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
-FOLDER = click.Path(file_okay=False, path_type=Path)
 GAMES = click.Choice(["tetris", "keepaway"])
 TETRIS = click.Choice(["tetris"])
 
 seed_option = click.option(
     "--seed", type=click.IntRange(0, 2**63 - 1), help="Root seed; a new one by default."
-)
-recordings_option = click.option(
-    "--recordings", type=FOLDER, default=DEFAULT_FOLDER, show_default=True, help="Where recordings are kept."
 )
 protocol_option = click.option(
     "--protocol", type=FILE, help="TOML file with everything that is to be set; defaults without it."
@@ -36,7 +32,7 @@ def _pseudonym(_context: click.Context, _parameter: click.Parameter, value: str)
     return value
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+@click.group(cls=Arl, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
 @click.version_option(package_name="arl-tui", prog_name="arl")
 def main() -> None:
     """Agents that learn from their environment and from a few unreliable key presses.
@@ -61,7 +57,7 @@ def main() -> None:
     "pooled; see `arl calibrate`), paper, or a rule as in `arl replay`. By default the protocol file's choice (delay_of); "
     "without a file the participant's own delay where it has been measured, else the paper's.",
 )
-@recordings_option
+@recordings_option(to_write=True)
 def play(
     game: str,
     protocol: Path | None,
@@ -94,7 +90,7 @@ def play(
     "slow, tiring or leaves.",
 )
 @seed_option
-@recordings_option
+@recordings_option(to_write=True)
 def demo(game: str, person: str | None, seed: int | None, recordings: Path) -> None:
     """Show the whole path in about a minute: watch, press, record, replay, summary.
 
@@ -119,7 +115,8 @@ def demo(game: str, person: str | None, seed: int | None, recordings: Path) -> N
     "schemes",
     multiple=True,
     metavar="NAME",
-    help="What-if: how both rewards are combined. May be given several times.",
+    help="What-if: how both rewards are combined, such as linear or annealed:episode (its weight falls per episode; else per "
+    "watched-game). May be given several times.",
 )
 @click.option(
     "--games",
@@ -135,13 +132,11 @@ def demo(game: str, person: str | None, seed: int | None, recordings: Path) -> N
     type=click.IntRange(1),
     help="Processes; one per core by default. The result does not depend on it.",
 )
-@click.option(
-    "--csv", "csv_path", type=click.Path(dir_okay=False, path_type=Path), help="Write the table to a file."
-)
+@click.option("--csv", "csv_path", type=ToWrite(), help="Write the table to a file.")
 @click.option(
     "--plot",
     "plot_path",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=ToWrite(),
     help="Draw the table (PNG, SVG or PDF).",
 )
 @click.option(
@@ -191,7 +186,7 @@ def import_group() -> None:
     type=click.Path(dir_okay=False, path_type=Path),
     help="The recording; beside the log's name in the recordings folder by default.",
 )
-@recordings_option
+@recordings_option(to_write=True)
 def import_tamer_log(log: Path, out: Path | None, recordings: Path) -> None:
     """Import LOG, a log of TAMER's Tetris (Knox)."""
     from arl_tui.commands.import_log import import_log
@@ -211,7 +206,7 @@ def import_tamer_log(log: Path, out: Path | None, recordings: Path) -> None:
 @click.option("--trials", type=click.IntRange(1), help="Scored trials per task; 40 by default.")
 @click.option("--practice", type=click.IntRange(0), help="Practice trials per task; 8 by default.")
 @seed_option
-@recordings_option
+@recordings_option(to_write=True)
 @click.option("--dry-run", is_flag=True, help="Print every trial as it would be run, and stop.")
 @click.option(
     "--game",
@@ -276,12 +271,25 @@ def show_protocol(game: str | None, protocol: Path | None) -> None:
 
 
 @main.command(name="recordings", short_help="List the recordings there are, and check each.")
-@recordings_option
-def list_recordings(recordings: Path) -> None:
-    """List the recordings there are, and check each."""
-    from arl_tui.commands.recordings import list_all
+@recordings_option(to_write=False)
+@click.option("--csv", "csv_path", type=ToWrite(), help="Write the list to a file, with everything it says.")
+@click.option(
+    "--publish",
+    type=ToWrite(folder=True),
+    metavar="DIR",
+    help="Copy all sound recordings into a new folder, without dates in headers and names, chained anew.",
+)
+def list_recordings(recordings: Path, csv_path: Path | None, publish: Path | None) -> None:
+    """List the recordings there are, with what each holds and how its session ended, and check each.
 
-    list_all(recordings)
+    Status 1 where a file is damaged: each of them is named with its reason, and hides no other.
+    """
+    from arl_tui.commands.recordings import list_all, publish_all
+
+    if publish is not None:
+        publish_all(recordings, publish)
+        return
+    list_all(recordings, csv_path=csv_path)
 
 
 main.add_command(experiment)

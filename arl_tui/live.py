@@ -15,6 +15,8 @@ from core.episode import (
     EpisodeEnded,
     EpisodeStarted,
     Event,
+    FocusLost,
+    FocusRegained,
     FrameShown,
     Input,
     KeyPressed,
@@ -25,6 +27,8 @@ from core.episode import (
     SessionEnded,
     StepTaken,
     StopAsked,
+    StopReason,
+    TimeGap,
     UnseenPlayed,
     WrongPressAsked,
 )
@@ -33,7 +37,7 @@ from core.keys import KeyConfig, PressGate
 FRAMES_REMEMBERED = 256
 """About ten seconds: far more than a key's handler is ever late."""
 
-Cover = Literal["pause", "help", "quit-dialogue", "resize"]
+Cover = Literal["pause", "help", "quit-dialogue", "resize", "gap"]
 Occurrence = Event | Picture | PressSuggested | Ready
 
 
@@ -95,7 +99,10 @@ class Tally:
     good: int = 0
     bad: int = 0
     taken_back: int = 0
-    w_h: float = 0.0
+    trust: float = 0.0
+    """What the rule of trust says of the participant, after the last episode."""
+    weight: float = 0.0
+    """Weight of the participant's judgement that the scheme used in the last episode."""
     steps: int = 0
 
 
@@ -140,6 +147,9 @@ class LiveSession:
         self.ready = False
         self.take_stamps: Callable[[], list[tuple[int, int]]] = list
         """Returns flush stamps (frame, time) not seen yet; set by the app that owns the driver."""
+        self.find_gap: Callable[[], TimeGap | None] = lambda: None
+        """Returns a gap in time that has just ended (`arl_tui.gaps`); set by the app, asked before all that comes in."""
+        self._has_focus = True
         self._frames = FrameLedger()
         self._link = link
         self._clock = clock
@@ -160,6 +170,8 @@ class LiveSession:
             self._sink = sink
             self.phase = "running"
             self._link.send(Begin())
+            if not self._has_focus:
+                self._enter(FocusLost(time_ns=self._clock.now_ns()))
 
     def press(
         self, key: str, time_ns: int, *, source: Literal["participant", "simulated"] = "participant"
@@ -167,6 +179,7 @@ class LiveSession:
         """Take in a key press made at `time_ns`."""
         if self.phase != "running":
             return
+        self.notice_gap()
         self.collect_frames()
         self.gate.frame, self.gate.step = self._frames.at(time_ns)
         for record in self.gate.press(key, time_ns, source=source):
@@ -179,11 +192,39 @@ class LiveSession:
 
     def collect_frames(self) -> None:
         """Take in the flush stamps that have arrived."""
+        self.notice_gap()
         for frame, time_ns in self.take_stamps():
             if self.phase != "running" or self.gate.covered:
                 self._frames.dropped(frame)
             else:
                 self._enter(self._frames.flushed(frame, time_ns))
+
+    def notice_gap(self) -> None:
+        """Note that the program has stood still, if it has: what it shows then covers the game by itself."""
+        gap = self.find_gap()
+        if gap is None or self.phase != "running":
+            return
+        last_ns, middle_ns = gap.last_ns, (gap.last_ns + gap.time_ns) // 2
+        for frame, time_ns in self.take_stamps():
+            # A frame that left just before the gap is in the file before it; one from after it comes under the cover.
+            if self.gate.covered or (time_ns > middle_ns and not gap.suspended_ns):
+                self._frames.dropped(frame)
+            else:
+                self._enter(self._frames.flushed(frame, time_ns))
+                last_ns = max(last_ns, time_ns)
+        self._frames.cleared(last_ns)
+        self._enter(
+            TimeGap(last_ns=last_ns, time_ns=max(last_ns, gap.time_ns), suspended_ns=gap.suspended_ns)
+        )
+
+    def focus(self, has_focus: bool) -> None:
+        """Note that the terminal's window has lost the keyboard, or has it again."""
+        if has_focus == self._has_focus:
+            return
+        self._has_focus = has_focus
+        if self.phase == "running":
+            now_ns = self._clock.now_ns()
+            self._enter(FocusRegained(time_ns=now_ns) if has_focus else FocusLost(time_ns=now_ns))
 
     def cover(self, reason: Cover) -> None:
         """Note that something else is on screen: simulated time stops."""
@@ -202,7 +243,7 @@ class LiveSession:
             self.gate.covered = False
             self._enter(Resumed(time_ns=self._clock.now_ns()))
 
-    def stop(self, reason: Literal["participant", "worker-died", "time-limit"] = "participant") -> None:
+    def stop(self, reason: StopReason = "participant") -> None:
         """End the session: the worker truncates the episode and says its last word."""
         if self.phase == "running":
             self.collect_frames()
@@ -238,22 +279,25 @@ class LiveSession:
     def _take_output(self, output: Output) -> None:
         if self._sink is None or self.phase == "over":
             return
+        self.notice_gap()
         # What was flushed before this message arrived comes before it in the file.
         self.collect_frames()
         self._sink.record(output)
         match output:
             case EpisodeStarted():
+                self.tally.weight = output.weight
                 self.gate.episode_started()
             case StepTaken():
                 self.tally.steps += 1
                 self._ask_wrong_press(output.step)
             case EpisodeEnded():
                 self.tally.performances.append(output.performance)
-                self.tally.w_h = output.w_h
+                self.tally.trust = output.trust
             case UnseenPlayed():
                 self.tally.unseen += len(output.policies)
                 self.tally.practised.append(sum(output.performances) / len(output.performances))
-                self.tally.w_h = output.w_h
+                self.tally.trust = output.trust
+                self.tally.weight = output.weights[-1] if output.weights else self.tally.weight
         self._listener(output)
         if isinstance(output, SessionEnded):
             self.phase = "over"

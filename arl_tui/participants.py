@@ -5,6 +5,7 @@ out again from the trial files that it names.
 """
 
 import os
+import shlex
 from pathlib import Path
 
 import msgspec
@@ -144,7 +145,7 @@ def read_delays(recordings: Path, participant: str) -> ParticipantDelays | None:
     if (delays.format, delays.version, delays.participant) != (FORMAT, VERSION, participant):
         raise ParticipantError(
             f"{path}: expected {FORMAT} version {VERSION} of {participant}, got {delays.format} version "
-            f"{delays.version} of {delays.participant}; `arl calibrate --participant {participant}` makes a new one"
+            f"{delays.version} of {delays.participant}; `arl calibrate --participant {shlex.quote(participant)}` makes a new one"
         )
     return delays
 
@@ -189,7 +190,7 @@ def choose_credit(text: str, recordings: Path, participant: str, game: str = "te
         option = task.replace(" ", "-") + (f" --game {game}" if key != task else "")
         raise ParticipantError(
             f"{participant} has no fit of the task {key!r} in {delays_path(recordings, participant)}. Measure it: "
-            f"`arl calibrate --participant {participant} --tasks {option}`; or choose --credit paper"
+            f"`arl calibrate --participant {shlex.quote(participant)} --tasks {option}`; or choose --credit paper"
         )
     about = {
         "credit_participant": participant,

@@ -8,7 +8,12 @@ from textual import events
 from textual.app import App
 from textual.driver import Driver
 
+from core.layouts import KeyReader, alphabet_of
+
 Result = TypeVar("Result")
+
+UNSURE = ("slash", "semicolon")
+"""What the key of q sends under Hebrew and Greek: it may also be meant as it stands."""
 
 
 class PlainApp(App[Result], inherit_bindings=False):
@@ -21,8 +26,33 @@ class PlainApp(App[Result], inherit_bindings=False):
     def __init__(self, driver_class: type[Driver] | None = None) -> None:
         """Prepare; `driver_class` is Textual's own choice by default."""
         trust_the_terminal()
+        self.reader = KeyReader(language())
+        """Finds the Latin letter on a key where the keyboard is set to another alphabet."""
+        self._foreign_keys = 0
         super().__init__(driver_class=driver_class)
         self.animation_level = "none"
+
+    async def on_event(self, event: events.Event) -> None:
+        """Let a key of another alphabet do what the Latin letter on the same key does."""
+        if isinstance(event, events.Key) and not event.is_forwarded:
+            self._read_in_latin(event)
+        await super().on_event(event)
+
+    def _read_in_latin(self, event: events.Key) -> None:
+        raw = event.key
+        reading = self.reader.read(raw)
+        if reading is not None:
+            event.key = event.character = reading.letter
+            self._foreign_keys = 0
+            return
+        alphabet = alphabet_of(event.character or "")
+        self._foreign_keys = self._foreign_keys + 1 if alphabet or raw in UNSURE else 0
+        if alphabet or self._foreign_keys == 2:
+            self.tell_foreign_key(alphabet)
+
+    def tell_foreign_key(self, alphabet: str) -> None:
+        """Say that keys of this alphabet ("" where it is not known) mean nothing here; apps may say it elsewhere."""
+        self.notify(foreign_words(alphabet), title="Keyboard", severity="warning", timeout=8.0)
 
     def on_resize(self, event: events.Resize) -> None:
         """Tell the screen of its size.
@@ -35,6 +65,20 @@ class PlainApp(App[Result], inherit_bindings=False):
     def _tell_size(self) -> None:
         if self.screen_stack:
             self.screen.post_message(events.Resize(self.size, self.size))
+
+
+def language() -> str:
+    """Return the language of this environment by ISO 639, as "bg"; "" where it is not said."""
+    named = next((value for name in ("LC_ALL", "LC_CTYPE", "LANG") if (value := os.environ.get(name))), "")
+    return (
+        "" if named.startswith(("C.", "POSIX")) or named == "C" else named.partition("_")[0].partition(".")[0]
+    )
+
+
+def foreign_words(alphabet: str) -> str:
+    """Return what to do about a keyboard that is set to this alphabet; "" where it is not known."""
+    letters = f"{alphabet} letters" if alphabet else "other letters"
+    return f"Is your keyboard set to {letters}? Change it to English (Latin) letters"
 
 
 def trust_the_terminal() -> None:

@@ -1,14 +1,16 @@
 """The folder of recordings: names of new files, and what is there."""
 
+import os
 import tempfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from core.episode import Event
 
-DEFAULT_FOLDER = Path("recordings")
+ENDINGS = (".jsonl", ".jsonl.gz", ".jsonl.bz2", ".jsonl.xz", ".jsonl.zip", ".jsonl.zst")
+"""Of recordings; of those that are packed in a way which is not read, too, so that none is passed over in silence."""
 CALIBRATION_FOLDER = "calibration"
 """Trials of the reaction-time study: files of another format, in a folder of their own."""
 
@@ -31,9 +33,23 @@ def new_path(folder: Path, participant: str, created_utc: str) -> Path:
     return path
 
 
-def all_recordings(folder: Path) -> Iterator[Path]:
-    """Yield the recordings of sessions in a folder and below, sorted by name."""
-    yield from sorted(path for path in folder.rglob("*.jsonl") if path.parent.name != CALIBRATION_FOLDER)
+def all_recordings(
+    folder: Path, on_error: Callable[[OSError], object] = lambda error: None
+) -> Iterator[Path]:
+    """Yield the recordings of sessions in a folder and below, compressed ones too, sorted by name.
+
+    Args:
+        folder: where to look; it need not exist.
+        on_error: told of every folder below it that cannot be read.
+    """
+    if not folder.exists():
+        return
+    found: list[Path] = []
+    for here, folders, names in os.walk(folder, onerror=on_error):
+        if Path(here).name == CALIBRATION_FOLDER:
+            continue
+        found += [Path(here, name) for name in (*names, *folders) if name.endswith(ENDINGS)]
+    yield from sorted(found)
 
 
 def rescue(unwritten: "Iterable[Event]", stem: str) -> Path:

@@ -52,3 +52,18 @@ def seconds(duration_ns: int) -> float:
 def wall_time_utc() -> str:
     """Return the date and time in UTC, ISO 8601 with seconds: for a recording's header only."""
     return datetime.now(UTC).isoformat(timespec="seconds")
+
+
+def suspended_ns() -> int:
+    """Return how long this machine has been suspended since it started, in nanoseconds; 0 where that is not known.
+
+    Linux's and macOS's monotonic clocks, as Python reads them, stand still meanwhile; another clock does not.
+    """
+    monotonic, on_linux, on_macos = (
+        getattr(time, name, None) for name in ("CLOCK_MONOTONIC", "CLOCK_BOOTTIME", "CLOCK_UPTIME_RAW")
+    )
+    if monotonic is not None and on_linux is not None:
+        return time.clock_gettime_ns(on_linux) - time.clock_gettime_ns(monotonic)
+    if monotonic is not None and on_macos is not None:
+        return time.clock_gettime_ns(monotonic) - time.clock_gettime_ns(on_macos)
+    return 0

@@ -41,7 +41,8 @@ class ScreenCleared(Record, frozen=True, kw_only=True, tag="screen-cleared"):
     """The step on screen was covered: a pause, a help page, a dialogue."""
 
     time_ns: int
-    reason: Literal["pause", "help", "quit-dialogue", "resize"]
+    reason: Literal["pause", "help", "quit-dialogue", "resize", "gap"]
+    """`gap`: the session paused by itself after a `TimeGap`."""
 
 
 class KeyPressed(Record, frozen=True, kw_only=True, tag="key-pressed"):
@@ -66,6 +67,10 @@ class KeyPressed(Record, frozen=True, kw_only=True, tag="key-pressed"):
     source: Literal["participant", "simulated"] = "participant"
     person: int = 0
     """Who pressed, where several do (simulated sessions): the protocol's trainer is 0, its others are 1, 2, ..."""
+    read_as: str = ""
+    """The letter that stands on this key in the Latin layout, where `key` is of another one; "" where it is not."""
+    layout: str = ""
+    """The layout by which `read_as` was found (`core.layouts`); "" where `key` is a Latin letter or unknown."""
 
 
 class PressRetracted(Record, frozen=True, kw_only=True, tag="press-retracted"):
@@ -90,14 +95,63 @@ class Resumed(Record, frozen=True, kw_only=True, tag="resumed"):
     time_ns: int
 
 
+class TimeGap(Record, frozen=True, kw_only=True, tag="time-gap"):
+    """The program did not run for more than a second: the machine slept, or the process was stopped.
+
+    No press after the gap is credited to what was on screen before it. Version 2 of the format.
+    """
+
+    last_ns: int
+    """When the program was last known to run; `time_ns` or earlier."""
+    time_ns: int
+    """When it ran again."""
+    suspended_ns: int = 0
+    """How long the machine was suspended: this clock does not count that time on Linux. >= 0."""
+
+
+class FocusLost(Record, frozen=True, kw_only=True, tag="focus-lost"):
+    """The terminal's window no longer receives keys. Only terminals that report it. Version 2 of the format."""
+
+    time_ns: int
+
+
+class FocusRegained(Record, frozen=True, kw_only=True, tag="focus-regained"):
+    """The terminal's window receives keys again. Only terminals that report it. Version 2 of the format."""
+
+    time_ns: int
+
+
+StopReason = Literal["participant", "window-closed", "signal", "worker-died", "time-limit", "disk-failed"]
+"""Why a session ends before its last game.
+
+`participant`: by a key. `window-closed`: the terminal went away (SIGHUP, or its end of the line closed). `signal`: the
+process was asked to end (SIGTERM). `worker-died`: the learner failed or did not answer. `time-limit`: the protocol's
+time was over. `disk-failed`: the recording could not be written any more.
+
+Version 1 knows participant, worker-died and time-limit only: there, "participant" may also be a closed window, a
+signal or a full disk.
+"""
+
+
 class StopAsked(Record, frozen=True, kw_only=True, tag="stop-asked"):
     """The session is to end: the episode on screen is truncated."""
 
     time_ns: int
-    reason: Literal["participant", "worker-died", "time-limit"]
+    reason: StopReason
 
 
-Input = FrameShown | ScreenCleared | KeyPressed | PressRetracted | WrongPressAsked | Resumed | StopAsked
+Input = (
+    FrameShown
+    | ScreenCleared
+    | KeyPressed
+    | PressRetracted
+    | WrongPressAsked
+    | Resumed
+    | TimeGap
+    | FocusLost
+    | FocusRegained
+    | StopAsked
+)
 
 
 # --- outputs: what the domain and the agent did -----------------------------------------------------------------
@@ -117,9 +171,17 @@ class EpisodeStarted(Record, frozen=True, kw_only=True, tag="episode-started"):
     form: int
     """How R and H are combined in this episode (a form of `core.combination.config`); -1 in imported ones."""
     w_r: float
-    w_h: float
+    """Weight of the environment's values in this episode."""
+    trust: float | None
+    """What the rule of trust said of the human when the episode began (Eq. 4, 5); None where version 1 did not record it."""
+    weight: float
+    """Weight w_h of the human's values that the scheme used in this episode: some schemes do not go by trust."""
     share: float
-    """Probability of handing the choice to the human policy (control sharing), else 0."""
+    """Probability of handing the choice to the human policy in this episode (control sharing), else 0."""
+    shaping: float = 0.0
+    """Added to the reward of a step per unit of H in this episode (reward shaping), else 0."""
+    augmentation: float = 0.0
+    """Weight of H in what the learner learns (Q augmentation), else 0."""
 
 
 class StepTaken(Record, frozen=True, kw_only=True, tag="step-taken"):
@@ -160,8 +222,8 @@ class EpisodeEnded(Record, frozen=True, kw_only=True, tag="episode-ended"):
     """Steps at which environment and human policy chose the same action."""
     agreed_worst: int
     """Steps at which the environment policy chose the human policy's worst action."""
-    w_h: float
-    """Human weight after this episode."""
+    trust: float
+    """What the rule of trust says of the human after this episode (of several people: the mean)."""
     digest: str
     """Fingerprint of everything the agent has learned (hex)."""
 
@@ -177,7 +239,10 @@ class UnseenPlayed(Record, frozen=True, kw_only=True, tag="unseen-played"):
     steps: list[int]
     agreed: list[int]
     agreed_worst: list[int]
-    w_h: float
+    trust: float
+    """What the rule of trust says of the human after the last of them (of several people: the mean)."""
+    weights: list[float] | None
+    """Weight w_h that the scheme used in each of them; None where version 1 did not record it."""
     digest: str
 
 
@@ -190,7 +255,7 @@ class CreditGiven(Record, frozen=True, kw_only=True, tag="credit-given"):
     before_first: float
     """Mass that fell before the first watched step."""
     in_gaps: float
-    """Mass that fell into pauses and between episodes."""
+    """Mass that fell into pauses, between episodes, and on what was on screen before a `TimeGap`."""
     too_late: float = 0.0
     """Mass of steps whose sample had been given out already (aggregate credit, a press reported very late)."""
     merged_into: int | None = None

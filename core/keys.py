@@ -12,6 +12,7 @@ import msgspec
 
 from core.clock import NS_PER_S
 from core.episode import KeyPressed, PressRetracted
+from core.layouts import KeyReader
 
 NS_PER_MS = 1_000_000
 
@@ -71,6 +72,8 @@ class PressGate:
         self.config = config
         self._person = person
         self._numbers = numbers or count()
+        self.reader = KeyReader()
+        """Finds the key of the Latin layout where the keyboard is set to another alphabet."""
         self.frame = -1
         self.step = -1
         self.covered = False
@@ -94,7 +97,9 @@ class PressGate:
         self, key: str, time_ns: int, *, source: Literal["participant", "simulated"] = "participant"
     ) -> Iterator[KeyPressed | PressRetracted]:
         """Yield the record of a press and, where it takes an earlier one back, that retraction."""
-        value = self.config.value(key)
+        reading = self.reader.read(key)
+        letter = key if reading is None else reading.letter
+        value = self.config.value(letter)
         record = KeyPressed(
             press=next(self._numbers),
             time_ns=time_ns,
@@ -106,6 +111,8 @@ class PressGate:
             asked_wrong=self.wrong_asked and value is not None,
             source=source,
             person=self._person,
+            read_as="" if reading is None else reading.letter,
+            layout="" if reading is None else reading.layout,
         )
         opener = self._opener_of_held_key(record)
         self._last_of_key[key] = record
@@ -116,7 +123,7 @@ class PressGate:
         if opener is not None:
             self._accepted.remove(opener)
             yield PressRetracted(press=opener.press, time_ns=time_ns, reason="auto-repeat")
-        if key == self.config.retract and self.playing and not self.covered and self._accepted:
+        if letter == self.config.retract and self.playing and not self.covered and self._accepted:
             last = self._accepted.pop()
             yield PressRetracted(press=last.press, time_ns=time_ns, reason="participant")
 

@@ -24,6 +24,7 @@ from core.episode import (
     ScreenCleared,
     StepTaken,
     StopAsked,
+    TimeGap,
 )
 
 
@@ -79,6 +80,10 @@ class Listener(Protocol):
         """Note that the step on screen went off it."""
         ...
 
+    def interrupted(self, last_ns: int) -> None:
+        """Note that the program stood still from `last_ns` on: no later press speaks of what was on screen before."""
+        ...
+
     def learn_from_press(self, press: int, time_ns: int, value: float, participant: int = 0) -> CreditGiven:
         """Learn from an accepted press of a participant; return how it was shared out."""
         ...
@@ -96,20 +101,25 @@ class Agent(Listener, Protocol):
     """What a session asks of an agent."""
 
     @property
-    def w_h(self) -> float:
-        """Weight of the human now."""
+    def trust(self) -> float:
+        """What the rule of trust says of the human now."""
         ...
 
-    def begin_episode(self, episode: int, *, exploring: bool) -> EpisodePolicy:
-        """Return the policy of the next episode: a new one to evaluate, or one of the best so far."""
+    def begin_episode(self, *, exploring: bool, watched: bool) -> EpisodePolicy:
+        """Begin the next episode; return its policy: a new one to evaluate, or one of the best so far."""
         ...
 
     def choose(self, choices: Choices, policy: EpisodePolicy, *, step: int) -> Decision:
         """Decide step number `step` of the episode."""
         ...
 
-    def learn_from_step(self, choices: Choices, action: int, reward: float) -> None:
-        """Take in what was done in the decision last made, and the reward of its step."""
+    def learn_from_step(
+        self, choices: Choices, action: int, reward: float, *, watched_step: int = -1
+    ) -> None:
+        """Take in what was done in the decision last made, and the reward of its step.
+
+        `watched_step` is the step's number among all watched ones of the session; -1 where nobody watches.
+        """
         ...
 
     def learn_from_domain(self, policy: EpisodePolicy, played: Played) -> None:
@@ -158,6 +168,9 @@ class Audience:
                 self._screen_shows(step, time_ns)
             case ScreenCleared(time_ns=time_ns):
                 self._screen_shows(-1, time_ns)
+            case TimeGap(last_ns=last_ns):
+                self._listener.interrupted(last_ns)
+                self._on_screen = -1
             case KeyPressed(verdict="accepted", press=press, time_ns=time_ns, value=value, person=person):
                 assert value is not None, "an accepted press means something"
                 yield self._listener.learn_from_press(press, time_ns, value, person)
@@ -166,7 +179,7 @@ class Audience:
             case StopAsked():
                 self.stop_asked = item
             case _:
-                pass  # a refused press, a cue, the end of a pause: recorded, nothing to learn
+                pass  # a refused press, a cue, the end of a pause, the window's focus: recorded, nothing to learn
 
     def _screen_shows(self, step: int, time_ns: int) -> None:
         if step == self._on_screen:
@@ -182,9 +195,9 @@ class Audience:
 class EpisodePlan:
     """What is fixed before a watched episode begins."""
 
-    episode: int
     episode_seed: int
     policy: EpisodePolicy
+    """From the agent's `begin_episode`; it says which episode this is."""
     first_step: int
     """Number of the episode's first step among all watched steps of the session."""
     max_steps: int
@@ -202,25 +215,29 @@ def play_episode(
     When a `StepTaken` has been yielded, whoever consumes this shows the step, and asks for the next output when
     the step's time on screen is over: then what the participant did meanwhile is taken in.
     """
+    weights = plan.policy.weights
     yield EpisodeStarted(
-        episode=plan.episode,
+        episode=plan.policy.episode,
         time_ns=clock.now_ns(),
         inputs=audience.inputs,
         episode_seed=plan.episode_seed,
         policy=plan.policy.policy_id,
-        form=plan.policy.weights.form,
-        w_r=plan.policy.weights.w_r,
-        w_h=plan.policy.weights.w_h,
-        share=plan.policy.weights.share,
+        form=weights.form,
+        w_r=weights.w_r,
+        trust=plan.policy.trust,
+        weight=weights.w_h,
+        share=weights.share,
+        shaping=weights.shaping,
+        augmentation=weights.augmentation,
     )
     state = domain.initial(plan.episode_seed)
     count = _Count()
-    for step in _steps(domain, agent, plan.policy, state):
+    for step in _steps(domain, agent, plan.policy, state, first_watched=plan.first_step):
         number, decision = plan.first_step + count.steps, step.decision
         audience.expect(number, step.choices.feedback_features[decision.action])
         count.add(decision)
         yield StepTaken(
-            episode=plan.episode,
+            episode=plan.policy.episode,
             step=number,
             time_ns=clock.now_ns(),
             inputs=audience.inputs,
@@ -238,7 +255,7 @@ def play_episode(
     played = count.played(domain, state)
     agent.learn_from_domain(plan.policy, played)
     yield EpisodeEnded(
-        episode=plan.episode,
+        episode=plan.policy.episode,
         time_ns=clock.now_ns(),
         inputs=audience.inputs,
         performance=played.performance,
@@ -246,7 +263,7 @@ def play_episode(
         ended=played.ended,
         agreed=played.agreed,
         agreed_worst=played.agreed_worst,
-        w_h=agent.w_h,
+        trust=agent.trust,
         digest=agent.digest(),
     )
     # Late presses on the last steps, made while the final picture was shown.
@@ -292,16 +309,26 @@ class _Step:
 
 
 def _steps(
-    domain: Domain[Any], agent: Agent, policy: EpisodePolicy, state: Any, *, learning: bool = True
+    domain: Domain[Any],
+    agent: Agent,
+    policy: EpisodePolicy,
+    state: Any,
+    *,
+    learning: bool = True,
+    first_watched: int = -1,
 ) -> Iterator[_Step]:
-    """Let the agent play from `state` to the end of the episode: the one loop of agent and domain."""
+    """Let the agent play from `state` to the end of the episode: the one loop of agent and domain.
+
+    `first_watched` is the number of the first step among the session's watched ones; -1 where nobody watches.
+    """
     number = 0
     while not domain.terminal(state):
         choices = domain.choices(state)
         decision = agent.choose(choices, policy, step=number)
         transition = domain.transition(state, decision.action)
         if learning:
-            agent.learn_from_step(choices, decision.action, transition.reward)
+            watched = -1 if first_watched < 0 else first_watched + number
+            agent.learn_from_step(choices, decision.action, transition.reward, watched_step=watched)
         yield _Step(state, choices, decision, transition.reward, transition.next_state)
         state = transition.next_state
         number += 1

@@ -112,7 +112,9 @@ class CalibrationApp(PlainApp[Outcome]):
     async def on_event(self, event: events.Event) -> None:
         """Hand every key press to the running trial before anything else is done with it."""
         if isinstance(event, events.Key) and not event.is_forwarded and isinstance(self.screen, TrialScreen):
-            self.screen.press(key_name(event), nanoseconds(event.time))
+            reading = self.reader.read(key_name(event))
+            key = key_name(event) if reading is None else reading.letter
+            self.screen.press(key, nanoseconds(event.time))
         await super().on_event(event)
 
     def post_display_hook(self) -> None:

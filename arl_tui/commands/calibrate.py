@@ -2,6 +2,7 @@
 
 import os
 import secrets
+import shlex
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -137,7 +138,7 @@ def fit_again(participant: str, configs: Sequence["TaskConfig"], recordings: Pat
     if not paths:
         raise click.ClickException(
             f"{participant} has finished none of these tasks in {recordings / CALIBRATION_FOLDER}: "
-            f"`arl calibrate --participant {participant}`"
+            f"`arl calibrate --participant {shlex.quote(participant)}`"
         )
     order = FitOrder(recordings=str(recordings), participant=participant, files=tuple(paths))
     tell_fit(fit_files(order))

@@ -8,19 +8,33 @@ import msgspec
 
 from arl_tui import facts
 from core.episode import SessionEnded
+from core.foreign_text import printable
 from core.protocol import Protocol, protocol_from
 from core.recording.reader import Recording, RecordingError, read_recording
+from core.recording.summary import summarise_recording
 
 GETTING_READY = "Getting ready; the first time this takes a minute or two ..."
 """Said where everything may have to be compiled first."""
 
 
 def read_or_stop(path: Path, *, allow_truncated: bool) -> Recording:
-    """Read a recording; stop with the reason where that is impossible."""
+    """Read a recording, and say what is unusual about its file; stop with the reason where that is impossible."""
     try:
-        return read_recording(path, allow_truncated=allow_truncated)
+        recording = read_recording(path, allow_truncated=allow_truncated)
     except (RecordingError, OSError) as error:
-        raise click.ClickException(str(error)) from error
+        raise click.ClickException(printable(str(error), longest=None)) from error
+    for note in recording.notes:
+        click.echo(f"Beware: {printable(note, longest=None)}", err=True)
+    return recording
+
+
+def need_outputs(recording: Recording) -> None:
+    """Stop where a recording holds nothing that could come out the same, or be learned from."""
+    if not recording.outputs:
+        raise click.ClickException(
+            f"{recording.path}: there is nothing to replay: no game is in the recording. "
+            f"{summarise_recording(recording).words}"
+        )
 
 
 def protocol_of(recording: Recording) -> Protocol:
@@ -37,8 +51,8 @@ def run_again(recording: Recording) -> None:
     from core.replay import replay_exactly
     from core.session import build_session
 
+    need_outputs(recording)
     session = build_session(protocol_of(recording), recording.header.root_seed)
-    finished = any(isinstance(output, SessionEnded) for output in recording.outputs)
     try:
         result = replay_exactly(recording, session)
     except RecordingError as error:
@@ -48,9 +62,12 @@ def run_again(recording: Recording) -> None:
             f"the replay differs from the recording after {result.outputs} equal outputs\n  {result.difference}\n"
             f"{why_different(recording.header.software)}"
         )
-    click.echo(f"Replay: exact ({result.outputs} outputs equal, the weights bit for bit)")
-    if not finished:
-        click.echo("The session was cut off; everything up to there came out the same.")
+    whole = isinstance(recording.outputs[-1], SessionEnded)
+    click.echo(
+        f"Replay: exact ({result.outputs} outputs equal"
+        + (", the weights bit for bit)" if whole else "; the recording ends there, before the session's end)")
+    )
+    click.echo(f"Session: {printable(summarise_recording(recording).words)}")
 
 
 def why_different(software: Mapping[str, str]) -> str:

@@ -1,10 +1,13 @@
 """`arl experiment`: run a sweep with progress, resumable; report from its files."""
 
+import shlex
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
 import click
+
+from arl_tui.command_line import ToWrite
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -18,7 +21,7 @@ DEFAULT_RESULTS = Path("results")
 name_argument = click.argument("name", metavar="NAME")
 out_option = click.option(
     "--out",
-    type=click.Path(file_okay=False, path_type=Path),
+    type=ToWrite(folder=True),
     default=DEFAULT_RESULTS,
     show_default=True,
     help="Results are kept in a folder of the experiment's name below this one.",
@@ -29,7 +32,8 @@ out_option = click.option(
 def experiment() -> None:
     """Run the experiments behind the figures, and report them.
 
-    NAME is one of fig4 fig5 fig6 fig7 features robustness robustness-keepaway credit, or a Python module with an EXPERIMENT of your own.
+    NAME is one of fig4 fig5 fig6 fig7 features robustness robustness-keepaway credit, or one of your own: a file (my.py) or a
+    module (my_package.my) with an EXPERIMENT. docs/own-experiment.md has a template.
     """
 
 
@@ -62,9 +66,9 @@ def run(
     from studies.experiments.sweep import root_seeds
 
     sweep = _loaded(name)
-    folder = out / (f"{name}-quick" if quick else name)
+    folder = out / (f"{sweep.name}-quick" if quick else sweep.name)
     try:
-        with _executor(workers, cluster) as executor, _Progress(name) as progress:
+        with _executor(workers, cluster) as executor, _Progress(sweep.name) as progress:
             files = run_sweep(
                 sweep,
                 root_seeds(trials, first_seed),
@@ -77,8 +81,10 @@ def run(
             )
     except (SweepError, ValueError) as error:
         raise click.ClickException(str(error)) from error
-    quickly = " --quick" if quick else ""
-    click.echo(f"{len(files)} trials in {folder}. Next: arl experiment report {name} --out {out}{quickly}")
+    following = ["arl", "experiment", "report", name, "--out", str(out)]
+    following += ["--quick"] if quick else []
+    following += [word for condition in only for word in ("--only", condition)]
+    click.echo(f"{len(files)} trials in {folder}. Next: {shlex.join(following)}")
 
 
 @experiment.command()
@@ -87,7 +93,7 @@ def run(
 @click.option("--quick", is_flag=True, help="Of the short trials.")
 @click.option(
     "--into",
-    type=click.Path(file_okay=False, path_type=Path),
+    type=ToWrite(folder=True),
     help="The page goes into results/ below this folder, its figures into figures/; by default below the results.",
 )
 @click.option(
@@ -102,19 +108,28 @@ def report(name: str, out: Path, quick: bool, into: Path | None, only: tuple[str
     from studies.experiments.results import read_results
     from studies.experiments.run import SweepError
     from studies.experiments.sweep import experiment_module
+    from studies.statistics import few_trials_note
 
     sweep = _loaded(name)
     module = experiment_module(name)
     if not hasattr(module, "report"):
         raise click.ClickException(f"{module.__name__} has no report(results)")
-    folder = out / (f"{name}-quick" if quick else name)
+    folder = out / (f"{sweep.name}-quick" if quick else sweep.name)
     try:
         results = read_results(sweep, folder, only)
-        written = write_page(module.report(results), into or folder / "report", quick=results.record.quick)
+        written = write_page(
+            module.report(results),
+            into or folder / "report",
+            quick=results.record.quick,
+            trials=len(results.seeds),
+        )
     except SweepError as error:
         raise click.ClickException(str(error)) from error
     for path in written:
         click.echo(str(path))
+    few = few_trials_note(len(results.seeds))
+    if few is not None:
+        click.echo(few, err=True)
 
 
 def _loaded(name: str) -> "Experiment":
@@ -122,7 +137,7 @@ def _loaded(name: str) -> "Experiment":
 
     try:
         return load_experiment(name)
-    except (ValueError, ModuleNotFoundError) as error:
+    except (ValueError, TypeError, ImportError, SyntaxError) as error:
         raise click.BadParameter(str(error), param_hint="NAME") from error
 
 

@@ -1,6 +1,7 @@
 """`arl fit`: reaction times in, delay densities with their uncertainty out."""
 
 import os
+import shlex
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -8,6 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import click
+
+from arl_tui.command_line import ToWrite
 
 if TYPE_CHECKING:
     from studies.reaction_time.fit import GroupFit
@@ -53,7 +56,7 @@ class Request:
     out: Path | None
 
 
-_PATH = click.Path(dir_okay=False, path_type=Path)
+_PATH = ToWrite()
 
 
 @click.command(short_help="Fit delay densities to reaction times in files.")
@@ -170,7 +173,7 @@ _PATH = click.Path(dir_okay=False, path_type=Path)
 @click.option("--html", type=_PATH, help="Write a report of one page.")
 @click.option(
     "--out",
-    type=click.Path(file_okay=False, path_type=Path),
+    type=ToWrite(folder=True),
     help="Write JSON, report, the verdict on each row and all figures into a new folder.",
 )
 def fit(files: tuple[Path, ...], **options: object) -> None:
@@ -256,7 +259,7 @@ def show(group: "GroupFit", samples: "Mapping[str, Sample]", request: Request) -
     else:
         click.echo()
         click.echo("\n".join(group_lines(group)))
-        click.echo(f"One participant in full, with plots: --only {people[0].participant}")
+        click.echo(f"One participant in full, with plots: --only {shlex.quote(people[0].participant)}")
     if request.pooled:
         click.echo()
         click.echo("\n".join(pooled_lines(group)))

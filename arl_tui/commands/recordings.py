@@ -1,40 +1,176 @@
-"""`arl recordings`: what there is, and whether it is whole."""
+"""`arl recordings`: what there is, what it holds, how it ended, and whether it is whole."""
 
+import csv
+import shlex
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import click
+import msgspec
 
-from arl_tui.recordings import all_recordings
-from core.episode import EpisodeEnded, KeyPressed
+from arl_tui.home import elsewhere, recordings_folder, why_here
+from arl_tui.recordings import CALIBRATION_FOLDER, all_recordings
+from core.foreign_text import printable
 from core.recording.reader import Recording, RecordingError, read_recording
+from core.recording.summary import RecordingSummary, summarise_recording
+
+Found = tuple[Path, Recording | None, str]
+"""A file; what it holds, None where it is damaged; and the reason."""
 
 
-def list_all(folder: Path) -> None:
-    """Print one line per recording; leave with status 1 if one of them is damaged."""
-    damaged = 0
-    found = False
-    for path in all_recordings(folder):
-        found = True
-        try:
-            click.echo(describe(read_recording(path)))
-        except (RecordingError, OSError) as error:
-            damaged += 1
-            click.echo(click.style(f"DAMAGED  {error}", fg="red"))
-    if not found:
-        click.echo(f"There are no recordings in {folder}. `arl demo` makes one.")
-    if damaged:
+class Row(msgspec.Struct, frozen=True, kw_only=True):
+    """A line of the table that `--csv` writes; empty where a damaged file does not tell."""
+
+    file: str
+    state: str
+    """"sound", or "damaged"."""
+    reason: str = ""
+    """Why it is damaged."""
+    notes: str = ""
+    """What is unusual about a sound file, separated by "; "."""
+    participant: str = ""
+    origin: str = ""
+    created_utc: str = ""
+    format_version: int | str = ""
+    game: str = ""
+    protocol: str = ""
+    condition: str = ""
+    games_planned: int | str = ""
+    games_begun: int | str = ""
+    games_finished: int | str = ""
+    steps: int | str = ""
+    presses_counted: int | str = ""
+    presses_simulated: int | str = ""
+    """Of those that counted."""
+    presses_taken_back: int | str = ""
+    gaps: int | str = ""
+    focus_lost: int | str = ""
+    ended: str = ""
+    """A word that never changes: finished, participant, window-closed, ... (`core.recording.summary`)."""
+    ended_in_words: str = ""
+
+
+def list_all(folder: Path, *, csv_path: Path | None = None) -> None:
+    """Print what each recording holds; leave with status 1 if one of them is damaged."""
+    why = f" ({why_here()})" if folder == recordings_folder() else ""
+    problems: list[OSError] = []
+    found = list(read_all(folder, problems))
+    if found:
+        click.echo(f"Recordings in {folder}{why}:")
+    else:
+        click.echo(f"There are no recordings in {folder}{why}. `arl demo` makes one.")
+    for path, recording, reason in found:
+        click.echo("\n".join(lines_of(path, folder, recording, reason)))
+    for error in problems:
+        click.echo(click.style(f"UNREADABLE  {error.filename}: {error.strerror}", fg="red"))
+    n_damaged = sum(recording is None for _, recording, _ in found)
+    tell_rest(folder, found, n_damaged)
+    if csv_path is not None:
+        write_csv(csv_path, found)
+        click.echo(f"Table: {csv_path}")
+    if n_damaged or problems:
         raise SystemExit(1)
 
 
-def describe(recording: Recording) -> str:
-    """Return one line: file, participant, when, how much, whether whole."""
+def read_all(folder: Path, problems: list[OSError]) -> Iterator[Found]:
+    """Read every recording in a folder and below; no damaged one hides another.
+
+    Args:
+        folder: where to look.
+        problems: takes folders that cannot be read.
+    """
+    for path in all_recordings(folder, problems.append):
+        try:
+            yield path, read_recording(path), ""
+        except (RecordingError, OSError) as error:
+            yield path, None, str(error)
+
+
+def lines_of(path: Path, folder: Path, recording: Recording | None, reason: str) -> Iterator[str]:
+    """Yield the lines about one file."""
+    name = printable(str(path.relative_to(folder)))
+    if recording is None:
+        yield click.style(f"{name}  DAMAGED", fg="red")
+        yield f"    {printable(reason, longest=None)}"
+        return
     header = recording.header
-    episodes = sum(isinstance(event, EpisodeEnded) for event in recording.events)
-    accepted = sum(
-        isinstance(event, KeyPressed) and event.verdict == "accepted" for event in recording.events
+    when = header.created_utc.removesuffix("+00:00").replace("T", " ")
+    yield click.style(name, bold=True) + printable(f"  {header.participant}  {header.origin}  {when} UTC")
+    yield f"    {printable(summarise_recording(recording).words)}"
+    for note in recording.notes:
+        yield f"    beware: {printable(note, longest=None)}"
+
+
+def tell_rest(folder: Path, found: Sequence[Found], n_damaged: int) -> None:
+    """Print how many there are of what, and where there are others."""
+    if found:
+        click.echo(f"{len(found) - n_damaged} sound, {n_damaged} damaged.")
+    n_trials = sum(1 for _ in (folder / CALIBRATION_FOLDER).glob("*.jsonl"))
+    if n_trials:
+        files = "1 file" if n_trials == 1 else f"{n_trials} files"
+        click.echo(
+            f"Calibrations: {files} of trials in {folder / CALIBRATION_FOLDER} (`arl fit` reads them)."
+        )
+    old = elsewhere(folder)
+    if old is not None and folder == recordings_folder():
+        move = shlex.join(["mv", str(old.absolute()), str(folder)])
+        click.echo(
+            f"There are recordings in {old.absolute()}, too, where earlier versions kept them: `arl recordings "
+            f"--recordings {shlex.quote(str(old))}`, or move them: `{move}`"
+        )
+
+
+def row_of(path: Path, recording: Recording | None, reason: str) -> Row:
+    """Return the line of the table for one file."""
+    if recording is None:
+        return Row(file=str(path), state="damaged", reason=reason)
+    header = recording.header
+    held: RecordingSummary = summarise_recording(recording)
+    return Row(
+        file=str(path),
+        state="sound",
+        notes="; ".join(recording.notes),
+        participant=header.participant,
+        origin=header.origin,
+        created_utc=header.created_utc,
+        format_version=header.version,
+        game=held.game,
+        protocol=held.protocol,
+        condition=held.condition,
+        games_planned="" if held.games_planned is None else held.games_planned,
+        games_begun=held.games_begun,
+        games_finished=held.games_finished,
+        steps=held.steps,
+        presses_counted=held.presses_counted,
+        presses_simulated=held.presses_simulated,
+        presses_taken_back=held.presses_taken_back,
+        gaps=held.gaps,
+        focus_lost=held.focus_lost,
+        ended=held.ending.kind,
+        ended_in_words=held.ending.words,
     )
-    whole = "complete" if recording.complete else "cut off "
-    return (
-        f"{whole}  {header.origin:9}  {header.participant:8}  {header.created_utc}  "
-        f"{episodes:3} episodes  {accepted:4} presses  {recording.path}"
-    )
+
+
+def write_csv(path: Path, found: Sequence[Found]) -> None:
+    """Write a line per file, damaged ones too."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, [field.name for field in msgspec.structs.fields(Row)])
+        writer.writeheader()
+        writer.writerows(msgspec.structs.asdict(row_of(*one)) for one in found)
+
+
+def publish_all(folder: Path, into: Path) -> None:
+    """Copy all sound recordings of a folder without dates; name the damaged ones and leave with status 1."""
+    from core.recording.publish import publish_folder
+
+    if into.exists() and any(into.iterdir()):
+        raise click.ClickException(f"{into} is not empty: name a new folder")
+    problems: list[OSError] = []
+    found = list(read_all(folder, problems))
+    for path, copy in publish_folder([path for path, recording, _ in found if recording is not None], into):
+        click.echo(f"{path} -> {copy}")
+    damaged = [reason for _, recording, reason in found if recording is None]
+    for reason in [*damaged, *map(str, problems)]:
+        click.echo(f"Not copied: {printable(reason, longest=None)}", err=True)
+    if damaged or problems:
+        raise SystemExit(1)

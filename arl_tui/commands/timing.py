@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from arl_tui.recordings import DEFAULT_FOLDER
+from arl_tui.command_line import ToWrite, recordings_option
 
 if TYPE_CHECKING:
     from arl_tui.timing.plan import Plan
@@ -40,16 +40,10 @@ BUSY = 0.5
 @click.option(
     "--json",
     "json_path",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=ToWrite(),
     help="Write everything, each trial included, for machines.",
 )
-@click.option(
-    "--recordings",
-    type=click.Path(file_okay=False, path_type=Path),
-    default=DEFAULT_FOLDER,
-    show_default=True,
-    help="The result is kept below this folder, and later sessions name it in their headers.",
-)
+@recordings_option(to_write=True)
 @click.option(
     "--gate",
     type=click.FloatRange(min=0.0, min_open=True),

@@ -1,12 +1,14 @@
 """`arl train`: let keepers learn out of sight, and keep what they have learned."""
 
 import secrets
+import shlex
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from arl_tui.command_line import ToWrite
 from arl_tui.commands.watch import keepers_option, region_option, takers_option, task, vision_option
 
 if TYPE_CHECKING:
@@ -18,7 +20,7 @@ if TYPE_CHECKING:
 @click.argument("game", type=click.Choice(["keepaway"]), default="keepaway")
 @click.option(
     "--save",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=ToWrite(),
     required=True,
     help="Where the policy is kept, such as keepers.npz.",
 )
@@ -55,8 +57,6 @@ def train(
     from arl_tui.commands.exact import GETTING_READY
     from core.learners.sarsa import SarsaConfig
 
-    if not save.parent.is_dir():
-        raise click.BadParameter(f"there is no folder {str(save.parent)!r}", param_hint="--save")
     config = task(None, keepers=keepers, takers=takers, size=size, vision=vision)
     learner = SarsaConfig(shared_weights=shared, trace_decay=trace_decay)
     click.echo(GETTING_READY, err=True)
@@ -74,7 +74,7 @@ def train(
         means = f"{first:.1f} s over the first {N_LAST}, {last:.1f} s over the last {N_LAST}"
     click.echo(f"{len(durations):,} episodes in {hours:g} simulated hours; mean duration {means}")
     click.echo(f"Policy: {save}")
-    click.echo(f"Look at it: arl watch keepaway --policy {save}")
+    click.echo(f"Look at it: {shlex.join(['arl', 'watch', 'keepaway', '--policy', str(save)])}")
 
 
 def with_progress(run: "LearningRun") -> "tuple[Sarsa, list[LearningCurve]]":

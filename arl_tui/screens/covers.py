@@ -21,8 +21,21 @@ class PauseScreen(Page):
         Binding("p,space,enter,escape", "back", "Go on", id="pause.back", tooltip="Go on with the game")
     ]
 
+    def __init__(self, *, gap_s: float | None = None) -> None:
+        """Prepare.
+
+        Args:
+            gap_s: how long the program stood still, seconds, where the session paused by itself for that.
+        """
+        super().__init__()
+        self._gap_s = gap_s
+
     def body(self) -> Iterable[Widget]:
         """Return the text."""
+        if self._gap_s is not None:
+            yield Static(
+                f"The computer slept or was held up for {self._gap_s:.0f} seconds, so the game has been paused.\n"
+            )
         yield Static("The game waits for you. Take as long as you like; key presses do not count now.")
         yield Static("Press [reverse] P [/] or [reverse] Space [/] to go on", classes="call")
 

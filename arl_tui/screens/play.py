@@ -10,6 +10,7 @@ from textual.containers import Horizontal, Vertical
 from textual.screen import Screen
 from textual.widgets import Static
 
+from arl_tui.gaps import length_s
 from arl_tui.link import Picture
 from arl_tui.live import Cover, LiveSession, Occurrence
 from arl_tui.palette import Palette
@@ -24,6 +25,7 @@ from core.episode import (
     KeyPressed,
     PressRetracted,
     StopAsked,
+    TimeGap,
     UnseenPlayed,
     WrongPressAsked,
 )
@@ -103,8 +105,10 @@ class PlayScreen(Screen[None], inherit_bindings=False):
                 self._begin_episode()
             case EpisodeEnded():
                 self._end_episode(occurrence)
-            case UnseenPlayed(w_h=w_h):
-                self._human_weights.append(w_h)
+            case UnseenPlayed():
+                self._human_weights.append(self._live.tally.weight)
+            case TimeGap():
+                self._lay_over(PauseScreen(gap_s=length_s(occurrence)), "gap")
             case StopAsked():
                 self._say("Stopping: everything is being saved ...")
 
@@ -120,7 +124,9 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         self.scene.show(picture, progress)
 
     def _show_press(self, press: KeyPressed) -> None:
-        is_command = any(press.key in (letter, *keys.split(",")) for letter, keys in COMMANDS.values())
+        is_command = any(
+            (press.read_as or press.key) in (letter, *keys.split(",")) for letter, keys in COMMANDS.values()
+        )
         if press.verdict != "other" or not is_command:
             self.feedback.show_press(press, self._live.gate.presses_left)
         self.feedback.ask_wrong(self._live.gate.wrong_asked)
@@ -134,7 +140,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         self._say("")
 
     def _end_episode(self, episode: EpisodeEnded) -> None:
-        self._human_weights.append(episode.w_h)
+        self._human_weights.append(self._live.tally.weight)
         lines = self._words.told(episode.performance)
         self.scene.title("Game over" if episode.ended == "termination" else "End of this game")
         if self._watched >= self._episodes or self._live.phase != "running":

@@ -116,9 +116,14 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
         if press.verdict == "accepted":
             assert press.value is not None, f"an accepted press has a value: {press}"
             good = press.value > 0
-            self._say("GOOD" if good else "BAD", "good" if good else "bad", f"Counted{by}")
-        elif press.verdict != "repeat" and press.key != self.keys.retract:
+            read_as = f" {press.key} as {press.read_as}: another keyboard layout" if press.layout else ""
+            self._say("GOOD" if good else "BAD", "good" if good else "bad", f"Counted{by}{read_as}")
+        elif press.verdict != "repeat" and (press.read_as or press.key) != self.keys.retract:
             self._say("", "idle", _REFUSALS[press.verdict])
+
+    def show_note(self, note: str) -> None:
+        """Say something about the keys, in words alone."""
+        self._say("", "idle", note)
 
     def show_retraction(self, retraction: PressRetracted, presses_left: int) -> None:
         """Say that a press does not count after all."""

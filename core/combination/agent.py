@@ -12,6 +12,7 @@ from core.combination.human_learner import HumanLearner
 from core.combination.listeners import Listeners, ListenersTrust
 from core.combination.preference import best_action, choose, takes_control, worst_action
 from core.combination.ranking import EpisodeReport
+from core.combination.schedule import EpisodesSoFar, NextEpisode, next_episode
 from core.combination.sides import Decision, EpisodeEnd, EpisodePolicy, EpisodeStart, HumanPreference, Outcome
 from core.combination.window import DecisionWindow, Values
 from core.domain import Choices
@@ -83,6 +84,8 @@ class ArlAgent:
         self.human = Listeners(models, feedback_tiles.n_weights if feedback_tiles else n_feedback_features)
         self.window = DecisionWindow(config.bootstrap.window_decisions, environment_values, human_values)
         self.bootstrap = ListenersTrust(config.bootstrap, self.window, self.human, root_seed=root_seed)
+        self.so_far = EpisodesSoFar()
+        """The episodes that have begun."""
         self._environment, self._taught_by_presses = environment_sides(
             learner, environment_values, config.scheme
         )
@@ -95,26 +98,39 @@ class ArlAgent:
         self._decided: tuple[EpisodeWeights, NDArray[np.float64]] = (ENVIRONMENT_WEIGHTS, np.zeros(0))
 
     @property
-    def w_h(self) -> float:
-        """Weight of the human by bootstrap learning; 0 while the human model knows nothing.
+    def trust(self) -> float:
+        """What the rule of trust says of the human (Eq. 4, 5); 0 while the human model knows nothing.
 
-        Of several participants the mean; each one's is in `weights_of_sources`.
+        Of several participants the mean; each one's is in `trust_of_sources`. Which weight an episode is played with is
+        up to the scheme: `EpisodePolicy.weights`.
         """
-        return sum(self.weights_of_sources) / len(self.weights_of_sources)
+        return sum(self.trust_of_sources) / len(self.trust_of_sources)
 
     @property
-    def weights_of_sources(self) -> list[float]:
-        """Weight of each participant by bootstrap learning; 0 for one whose model knows nothing."""
+    def trust_of_sources(self) -> list[float]:
+        """What the rule of trust says of each participant; 0 for one whose model knows nothing."""
         return self.bootstrap.w_h
 
-    def begin_episode(self, episode: int, *, exploring: bool) -> EpisodePolicy:
-        """Return the policy of an episode.
+    @property
+    def next_episode(self) -> NextEpisode:
+        """Which episode comes next, and which number the scheme's schedule is asked about."""
+        return next_episode(self.config.scheme, self.so_far)
+
+    def begin_episode(self, *, exploring: bool, watched: bool) -> EpisodePolicy:
+        """Begin the next episode and return its policy.
 
         Args:
-            episode: number of the episode in the session, >= 0; all its random choices follow from it.
             exploring: play the learner's next proposal; otherwise one of the top policies, drawn by
                 performance (and match), or a proposal while there is none.
+            watched: the episode is shown to a participant.
         """
+        policy = self.next_policy(exploring=exploring)
+        self.so_far = self.so_far.after(watched=watched)
+        return policy
+
+    def next_policy(self, *, exploring: bool) -> EpisodePolicy:
+        """Return the policy of the next episode without counting that episode; `exploring` as in `begin_episode`."""
+        episode = self.next_episode.number
         self._asker.begin_episode()
         share_seed = stream_seed(self._root_seed, "share", episode) >> 1
 
@@ -129,11 +145,13 @@ class ArlAgent:
                 rng=stream(self._root_seed, "explore", episode),
             )
         )
-        weights = self._weights(episode)
+        weights = self._weights()
         return EpisodePolicy(
+            episode=episode,
             policy_id=started.policy_id,
             theta=started.theta,
             human_weights=self.human.weights,
+            trust=self.trust,
             weights=weights,
             share_seed=share_seed,
             exploring=started.proposed,
@@ -169,9 +187,13 @@ class ArlAgent:
         self._decided = (policy.weights, human_values)
         return Decision(action, environment_action, human_action, human_worst_action, of_participants)
 
-    def learn_from_step(self, choices: Choices, action: int, reward: float) -> None:
+    def learn_from_step(
+        self, choices: Choices, action: int, reward: float, *, watched_step: int = -1
+    ) -> None:
         """Take in what was done in the decision last made, whoever chose it, and the reward of its step.
 
+        `watched_step` is the step's number among all watched ones of the session, by which presses name it; -1 of a step
+        that is not watched.
         Reward shaping adds beta H(s, a) to the reward, H without its constant; Q augmentation gives the learner beta H.
         """
         weights, human_values = self._decided
@@ -182,6 +204,7 @@ class ArlAgent:
             reward,
             shaping=weights.shaping * h,
             augmentation=weights.augmentation * h,
+            watched_step=watched_step,
         )
 
     def learn_from_domain(self, policy: EpisodePolicy, played: Outcome) -> None:
@@ -216,6 +239,10 @@ class ArlAgent:
     def step_hidden(self, time_ns: int) -> None:
         """Note that the step on screen went off it."""
         self.human.step_hidden(time_ns)
+
+    def interrupted(self, last_ns: int) -> None:
+        """Note that the program stood still from `last_ns` on: no later press speaks of what was on screen before."""
+        self.human.interrupted(last_ns)
 
     def learn_from_press(self, press: int, time_ns: int, value: float, participant: int = 0) -> CreditGiven:
         """Learn from a participant's press, value > 0 good, < 0 bad; return how it was shared out."""
@@ -253,19 +280,22 @@ class ArlAgent:
         """Learn from the steps that still waited for presses: the session is over, and none can follow."""
         self.human.finish(time_ns)
 
-    def final_policy(self, episode: int) -> EpisodePolicy:
-        """Return what the agent would play to be judged, as episode `episode` >= 0.
+    def final_policy(self) -> EpisodePolicy:
+        """Return what the agent would play to be judged, as its next episode (`next_episode`).
 
-        That is its best policy, its human models, and the weights its scheme gives them now. Without any policy
-        the environment has no say (theta = 0).
+        That is its best policy, its human models, and the weights its scheme gives them in that episode. Without any
+        policy the environment has no say (theta = 0).
         """
+        episode = self.next_episode.number
         ranked = self.bootstrap.ranked
         best = ranked[0] if ranked else None
-        weights = self._weights(episode)
+        weights = self._weights()
         return EpisodePolicy(
+            episode=episode,
             policy_id=best.policy_id if best else -1,
             theta=best.theta if best else self._environment.no_policy(),
             human_weights=self.human.weights,
+            trust=self.trust,
             weights=weights,
             share_seed=stream_seed(self._root_seed, "share", episode) >> 1,
             exploring=False,
@@ -273,7 +303,7 @@ class ArlAgent:
 
     def export(self) -> dict[str, list[float]]:
         """Return the weight vectors by name: the human model's, and those of the top policies, best first."""
-        vectors = {**self.human.export(), "w_h": self.weights_of_sources, **self._environment.export()}
+        vectors = {**self.human.export(), "trust": self.trust_of_sources, **self._environment.export()}
         for place, policy in enumerate(self.bootstrap.ranked):
             if len(policy.theta):
                 vectors[f"policy-{place}"] = policy.theta.tolist()
@@ -294,10 +324,10 @@ class ArlAgent:
             digest.update(part)
         return digest.hexdigest()
 
-    def _weights(self, episode: int) -> EpisodeWeights:
+    def _weights(self) -> EpisodeWeights:
         if not self.human.knows_something and waits_for_feedback(self.config.scheme):
             return ENVIRONMENT_WEIGHTS
-        return self.bootstrap.combine(self.config.scheme, episode)
+        return self.bootstrap.combine(self.config.scheme, self.next_episode.scheduled)
 
     def _prefer(
         self,

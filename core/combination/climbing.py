@@ -73,7 +73,14 @@ class Climbing:
         return int(drawn(probabilities, n, uniform_at(human.chance_seed, human.step)))
 
     def took(
-        self, choices: Choices, action: int, reward: float, *, shaping: float, augmentation: float
+        self,
+        choices: Choices,
+        action: int,
+        reward: float,
+        *,
+        shaping: float,
+        augmentation: float,
+        watched_step: int = -1,
     ) -> None:
         """Let the learner learn; whoever chose the action."""
         if self._climbs:
@@ -114,8 +121,8 @@ class Coached(Climbing):
         super().__init__(learner, values)
         self._coach = coach
         self._trace = np.zeros(0)
+        # After each watched step, by the number that presses know it by.
         self._traces: deque[tuple[int, Floats]] = deque(maxlen=KEPT_TRACES)
-        self._steps = 0
 
     def begin_episode(self, start: EpisodeStart) -> StartedPolicy:
         """Begin an episode with a trace of its own."""
@@ -123,13 +130,20 @@ class Coached(Climbing):
         return super().begin_episode(start)
 
     def took(
-        self, choices: Choices, action: int, reward: float, *, shaping: float, augmentation: float
+        self,
+        choices: Choices,
+        action: int,
+        reward: float,
+        *,
+        shaping: float,
+        augmentation: float,
+        watched_step: int = -1,
     ) -> None:
         """Keep the trace of the step, and let the learner learn from its reward where that is asked for."""
         if not self._climbs:
             return
         score = self._score(choices, action)
-        self._remember(score, choices.features.shape[1])
+        self._remember(score, choices.features.shape[1], watched_step)
         if self._coach.environment_too:
             self._learner.took(score, reward + shaping)
 
@@ -144,9 +158,9 @@ class Coached(Climbing):
         """Return the learner's state and the traces that presses can still reach."""
         return super().state_digest() + b"".join(trace.tobytes() for _, trace in self._traces)
 
-    def _remember(self, score: Floats | None, n_features: int) -> None:
-        """Keep the trace of grad log pi after this step, the next of all watched ones."""
+    def _remember(self, score: Floats | None, n_features: int, watched_step: int) -> None:
+        """Add this step to the trace of grad log pi, and keep the trace after a watched one."""
         before = self._trace if len(self._trace) else np.zeros(n_features)
         self._trace = self._coach.trace_decay * before + (np.zeros(n_features) if score is None else score)
-        self._traces.append((self._steps, self._trace))
-        self._steps += 1
+        if watched_step >= 0:
+            self._traces.append((watched_step, self._trace))

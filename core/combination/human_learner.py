@@ -78,6 +78,12 @@ class HumanLearner:
             self._on_screen = -1
             self._learn()
 
+    def interrupted(self, last_ns: int) -> None:
+        """Note that the program stood still from `last_ns` on: no later press speaks of what was on screen before."""
+        self._assigner.interrupted(last_ns)
+        self._on_screen = -1
+        self._learn()
+
     def learn_from_press(self, press: int, time_ns: int, value: float, participant: int = 0) -> CreditGiven:
         """Learn from a press, value > 0 good, < 0 bad, whichever participant made it; return how it was shared out."""
         given = self._assigner.press(press, time_ns, value)

@@ -128,6 +128,11 @@ class Listeners:
         for learner in self.learners:
             learner.step_hidden(time_ns)
 
+    def interrupted(self, last_ns: int) -> None:
+        """Note that the program stood still from `last_ns` on, for all participants."""
+        for learner in self.learners:
+            learner.interrupted(last_ns)
+
     def learn_from_press(self, press: int, time_ns: int, value: float, participant: int = 0) -> CreditGiven:
         """Learn from a press of one participant; return how it was shared out.
 

@@ -68,6 +68,14 @@ class CreditAssigner:
         """Note that a step left the screen with nothing in its place: a pause, the end of an episode."""
         self._do(None, lambda ledger: ledger.step_hidden(step, hidden_ns))
 
+    def interrupted(self, last_ns: int) -> None:
+        """Note that the program stood still from `last_ns` on, and has gone on since (`core.episode.TimeGap`).
+
+        What was on screen is hidden from `last_ns` on. No later press is credited to what was on screen before: what
+        would have fallen there counts as `in_gaps`. A burst of presses ends there.
+        """
+        self._do(None, lambda ledger: ledger.interrupted(last_ns))
+
     def press(self, press: int, time_ns: int, value: float) -> PressCredit:
         """Share out a press.
 
@@ -132,6 +140,9 @@ class _Ledger:
         self._presses: dict[int, list[int]] = {}
         self._n_final = 0
         self._last_press: _Press | None = None
+        # Intervals on screen before the last interruption, and when that began.
+        self._n_before_gap = 0
+        self._gap_ns = 0
         self._finished = False
 
     def step_shown(self, step: int, shown_ns: int, features: NDArray[np.float64]) -> None:
@@ -164,6 +175,13 @@ class _Ledger:
             hidden_ns = _not_before(self._shown_ns[-1], hidden_ns, f"step {step} hidden")
             self._hidden_ns[-1] = hidden_ns
         self._give_out_final_steps(hidden_ns)
+
+    def interrupted(self, last_ns: int) -> None:
+        self._check_open()
+        if self._shown_ns and self._hidden_ns[-1] == STILL_SHOWN_NS:
+            self._hidden_ns[-1] = _not_before(self._shown_ns[-1], last_ns, "the interruption")
+        self._n_before_gap, self._gap_ns = len(self._shown_ns), last_ns
+        self._last_press = None
 
     def press(self, press: int, time_ns: int, value: float) -> PressCredit:
         self._check_open()
@@ -208,8 +226,13 @@ class _Ledger:
             steps=np.array(self._interval_steps[first:], dtype=np.int64),
         )
         by_step: dict[int, float] = {}
-        for step, share in zip(self._interval_steps[first:], result.shares.tolist(), strict=True):
-            if share > 0:
+        beyond_gap = 0.0
+        n_cut_off = self._n_before_gap - first if time_ns > self._gap_ns else 0
+        for n, share in enumerate(result.shares.tolist()):
+            step = self._interval_steps[first + n]
+            if n < n_cut_off:
+                beyond_gap += share
+            elif share > 0:
                 by_step[step] = by_step.get(step, 0.0) + share
         too_late = 0.0
         if self._config.scheme == "aggregate":
@@ -218,7 +241,12 @@ class _Ledger:
         for step, share in by_step.items():
             self._give(press, step, value, share)
         return PressCredit(
-            press, tuple(by_step), tuple(by_step.values()), result.before_first, result.in_gaps, too_late
+            press,
+            tuple(by_step),
+            tuple(by_step.values()),
+            result.before_first,
+            result.in_gaps + beyond_gap,
+            too_late,
         )
 
     def _give(self, press: int, step: int, value: float, share: float) -> None:

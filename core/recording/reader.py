@@ -1,34 +1,47 @@
 """Read a recording back, check every line, and say exactly where one is wrong."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import msgspec
 
 from core.episode import Event, Input, Output
+from core.recording import version_1
 from core.recording.recorder import CHAIN_DIGITS, Chain
-from core.recording.schema import FORMAT, End, Header, Line
+from core.recording.schema import FORMAT, VERSION, End, Header, Line
+from core.recording.undo import RecordingError, as_recorded
+
+__all__ = ["Recording", "RecordingError", "read_recording"]
 
 CHAIN_MARK = b',"chain":"'
+_HEADER_MARK = b'{"type":"header"'
+TAKE_THE_ORIGINAL = "Take the unchanged file, from a backup or from where it was copied"
 
 _decoder = msgspec.json.Decoder(Line)
+_decoder_1 = msgspec.json.Decoder(version_1.Changed)
 
 
-class RecordingError(Exception):
-    """A recording cannot be used; the message says where, what came, what was expected, what to do."""
+class _Kind(msgspec.Struct):
+    """What has to be known of a line before it is decoded."""
+
+    type: str = ""
 
 
 @dataclass(frozen=True, slots=True)
 class Recording:
-    """A recording in memory: checked, in the order of the file."""
+    """A recording in memory: checked, in the order of the file. Events of version 1 are today's (`core.recording.version_1`)."""
 
     path: Path
     header: Header
+    """As in the file, its protocol as today's program understands it."""
     events: tuple[Event, ...]
     complete: bool
     """False when the session was cut off: there is no end line."""
     lost_tail: bytes = b""
     """What stands behind the last whole line: the one that was being written when the session was cut off."""
+    notes: tuple[str, ...] = ()
+    """What is unusual about the file and was put right while reading, in plain sentences."""
 
     @property
     def inputs(self) -> tuple[Input, ...]:
@@ -44,70 +57,240 @@ class Recording:
 def read_recording(path: Path, *, allow_truncated: bool = True) -> Recording:
     """Read and check a recording.
 
+    A file that was compressed, or whose line ends or encoding were changed, is read as it was recorded, where its
+    chain is then whole; `Recording.notes` says so.
+
     Args:
-        path: a `.jsonl` file.
+        path: a `.jsonl` file, or one compressed by gzip, bzip2 or xz.
         allow_truncated: take a file without an end line (a session that was cut off) for what it holds.
 
     Raises:
         RecordingError: the file is not a recording, a line is damaged, or it is cut off and must not be.
         OSError: the file cannot be read.
     """
-    content = path.read_bytes()
-    whole, newline, tail = content.rpartition(b"\n")
-    lines = whole.split(b"\n") if newline else []
-    if not lines:
-        raise RecordingError(f"{path}: not a recording: it holds no whole line")
-    chain = Chain()
-    header = _decode(path, 1, lines[0], chain)
-    if not isinstance(header, Header):
-        raise RecordingError(f"{path}:1: the first line is of type {header!r}; expected a {FORMAT} header")
-    events: list[Event] = []
-    end: End | None = None
-    for number, line in enumerate(lines[1:], start=2):
-        if end is not None:
-            raise RecordingError(
-                f"{path}:{number}: there is a line behind the end line; was something appended?"
-            )
-        record = _decode(path, number, line, chain)
-        if isinstance(record, Header):
-            raise RecordingError(f"{path}:{number}: a second header; were two files joined?")
-        if isinstance(record, End):
-            end = record
-        else:
-            events.append(record)
-    _check_end(path, len(lines), events, end, allow_truncated=allow_truncated)
-    return Recording(path, header, tuple(events), complete=end is not None, lost_tail=tail)
-
-
-def _decode(path: Path, number: int, line: bytes, chain: Chain) -> Line:
-    payload, mark, rest = line.rpartition(CHAIN_MARK)
-    if not mark or len(rest) != CHAIN_DIGITS + 2 or not rest.endswith(b'"}'):
+    if path.is_dir():
         raise RecordingError(
-            f"{path}:{number}: the line does not end with its chain; found {line[-40:]!r}. "
-            "Was the file edited, or is it not a recording?"
+            f"{path}: a folder, not a recording: name a file in it, or list them: `arl recordings`"
         )
-    payload += b"}"
-    if chain.advance(payload) != rest[:CHAIN_DIGITS]:
-        raise RecordingError(
-            f"{path}:{number}: the line's chain does not follow from the lines before it: "
-            "this line was changed, or one before it was changed, removed or moved"
-        )
+    found = as_recorded(path, path.read_bytes())
     try:
-        line_read: Line = _decoder.decode(payload)
-    except (msgspec.DecodeError, ValueError) as error:
-        raise RecordingError(f"{path}:{number}: {error}; the line begins {payload[:80]!r}") from error
-    return line_read
+        return _Reading(path, found.content, list(found.notes)).read(allow_truncated=allow_truncated)
+    except RecordingError as error:
+        if not found.notes:
+            raise
+        raise RecordingError(f"{error} (Besides, {'; '.join(found.notes)}.)") from error
 
 
-def _check_end(
-    path: Path, n_lines: int, events: list[Event], end: End | None, *, allow_truncated: bool
-) -> None:
-    if end is None and not allow_truncated:
-        raise RecordingError(
-            f"{path}:{n_lines}: no end line; the session stopped after {len(events)} events. "
-            "Use `--allow-truncated` to take what is there."
+class _Reading:
+    """Reads one file, line by line."""
+
+    def __init__(self, path: Path, content: bytes, notes: list[str]) -> None:
+        self._path = path
+        self._content = content
+        self._notes = notes
+        self._chain = Chain()
+
+    def read(self, *, allow_truncated: bool) -> Recording:
+        lines, tail = self._lines()
+        header = self._header(lines[0][1])
+        events: list[Event] = []
+        end: End | None = None
+        for number, line in lines[1:]:
+            if end is not None:
+                raise self._wrong(
+                    number,
+                    f"there is a line behind the end line; was something appended? Keep the first {number - 1} lines",
+                )
+            record = self._decode(number, line, header.version)
+            assert not isinstance(record, Header), "a second header was looked for before"
+            if isinstance(record, End):
+                end = record
+            else:
+                events.append(record)
+        tail = self._about_tail(tail, end)
+        self._check_end(lines[-1][0], events, end, allow_truncated=allow_truncated)
+        if header.version == 1:
+            header = msgspec.structs.replace(header, protocol=version_1.with_schedules(header.protocol))
+        return Recording(self._path, header, tuple(events), end is not None, tail, tuple(self._notes))
+
+    def _wrong(self, number: int, what: str) -> RecordingError:
+        return RecordingError(f"{self._path}:{number}: {what}")
+
+    def _lines(self) -> tuple[list[tuple[int, bytes]], bytes]:
+        """Return the whole lines with their numbers, from 1, and what stands behind the last one."""
+        whole, newline, tail = self._content.rpartition(b"\n")
+        lines = list(enumerate(whole.split(b"\n") if newline else [], start=1))
+        if tail.endswith(b'"}') and CHAIN_MARK in tail[-CHAIN_DIGITS - 16 :]:
+            # A whole line; if it is not, its chain says so.
+            self._notes.append(
+                "the line end behind the last line is missing; an editor may have taken it away"
+            )
+            lines.append((len(lines) + 1, tail))
+            tail = b""
+        blank = [number for number, line in lines if not line.strip()]
+        if blank:
+            self._notes.append(f"{_these_lines(blank)} empty, which no recording is; left out")
+            lines = [(number, line) for number, line in lines if line.strip()]
+        if not lines:
+            raise self._wrong(1, self._no_line())
+        return self._once(lines), tail
+
+    def _no_line(self) -> str:
+        if self._content.startswith(_HEADER_MARK):
+            return (
+                f"cut off within the header, after {len(self._content)} bytes: no event is in the file. "
+                f"{TAKE_THE_ORIGINAL}"
+            )
+        return f"not a recording: it holds no whole line. {_looks_like(self._content)}"
+
+    def _once(self, lines: list[tuple[int, bytes]]) -> list[tuple[int, bytes]]:
+        """Return the lines of the first copy where a file holds the same recording several times."""
+        texts = [line for _, line in lines]
+        second = next((n for n, text in enumerate(texts) if n and text.startswith(_HEADER_MARK)), None)
+        if second is None:
+            return lines
+        number = lines[second][0]
+        if all(text == texts[n % second] for n, text in enumerate(texts)):
+            times = "twice" if len(texts) == 2 * second else f"{len(texts) / second:.1f} times"
+            self._notes.append(
+                f"the file holds the same recording {times} (joined or appended); it was read once: lines 1 to {number - 1}"
+            )
+            return lines[:second]
+        raise self._wrong(
+            number,
+            f"a second header: two recordings were joined. Split them before this line: `head -n {number - 1}` and "
+            f"`tail -n +{number}` give one each",
         )
-    if end is not None and end.events != len(events):
-        raise RecordingError(
-            f"{path}:{n_lines}: the end line counts {end.events} events, the file holds {len(events)}"
+
+    def _header(self, line: bytes) -> Header:
+        try:
+            plain = msgspec.json.decode(line)
+        except (msgspec.DecodeError, UnicodeDecodeError):
+            plain = None
+        if not isinstance(plain, Mapping) or plain.get("type") != "header" or plain.get("format") != FORMAT:
+            raise self._wrong(
+                1, f"not a recording: its first line is no {FORMAT} header. {_looks_like(line)}"
+            )
+        version = plain.get("version")
+        if isinstance(version, int) and version > VERSION:
+            software = plain.get("software")
+            by = software.get("arl-tui") if isinstance(software, Mapping) else None
+            raise self._wrong(
+                1,
+                f"version {version} of the format, newer than this program, which reads up to version {VERSION}. "
+                f"It was written by arl-tui {by or 'of a later version'}: update this program",
+            )
+        missing = [name for name in ("created_utc", "participant") if name not in plain]
+        if missing:
+            raise self._wrong(
+                1,
+                f"the header was changed after it was recorded: {' and '.join(missing)} was taken out, and the chain "
+                f"cannot be checked any more. {TAKE_THE_ORIGINAL}; `arl recordings --publish DIR` makes copies without dates",
+            )
+        header = self._decode(1, line, VERSION)
+        assert isinstance(header, Header), "its type was looked at"
+        return header
+
+    def _decode(self, number: int, line: bytes, version: int) -> Line:
+        payload, mark, rest = line.rpartition(CHAIN_MARK)
+        if not mark or len(rest) != CHAIN_DIGITS + 2 or not rest.endswith(b'"}'):
+            raise self._wrong(
+                number,
+                f"the line does not end with its chain; found {line[-40:]!r}. It was edited or cut. {TAKE_THE_ORIGINAL}",
+            )
+        payload += b"}"
+        if self._chain.advance(payload) != rest[:CHAIN_DIGITS]:
+            raise self._wrong(number, _broken(number))
+        try:
+            return _record(payload, version)
+        except (msgspec.DecodeError, ValueError) as error:
+            raise self._wrong(number, f"{error}; the line begins {payload[:80]!r}") from error
+
+    def _about_tail(self, tail: bytes, end: End | None) -> bytes:
+        """Note what stands behind the last whole line; return it where it is the beginning of a line."""
+        if not tail.strip():
+            return b""
+        if end is not None:
+            raise self._wrong(
+                self._content.count(b"\n") + 1,
+                f"behind the end line stands {tail[:40]!r}; was something appended? Take it away",
+            )
+        self._notes.append(
+            f"the file ends within a line (the last {len(tail):,} of its bytes are no whole line): a power cut, or a copy that is not whole. "
+            "Compare its size with the original's"
         )
+        return tail
+
+    def _check_end(self, number: int, events: list[Event], end: End | None, *, allow_truncated: bool) -> None:
+        if end is None and not allow_truncated:
+            raise self._wrong(
+                number,
+                f"no end line; the session stopped after {len(events)} events. "
+                "Use `--allow-truncated` to take what is there.",
+            )
+        if end is not None and end.events != len(events):
+            raise self._wrong(
+                number, f"the end line counts {end.events} events, the file holds {len(events)}"
+            )
+
+
+def _record(payload: bytes, version: int) -> Line:
+    """Return what a line of a file of this version says, in today's terms.
+
+    Raises:
+        ValueError: it is none of this version (`msgspec.ValidationError` where a field is wrong).
+    """
+    kind = msgspec.json.decode(payload, type=_Kind).type
+    changed = kind in version_1.CHANGED_TAGS
+    if version == 1 and changed:
+        before: version_1.Changed = _decoder_1.decode(payload)
+        return before.upgraded()
+    try:
+        record: Line = _decoder.decode(payload)
+    except msgspec.ValidationError as error:
+        if changed and b'"w_h":' in payload:
+            raise ValueError(
+                f"{error}: this {kind} is of version 1 of the format (it says `w_h`), and the header says version "
+                f"{version} (`trust`, `weight`): the header was changed, or two files were joined"
+            ) from error
+        raise
+    return record
+
+
+def _broken(number: int) -> str:
+    if number == 1:
+        return (
+            "the line's chain does not follow from it: the header was changed after it was recorded (a date, a code, a "
+            f"version?). {TAKE_THE_ORIGINAL}"
+        )
+    return (
+        "the line's chain does not follow from the lines before it: this line was changed, or one before it was changed, "
+        f"removed or moved. {TAKE_THE_ORIGINAL}"
+    )
+
+
+def _these_lines(numbers: list[int]) -> str:
+    """Return "line 3 is", "lines 3 and 7 are" or "5 lines, from line 3 on, are"."""
+    if len(numbers) == 1:
+        return f"line {numbers[0]} is"
+    if len(numbers) == 2:
+        return f"lines {numbers[0]} and {numbers[1]} are"
+    return f"{len(numbers)} lines, from line {numbers[0]} on, are"
+
+
+def _looks_like(content: bytes) -> str:
+    """Say in a sentence what a file of another kind seems to be, and what to do with it."""
+    try:
+        plain = msgspec.json.decode(content.splitlines()[0] if content.splitlines() else b"")
+    except (msgspec.DecodeError, UnicodeDecodeError):
+        plain = None
+    if isinstance(plain, Mapping):
+        kind = plain.get("format")
+        if kind == "arl-reaction-times":
+            return f"It is of the format {kind}, written by `arl calibrate`: `arl fit` reads it"
+        if isinstance(kind, str):
+            return f"It is of the format {kind}"
+        return f"It is JSON of another program; it begins {content[:40]!r}"
+    if b"\0" in content[:400]:
+        return f"It holds binary data; it begins {content[:16]!r}"
+    return f"It begins {content[:40]!r}. A log of TAMER's Tetris is imported by `arl import tamer-log`"

@@ -8,8 +8,10 @@ from pathlib import Path
 from types import TracebackType
 from typing import BinaryIO, Self
 
+import msgspec
+
 from core.episode import Event
-from core.recording.schema import DURABLE, End, Header, Line, encode
+from core.recording.schema import DURABLE, VERSION, End, Header, Line, encode
 
 CHAIN_DIGITS = 16
 
@@ -34,7 +36,7 @@ class LineWriter:
     """Append sealed lines to a new file, in the caller's thread."""
 
     def __init__(self, path: Path, header: Header) -> None:
-        """Open a new file; an existing one is never touched.
+        """Open a new file; an existing one is never touched. Its header says the present version of the format.
 
         Raises:
             FileExistsError: there is a file at `path` already.
@@ -44,7 +46,7 @@ class LineWriter:
         self._file: BinaryIO = path.open("xb", buffering=0)
         self._chain = Chain()
         self._events = 0
-        self._write(header)
+        self._write(msgspec.structs.replace(header, version=VERSION))
 
     def write(self, event: Event) -> None:
         """Append one event; on disk when this returns if it is of a durable kind."""

@@ -17,6 +17,7 @@ from studies.experiments.results import Results
 from studies.reaction_time.figures import COLORS, LINES, save
 from studies.statistics import (
     Interval,
+    few_trials_note,
     interquartile_mean_interval,
     mean_interval,
     median_interval,
@@ -52,13 +53,22 @@ below, are those of whole ones.
 """
 
 
-def write_page(page: Page, into: Path, *, quick: bool = False) -> list[Path]:
-    """Write results/NAME.md and figures/*.png, *.svg below `into`; return the paths. A page of quick trials says so."""
+def write_page(page: Page, into: Path, *, quick: bool = False, trials: int | None = None) -> list[Path]:
+    """Write results/NAME.md and figures/*.png, *.svg below `into`; return the paths.
+
+    Args:
+        page: the report.
+        into: folder.
+        quick: the trials were quick ones: the page says so first.
+        trials: how many there are per condition; where they are few, the page says first what that does to intervals.
+    """
     (into / "results").mkdir(parents=True, exist_ok=True)
     (into / "figures").mkdir(parents=True, exist_ok=True)
     path = into / "results" / f"{page.name}.md"
     title, rest = page.text.split("\n", 1)
-    path.write_text(f"{title}\n\n{QUICK}{rest}" if quick else page.text, encoding="utf-8")
+    few = None if trials is None else few_trials_note(trials)
+    first = (QUICK if quick else "") + (f"\n**Few trials.** {few}\n" if few else "")
+    path.write_text(f"{title}\n\n{first.lstrip()}{rest}" if first else page.text, encoding="utf-8")
     written = [path]
     for name, figure in page.figures.items():
         written.extend(save(figure, into / "figures", name))
@@ -184,7 +194,7 @@ def how_it_was_made(results: Results, *, others: Sequence[Results] = ()) -> str:
         results: that the page is about.
         others: further results that went into it: their versions count, too.
     """
-    record, seeds, name = results.record, results.seeds, results.experiment.name
+    record, seeds = results.record, results.seeds
     runs = [run for found in (results, *others) for run in found.record.software]
     lines = [", ".join(f"{name} {value}" for name, value in run.items()) for run in runs]
     versions = list(dict.fromkeys(lines))
@@ -204,11 +214,12 @@ def how_it_was_made(results: Results, *, others: Sequence[Results] = ()) -> str:
         if missing
         else ""
     )
+    typed = results.experiment.typed
     quickly = " --quick" if record.quick else ""
     return f"""\
 ## How it was made
 
-`arl experiment run {name}{quickly} && arl experiment report {name}{quickly or " --into docs"}`
+`arl experiment run {typed}{quickly} && arl experiment report {typed}{quickly or " --into docs"}`
 
 - Trials: {len(seeds)} per condition, root seeds {seeds[0]} to {seeds[-1]}.
 - Software: {"; ".join(versions)}.

@@ -1,5 +1,6 @@
 """Results of a sweep as they lie in its folder: reads files, never plays."""
 
+import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -45,7 +46,7 @@ class Results:
         missing = [name for name in conditions if name not in self.trials]
         if missing:
             there = ", ".join(f"{name} ({self.left_out.get(name, 0)} trials)" for name in missing)
-            named = " ".join(f"--only {name}" for name in conditions)
+            named = " ".join(f"--only {shlex.quote(name)}" for name in conditions)
             raise SweepError(
                 f"the page of {self.experiment.name} compares conditions of which too few trials were played: {there}; "
                 f"play more, or report the trials that all of them have: {named}"
@@ -78,7 +79,9 @@ def read_results(experiment: Experiment, folder: Path, only: Sequence[str] = ())
     """
     record = read_record(folder)
     if record is None:
-        raise SweepError(f"{folder} holds no results: `arl experiment run {experiment.name}` plays them")
+        raise SweepError(
+            f"{folder} holds no results: `arl experiment run {shlex.quote(experiment.source or experiment.name)}` plays them"
+        )
     found = {
         condition.name: {_seed_of(path) for path in (folder / condition.name).glob("seed-*.csv")}
         for condition in experiment.conditions

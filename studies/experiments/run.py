@@ -17,6 +17,7 @@ from typing import Any
 
 import msgspec
 
+from core.recording.version_1 import with_schedules
 from studies.experiments.sweep import Condition, Experiment, describe_settings, run_unit
 
 SWEEP_FILE = "sweep.json"
@@ -90,7 +91,7 @@ def run_sweep(
     missing = [unit for unit in units if not unit.path(folder).exists()]
     done = len(units) - len(missing)
     on_progress(done, len(units))
-    for unit, text in _played(experiment.name, missing, quick, executor):
+    for unit, text in _played(experiment.source or experiment.name, missing, quick, executor):
         write_whole(unit.path(folder), text)
         done += 1
         on_progress(done, len(units))
@@ -198,7 +199,7 @@ def _note_sweep(
         what = f"{'quick ' * record.quick}{record.experiment}"
         raise SweepError(f"{folder} holds results of {what}: choose another folder (--out)")
     for name, known in record.conditions.items():
-        if name in settings and settings[name] != known:
+        if name in settings and settings[name] != with_schedules(known):
             raise SweepError(
                 f"{folder}: condition {name} was played with other settings than the present ones; "
                 f"remove {folder / name} and its entry in {SWEEP_FILE}, or choose another folder (--out)"

@@ -1,8 +1,13 @@
 """What an experiment is: conditions, seeds, and a function from both to rows. Data only; `run` plays, `results` reads."""
 
+import shlex
+import sys
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from importlib import import_module
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import msgspec
@@ -38,8 +43,6 @@ class Condition:
 class Experiment:
     """A sweep over conditions."""
 
-    name: str
-    """As in `arl experiment run NAME`."""
     title: str
     conditions: tuple[Condition, ...]
     trial: Callable[[Any, int], Rows]
@@ -48,11 +51,20 @@ class Experiment:
     """Returns settings for a trial of a second or so, to see that everything works."""
     departures: tuple[str, ...] = ()
     """Where this differs from the paper, or fills its silence, in sentences for the report."""
+    name: str = field(default="", kw_only=True)
+    """Of the folder of its results. Whoever loads it takes it from the module (`load_experiment`); "" until then."""
+    source: str = field(default="", kw_only=True)
+    """What finds its module in any process: one of our names, a module, or the absolute path of a file."""
 
     def __post_init__(self) -> None:
         names = [condition.name for condition in self.conditions]
         if not names or len(set(names)) != len(names):
-            raise ValueError(f"{self.name}: conditions need names of their own, got {names}")
+            raise ValueError(f"{self.name or self.title}: conditions need names of their own, got {names}")
+
+    @property
+    def typed(self) -> str:
+        """What one types for NAME in `arl experiment run NAME`, quoted for a shell; of a file only its own name."""
+        return shlex.quote(Path(self.source).name if _is_file(self.source) else self.source or self.name)
 
     def condition(self, name: str) -> Condition:
         """Return the condition of that name."""
@@ -78,20 +90,71 @@ MODULES: dict[str, str] = {
 
 
 def load_experiment(name: str) -> Experiment:
-    """Return the experiment called `name`: one of ours, or a module of one's own, as "my_package.my_experiment"."""
-    experiment: Experiment = experiment_module(name).EXPERIMENT
-    return experiment
+    """Return an experiment, under the name of its module.
+
+    Args:
+        name: one of ours ("fig5"), a module ("my_package.my_experiment"), or a file ("my.py", "/home/me/my.py").
+
+    Raises:
+        ValueError: there is none of this name, or its module has no EXPERIMENT.
+        TypeError: its EXPERIMENT is something else.
+        ImportError: its module cannot be imported.
+    """
+    experiment = experiment_module(name).EXPERIMENT
+    if not isinstance(experiment, Experiment):
+        raise TypeError(f"{name}: its EXPERIMENT is a {type(experiment).__name__}, not an Experiment")
+    if not _is_file(name):
+        return replace(experiment, name=name, source=name)
+    path = Path(name).expanduser().absolute()
+    return replace(experiment, name=path.stem, source=str(path))
 
 
 def experiment_module(name: str) -> Any:
-    """Return the module of an experiment: it has `EXPERIMENT` and, to be reported, `report`."""
-    if name not in MODULES and "." not in name:
+    """Return the module of an experiment: it has `EXPERIMENT` and, to be reported, `report`.
+
+    Args:
+        name: as `load_experiment` takes it.
+    """
+    if _is_file(name):
+        module = _module_in(Path(name).expanduser().absolute())
+    elif name in MODULES or "." in name:
+        module = import_module(MODULES.get(name, name))
+    else:
         raise ValueError(
-            f"no experiment {name!r}: there are {', '.join(MODULES)}; one of your own is named by its module"
+            f"no experiment {name!r}: there are {', '.join(MODULES)}; one of your own is named by its file (my.py) or "
+            "module (my_package.my)"
         )
-    module = import_module(MODULES.get(name, name))
     if not hasattr(module, "EXPERIMENT"):
-        raise ValueError(f"{module.__name__} has no EXPERIMENT")
+        raise ValueError(
+            f"{name}: has no EXPERIMENT = Experiment(...); docs/own-experiment.md has one to start from"
+        )
+    return module
+
+
+def _is_file(name: str) -> bool:
+    return name.endswith(".py")
+
+
+def _module_in(path: Path) -> ModuleType:
+    """Return the module in a file; modules that lie beside it can be imported by it, as by a script."""
+    if not path.is_file():
+        raise ValueError(f"{path}: there is no such file")
+    name = f"arl_experiment_{path.stem}"
+    known = sys.modules.get(name)
+    if known is not None and known.__file__ == str(path):
+        return known
+    spec = spec_from_file_location(name, path)
+    assert spec is not None, "a file that ends in .py is a module"
+    assert spec.loader is not None, "a module in a file has a loader"
+    module = module_from_spec(spec)
+    sys.modules[name] = module
+    if str(path.parent) not in sys.path:
+        sys.path.append(str(path.parent))
+    try:
+        spec.loader.exec_module(module)
+    except BaseException:
+        del sys.modules[name]
+        raise
     return module
 
 
@@ -104,6 +167,12 @@ def root_seeds(trials: int, first: int = 0) -> range:
 
 def run_unit(experiment: str, condition: str, root_seed: int, quick: bool) -> str:
     """Play one trial of one condition: what a worker is asked for. All arguments are plain.
+
+    Args:
+        experiment: as `load_experiment` takes it; a file by its absolute path.
+        condition: name.
+        root_seed: of the trial.
+        quick: play the smoke-test version.
 
     Returns:
         The trial's rows as CSV text; equal arguments give equal text, wherever this runs.

@@ -143,11 +143,15 @@ def test_recordings_are_listed_with_what_they_hold(tmp_path: Path) -> None:
     write_recording(tmp_path / "sub" / "b.jsonl", whole=False)
     result = run("recordings", "--recordings", tmp_path)
     assert result.exit_code == 0
-    first, second = result.output.splitlines()
-    assert first.startswith("complete")
-    assert "1 episodes" in first
-    assert "1 presses" in first
-    assert second.startswith("cut off")
+    where, first, held, second, also_held, count = result.output.splitlines()
+    assert where == f"Recordings in {tmp_path}:"
+    assert first == "a.jsonl  P01  live  2026-11-22 07:18:03 UTC"
+    assert held.strip() == (
+        "tetris, protocol default; 1 of 10 games finished; 1 press counted; ended: finished"
+    )
+    assert second.startswith("sub/b.jsonl")
+    assert also_held.endswith("ended: finished, but the end of the file is missing")
+    assert count == "2 sound, 0 damaged."
 
 
 def test_a_damaged_recording_is_named_and_makes_the_command_fail(tmp_path: Path) -> None:

@@ -31,6 +31,7 @@ class Terminal:
     ) -> None:
         environment = {
             **os.environ,
+            "ARL_HOME": str(cwd),
             "TERM": "xterm-256color",
             "COLORTERM": "truecolor",
             "TEXTUAL_DISABLE_KITTY_KEY": "1",

@@ -132,7 +132,7 @@ def test_a_session_under_a_new_rule_is_recorded_and_replayed_bit_for_bit(tmp_pat
     protocol = msgspec.convert(recording.header.protocol, ProtocolWithRecent)
     session = build_session(protocol, recording.header.root_seed)
     assert replay_exactly(recording, session).difference is None
-    weights = [output.w_h for output in recording.outputs if isinstance(output, EpisodeEnded)]
+    weights = [output.trust for output in recording.outputs if isinstance(output, EpisodeEnded)]
     assert len(set(weights)) > 1, "the rule has revised something"
     # A rule that revises otherwise does not replay this session.
     other = build_session(protocol_with(Recent(episodes=1)), recording.header.root_seed)

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from core.episode import EpisodeEnded, FrameShown, KeyPressed
 from core.recording.reader import RecordingError, read_recording
 from core.recording.recorder import LineWriter, Recorder
-from core.recording.schema import Header
+from core.recording.schema import VERSION, Header
 
 HEADER = Header(
     origin="live",
@@ -90,7 +90,7 @@ def test_inputs_and_outputs_are_told_apart(tmp_path):
         ended="termination",
         agreed=1,
         agreed_worst=0,
-        w_h=0.5,
+        trust=0.5,
         digest="ab",
     )
     writer = LineWriter(tmp_path / "a.jsonl", HEADER)
@@ -162,11 +162,15 @@ def test_another_file_is_not_taken_for_a_recording(tmp_path, content):
 def test_a_newer_format_is_refused_with_both_versions(path):
     writer = LineWriter(path.with_name("new.jsonl"), HEADER)
     writer.close()
-    payload = path.read_bytes().splitlines()[0].replace(b'"version":1', b'"version":2')
+    now, later = f'"version":{VERSION}'.encode(), f'"version":{VERSION + 1}'.encode()
+    payload = path.read_bytes().splitlines()[0].replace(now, later)
     payload = payload[: payload.rindex(b',"chain"')] + b"}"
     chain = hashlib.sha256(payload).hexdigest()[:16].encode()
     path.write_bytes(payload[:-1] + b',"chain":"' + chain + b'"}\n')
-    with pytest.raises(RecordingError, match="version 2 of the format; this program reads version 1"):
+    both = (
+        f"version {VERSION + 1} of the format, newer than this program, which reads up to version {VERSION}"
+    )
+    with pytest.raises(RecordingError, match=both):
         read_recording(path)
 
 

@@ -1,0 +1,117 @@
+"""What all commands share: where they write, in which encoding they speak, and how a failed write is told."""
+
+import errno
+import os
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TextIO, TypeVar
+
+import click
+
+from arl_tui.home import VARIABLE, recordings_folder
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+class Arl(click.Group):
+    """The command `arl`: speaks UTF-8, says where recordings are kept, and tells of a failed write in a sentence."""
+
+    def main(self, *args: Any, **extra: Any) -> Any:
+        """Run; see `click.Command.main`."""
+        speak_utf8()
+        return super().main(*args, **extra)
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run a subcommand; stop with a message where a file or folder cannot be used."""
+        try:
+            return super().invoke(ctx)
+        except OSError as error:
+            if error.errno == errno.EPIPE or error.filename is None:
+                raise
+            raise click.ClickException(cannot_use(error)) from error
+
+    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Say where recordings are kept."""
+        from arl_tui.home import why_here
+
+        with formatter.section("Recordings and calibrations"):
+            formatter.write_text(f"{recordings_folder()} ({why_here()}). Another folder: --recordings DIR.")
+
+
+def cannot_use(error: OSError) -> str:
+    """Return which file or folder cannot be used, why, and what to do."""
+    return f"{error.filename}: {error.strerror}. Choose another file or folder, or make this one writable"
+
+
+def speak_utf8() -> None:
+    """Let everything that is printed be UTF-8, whatever LANG and PYTHONIOENCODING say.
+
+    A terminal draws the app in UTF-8 only, and a report is the same file everywhere. Streams that are none of Python's
+    text files (tests', a browser's) stay as they are.
+    """
+    for stream in (sys.stdout, sys.stderr, sys.__stdout__, sys.__stderr__):
+        reconfigure = getattr(stream, "reconfigure", None)
+        if reconfigure is not None and _encoding(stream) != "utf8":
+            reconfigure(encoding="utf-8")
+
+
+def _encoding(stream: TextIO | None) -> str:
+    return str(getattr(stream, "encoding", "")).lower().replace("-", "").replace("_", "")
+
+
+class ToWrite(click.Path):
+    """A file or folder that is to be written: refused before any work where that is impossible."""
+
+    def __init__(self, *, folder: bool = False) -> None:
+        super().__init__(file_okay=not folder, dir_okay=folder, path_type=Path)
+        self._folder = folder
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
+        """Return the path, after a look at the nearest folder that exists."""
+        path = Path(os.fsdecode(super().convert(value, param, ctx)))
+        reason = why_not_writable(path, folder=self._folder)
+        if reason is not None:
+            self.fail(reason, param, ctx)
+        return path
+
+
+def why_not_writable(path: Path, *, folder: bool) -> str | None:
+    """Return why nothing can be written to a path, and what to do; None where that should work.
+
+    Args:
+        path: of a file or folder, which may not exist.
+        folder: it is a folder, to be made with those above it where it is missing. A file's folder must be there.
+    """
+    path = path.expanduser().absolute()
+    if not folder and path.exists():
+        return None if os.access(path, os.W_OK) else f"{path} cannot be written: it is read-only"
+    first = path if folder else path.parent
+    there = next((above for above in (first, *first.parents) if above.exists()), Path("/"))
+    if not there.is_dir():
+        return f"{path} cannot be written: {there} is a file, not a folder. Choose another place"
+    if not folder and there != first:
+        return (
+            f"{path} cannot be written: there is no folder {first}. Make it (`mkdir -p`), or choose another"
+        )
+    if not os.access(there, os.W_OK | os.X_OK):
+        return f"{path} cannot be written: the folder {there} is read-only. Choose another place"
+    return None
+
+
+_DEFAULT_SHOWN = f"${VARIABLE}/recordings, else arl/recordings in the user's data folder"
+
+
+def recordings_option(*, to_write: bool) -> Callable[[Function], Function]:
+    """Return the option `--recordings`.
+
+    Args:
+        to_write: the command writes there; otherwise it only reads.
+    """
+    return click.option(
+        "--recordings",
+        type=ToWrite(folder=True) if to_write else click.Path(file_okay=False, path_type=Path),
+        default=recordings_folder,
+        show_default=_DEFAULT_SHOWN,
+        help="Where recordings and calibrations are kept.",
+    )
