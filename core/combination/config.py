@@ -6,7 +6,7 @@ Nothing here needs compiled code, so a protocol can be read without it; the deci
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
 
 import msgspec
 
@@ -25,6 +25,7 @@ from core.combination.trust_config import (
 )
 from core.feedback.config import CreditConfig
 from core.learners.human_config import HumanModelConfig, RidgeModel
+from core.settings import number
 
 __all__ = [
     "ADVISE",
@@ -118,7 +119,7 @@ ENVIRONMENT_WEIGHTS = EpisodeWeights(LINEAR, 1.0, 0.0)
 """The environment alone: what an agent does before anybody has given feedback."""
 
 
-class Linear(msgspec.Struct, frozen=True, tag="linear"):
+class Linear(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="linear"):
     """a = argmax w_r R + w_h H with w_r = 1 and w_h from bootstrap learning (Eq. 3)."""
 
     scale: Scale = "standardised"
@@ -129,7 +130,7 @@ class Linear(msgspec.Struct, frozen=True, tag="linear"):
         return EpisodeWeights(_linear_form(self.scale), 1.0, trust)
 
 
-class Exponential(msgspec.Struct, frozen=True, tag="exponential"):
+class Exponential(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="exponential"):
     """a = argmax w_r R (1 + H^w_h) with w_r = 1 and w_h from bootstrap learning (section 3.1)."""
 
     def weights(self, trust: float, episode: int) -> EpisodeWeights:
@@ -137,12 +138,12 @@ class Exponential(msgspec.Struct, frozen=True, tag="exponential"):
         return EpisodeWeights(EXPONENTIAL, 1.0, trust)
 
 
-class Annealed(msgspec.Struct, frozen=True, tag="annealed"):
+class Annealed(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="annealed"):
     """Eq. 3 with w_h = beta_0 decay^k in episode k: the paper's baseline (section 4; Knox & Stone 2010)."""
 
-    beta_0: float = 1.0
+    beta_0: Annotated[float, number(ge=0, le=1e9, usual=(0, 1000))] = 1.0
     """w_h of the first episode. 1: as much say as the environment, both being standardised. (Our choice.)"""
-    decay: float = 0.98
+    decay: Annotated[float, number(gt=0, le=1)] = 0.98
     """Factor per episode (parameters that TAMER's code documents for AAMAS 2010)."""
     scale: Scale = "standardised"
     """As in `Linear`."""
@@ -155,10 +156,10 @@ class Annealed(msgspec.Struct, frozen=True, tag="annealed"):
         return EpisodeWeights(_linear_form(self.scale), 1.0, _annealed(self.beta_0, self.decay, episode))
 
 
-class Constant(msgspec.Struct, frozen=True, tag="constant"):
+class Constant(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="constant"):
     """Eq. 3 with a weight that never changes: what bootstrap learning has to beat with a bad participant."""
 
-    w_h: float = 1.0
+    w_h: Annotated[float, number(ge=-1e9, le=1e9, usual=(-1000, 1000))] = 1.0
     """As much say as the environment, both being standardised. (Our choice.)"""
     scale: Scale = "standardised"
     """As in `Linear`."""
@@ -168,7 +169,7 @@ class Constant(msgspec.Struct, frozen=True, tag="constant"):
         return EpisodeWeights(_linear_form(self.scale), 1.0, self.w_h)
 
 
-class EnvironmentOnly(msgspec.Struct, frozen=True, tag="environment-only"):
+class EnvironmentOnly(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="environment-only"):
     """The underlying learner without a human: a = argmax R (section 4, "default")."""
 
     def weights(self, trust: float, episode: int) -> EpisodeWeights:
@@ -176,7 +177,7 @@ class EnvironmentOnly(msgspec.Struct, frozen=True, tag="environment-only"):
         return ENVIRONMENT_WEIGHTS
 
 
-class HumanOnly(msgspec.Struct, frozen=True, tag="human-only"):
+class HumanOnly(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="human-only"):
     """The human model without an environment: a = argmax H, as TAMER (Knox & Stone 2009; section 4)."""
 
     def weights(self, trust: float, episode: int) -> EpisodeWeights:
@@ -184,16 +185,16 @@ class HumanOnly(msgspec.Struct, frozen=True, tag="human-only"):
         return EpisodeWeights(LINEAR, 0.0, 1.0)
 
 
-class ActionBiasing(msgspec.Struct, frozen=True, tag="action-biasing"):
+class ActionBiasing(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="action-biasing"):
     """a = argmax Q + beta H at choice only, beta annealed (Knox & Stone 2010, technique 6).
 
     The scales of Q and H are the values' own, as in the source, so `beta_0` belongs to one task and one
     learner; where the scale of Q is arbitrary (policies of the cross-entropy method) ask for "standardised".
     """
 
-    beta_0: float = 10.0
+    beta_0: Annotated[float, number(ge=0, le=1e9, usual=(0, 1e6))] = 10.0
     """Weight of the first episode (default of TAMER's code)."""
-    decay: float = 0.98
+    decay: Annotated[float, number(gt=0, le=1)] = 0.98
     """Factor per episode (parameters that TAMER's code documents for AAMAS 2010)."""
     scale: Scale = "raw"
     """As in `Linear`; the source adds raw values."""
@@ -206,12 +207,12 @@ class ActionBiasing(msgspec.Struct, frozen=True, tag="action-biasing"):
         return EpisodeWeights(_linear_form(self.scale), 1.0, _annealed(self.beta_0, self.decay, episode))
 
 
-class ControlSharing(msgspec.Struct, frozen=True, tag="control-sharing"):
+class ControlSharing(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="control-sharing"):
     """With probability min(1, beta) take argmax H, else argmax R (Knox & Stone 2010, technique 7)."""
 
-    beta_0: float = 1.0
+    beta_0: Annotated[float, number(ge=0, le=1e9, usual=(0, 1000))] = 1.0
     """Probability in the first episode, clipped to 1 (as in the Frogger study of Griffith et al. 2013)."""
-    decay: float = 0.98
+    decay: Annotated[float, number(gt=0, le=1)] = 0.98
     """Factor per episode (parameters that TAMER's code documents for AAMAS 2010)."""
 
     def __post_init__(self) -> None:
@@ -222,7 +223,7 @@ class ControlSharing(msgspec.Struct, frozen=True, tag="control-sharing"):
         return EpisodeWeights(LINEAR, 1.0, 0.0, min(1.0, _annealed(self.beta_0, self.decay, episode)))
 
 
-class Advise(msgspec.Struct, frozen=True, tag="advise"):
+class Advise(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="advise"):
     """a = argmax pi_R(a) pi_H(a): policy shaping by the Advise rule (Griffith et al. 2013).
 
     pi_R is the softmax of R; pi_H = C^d / (C^d + (1 - C)^d), d being how much more often the action has been called right
@@ -230,9 +231,9 @@ class Advise(msgspec.Struct, frozen=True, tag="advise"):
     actions of the decision as R is (`docs/decisions/more-schemes.md`).
     """
 
-    consistency: float = 0.9
+    consistency: Annotated[float, number(gt=0, lt=1)] = 0.9
     """C, in (0, 1): chance that a press is right. 0.5 means nothing, less the opposite. (Paper, section 4: 1 in 10 wrong.)"""
-    temperature: float = 1.0
+    temperature: Annotated[float, number("standard deviations of R", gt=0, le=1e9, usual=(0.001, 1000))] = 1.0
     """Of the softmax, > 0, in standard deviations of R. (Our choice.)"""
 
     def __post_init__(self) -> None:
@@ -247,12 +248,12 @@ class Advise(msgspec.Struct, frozen=True, tag="advise"):
         return EpisodeWeights(ADVISE, 1.0 / self.temperature, odds)
 
 
-class RewardShaping(msgspec.Struct, frozen=True, tag="reward-shaping"):
+class RewardShaping(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="reward-shaping"):
     """The learner hears r + beta H(s, a), beta annealed, and chooses by R alone (Knox & Stone 2010, technique 1)."""
 
-    beta_0: float = 1.0
+    beta_0: Annotated[float, number(ge=0, le=1e9, usual=(0, 1e6))] = 1.0
     """Reward per unit of H in the first episode: a press is worth a line, or a cycle. (Our choice.)"""
-    decay: float = 0.98
+    decay: Annotated[float, number(gt=0, le=1)] = 0.98
     """Factor per episode (parameters that TAMER's code documents for AAMAS 2010)."""
 
     def __post_init__(self) -> None:
@@ -263,13 +264,13 @@ class RewardShaping(msgspec.Struct, frozen=True, tag="reward-shaping"):
         return EpisodeWeights(LINEAR, 1.0, 0.0, shaping=_annealed(self.beta_0, self.decay, episode))
 
 
-class QAugmentation(msgspec.Struct, frozen=True, tag="q-augmentation"):
+class QAugmentation(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="q-augmentation"):
     """Q + beta H takes Q's place in learning and in choice, beta constant (Knox & Stone 2010, technique 4).
 
     The temporal difference of Q + beta H is that of Q with beta (gamma H(s', a') - H(s, a)) added to the reward.
     """
 
-    beta: float = 1.0
+    beta: Annotated[float, number(ge=-1e9, le=1e9, usual=(-1e6, 1e6))] = 1.0
     """Weight of H, in units of the return. (Our choice.)"""
 
     def __post_init__(self) -> None:
@@ -281,16 +282,16 @@ class QAugmentation(msgspec.Struct, frozen=True, tag="q-augmentation"):
         return EpisodeWeights(LINEAR_RAW, 1.0, self.beta, augmentation=self.beta)
 
 
-class Coach(msgspec.Struct, frozen=True, tag="coach"):
+class Coach(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="coach"):
     """A press is the advantage of what was done: it moves an actor's policy itself (COACH, MacGlashan et al. 2017).
 
     theta <- theta + alpha f e, e being the trace of grad log pi up to the step that the press is about. No human model
     takes part in choices; the learner must be an actor (policy gradient).
     """
 
-    step_size: float = 0.05
+    step_size: Annotated[float, number(gt=0, le=1e6, usual=(1e-9, 10))] = 0.05
     """alpha of the presses, > 0. (Our choice; the source's 0.05 belongs to a robot's features.)"""
-    trace_decay: float = 0.95
+    trace_decay: Annotated[float, number(ge=0, le=1)] = 0.95
     """lambda of the trace, in [0, 1] (the source, for plain presses)."""
     environment_too: bool = True
     """The environment's reward goes on teaching; False: the source, where the human is the only teacher."""
