@@ -1,7 +1,5 @@
 """What a protocol will do, in words: games, presses, minutes, and the weight of the participant in each game."""
 
-from collections.abc import Iterator
-
 from core.combination.config import Coach, EnvironmentOnly, EpisodeWeights, Exponential, FixedWeight, Linear
 from core.feedback.delays import describe
 from core.protocol import Protocol
@@ -148,10 +146,3 @@ def _steps(protocol: Protocol) -> str:
 
 def _tag(config: object) -> str:
     return str(getattr(config, "__struct_config__").tag)  # noqa: B009 - every configuration here is a struct
-
-
-def lines(topics: dict[str, str]) -> Iterator[str]:
-    """Yield topics as lines of two columns."""
-    wide = max(map(len, topics))
-    for topic, text in topics.items():
-        yield f"  {topic:{wide}}  {text}"

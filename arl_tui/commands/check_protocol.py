@@ -1,6 +1,8 @@
 """`arl protocol --check FILE`, and the same in short before a session: what a protocol will do."""
 
-from collections.abc import Iterator, Mapping
+import shutil
+import textwrap
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import click
@@ -11,8 +13,12 @@ from core.effects import idle, warnings_of
 from core.feedback.delays import GammaDelay, describe
 from core.protocol import DEFAULTS, Protocol
 from core.reading import printable
-from core.session_plan import lines, plan
+from core.session_plan import plan
 
+WIDEST = 110
+"""Columns of a line at most."""
+INDENT = 10
+"""Columns of the topics."""
 ENOUGH = 0.70
 """Below this share the pace or the credit rule should be another one (docs/decisions/pace-of-a-session.md)."""
 
@@ -23,28 +29,32 @@ def check_protocol(path: Path, protocol: Protocol) -> None:
     topics = plan(protocol)
     topics["Compiled"] = _compiled(protocol)  # before anything is
     topics["Reach"] = _reach(protocol)
-    click.echo("\n".join(lines(topics)))
-    for sentence in protocol.departures():
-        click.echo(f"  Note: {sentence}.")
-    for sentence in notes(protocol):
-        click.echo(f"  Beware: {sentence}.")
+    _tell([*topics.items(), *(("Note", f"{sentence}.") for sentence in protocol.departures())])
+    _tell([("Beware", f"{sentence}.") for sentence in notes(protocol)])
 
 
 def tell_start(protocol: Protocol, source: Mapping[str, str], recordings: Path, participant: str) -> None:
     """Print for the experimenter what is about to start: how much, whose delay gives credit, what has no effect.
 
-    The weight of the participant is left out: the participant may see this page.
+    Neither the protocol's name nor the weight of the participant is in it: the participant may see this page.
     """
     topics = plan(protocol)
-    first, *more = credit_lines(source, recordings, participant, protocol.game)
-    click.echo(f"Session of {participant}: protocol {printable(protocol.name)}")
-    click.echo(
-        "\n".join(lines({topic: topics[topic] for topic in ("Games", "Presses", "Time")} | {"Credit": first}))
-    )
-    for text in more:
-        click.echo(f"           {text}")
-    for sentence in notes(protocol):
-        click.echo(f"  Beware: {sentence}.")
+    click.echo(f"Session of {participant}:")
+    credit = "; ".join(credit_lines(source, recordings, participant, protocol.game))
+    _tell([*((topic, topics[topic]) for topic in ("Games", "Presses", "Time")), ("Credit", credit)])
+    _tell([("Beware", f"{sentence}.") for sentence in notes(protocol)])
+
+
+def _tell(topics: Sequence[tuple[str, str]]) -> None:
+    """Print topics in two columns, as wide as the terminal."""
+    width = max(40, min(shutil.get_terminal_size().columns, WIDEST))
+    for topic, text in topics:
+        indent = " " * (INDENT + 2)
+        click.echo(
+            textwrap.fill(
+                f"  {topic:{INDENT - 2}}  {text}", width, subsequent_indent=indent, break_on_hyphens=False
+            )
+        )
 
 
 def notes(protocol: Protocol) -> Iterator[str]:

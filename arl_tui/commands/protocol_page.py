@@ -68,11 +68,9 @@ def _table(struct: Struct, tetris: object, keepaway: object) -> Iterator[str]:
     yield "| key | values | default | meaning |"
     yield "|---|---|---|---|"
     for setting in settings:
-        ours = [
-            getattr(each, setting.key) if isinstance(each, struct) else setting.default
-            for each in (tetris, keepaway)
-        ]
-        yield f"| `{setting.key}` | {_values(setting.kind)} | {_defaults(ours)} | {_cell(setting)} |"
+        # Each game's own default, where its default protocol has a table of this type.
+        ours = [getattr(each, setting.key) for each in (tetris, keepaway) if isinstance(each, struct)]
+        yield f"| `{setting.key}` | {_values(setting.kind)} | {_defaults(ours or [setting.default])} | {_cell(setting)} |"
     yield ""
 
 
@@ -90,7 +88,7 @@ def _values(kind: Kind) -> str:
 
 def _defaults(values: list[object]) -> str:
     shown = ["none" if value is None else f"`{toml_value(msgspec.to_builtins(value))}`" for value in values]
-    return shown[0] if shown[0] == shown[1] else f"{shown[0]}; Keepaway {shown[1]}"
+    return shown[0] if shown[0] == shown[-1] else f"{shown[0]}; Keepaway {shown[-1]}"
 
 
 def _cell(setting: Setting) -> str:
