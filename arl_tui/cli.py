@@ -54,8 +54,8 @@ def main() -> None:
     "--credit",
     metavar="RULE",
     help="How presses are shared out among steps: the participant's own delay (participant, feedback-lag, simple, "
-    "pooled; see `arl calibrate`), paper, or a rule as in `arl replay`. By default the protocol file's choice (delay_of); "
-    "without a file the participant's own delay where it has been measured, else the paper's.",
+    "pooled; see `arl calibrate`), paper, or a rule as in `arl replay`. By default the protocol's choice (delay_of), the "
+    "same for every participant; without a file that is a rule: previous in Tetris, gamma:2.5,0.3 in Keepaway.",
 )
 @recordings_option(to_write=True)
 def play(
@@ -263,11 +263,28 @@ def practice(game: str, seed: int | None) -> None:
 @main.command(name="protocol", short_help="Print a complete protocol of a game: a file to start from.")
 @click.argument("game", type=GAMES, required=False)
 @protocol_option
-def show_protocol(game: str | None, protocol: Path | None) -> None:
-    """Print a complete protocol of GAME (tetris by default) in TOML: a file to start from."""
-    from arl_tui.commands.protocol import print_protocol
+@click.option("--check", type=FILE, help="Say what this protocol file will do, and what has no effect in it.")
+@click.option("--markdown", is_flag=True, help="Print docs/protocol.md: every setting of every type.")
+def show_protocol(game: str | None, protocol: Path | None, check: Path | None, markdown: bool) -> None:
+    """Print a complete protocol of GAME (tetris by default) in TOML: a file to start from.
 
-    print_protocol(game, protocol)
+    Every key is there with its meaning, its range and unit or its choices, and the sessions in which it has an effect.
+    """
+    if sum((check is not None, markdown, protocol is not None)) > 1:
+        raise click.UsageError("use one of --protocol, --check and --markdown")
+    if markdown:
+        from arl_tui.commands.protocol_page import print_page
+
+        print_page()
+    elif check is not None:
+        from arl_tui.commands.check_protocol import check_protocol
+        from arl_tui.commands.play import read_protocol
+
+        check_protocol(check, read_protocol(check, game))
+    else:
+        from arl_tui.commands.protocol import print_protocol
+
+        print_protocol(game, protocol)
 
 
 @main.command(name="recordings", short_help="List the recordings there are, and check each.")

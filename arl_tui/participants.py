@@ -6,10 +6,13 @@ out again from the trial files that it names.
 
 import os
 import shlex
+import subprocess
+import sys
 from pathlib import Path
 
 import msgspec
 
+from core.clock import wall_time_utc
 from core.feedback.delays import Delay, GammaDelay, describe, parse_delay
 from studies.reaction_time.protocol import Task
 
@@ -20,6 +23,8 @@ FEEDBACK_LAG: Task = "feedback lag"
 SIMPLE: Task = "simple"
 CHOICES = ("participant", "feedback-lag", "simple", "pooled", "paper")
 """Names for a participant's delays; "participant" is the feedback lag: the delay that credit needs."""
+MEASURED = ("participant", "feedback-lag", "simple", "pooled")
+"""Those of them that need a fit of the participant's."""
 FEWEST_TRUSTED = 20
 """Fewer responses than this do not make a density of one's own (`docs/trusting-a-fit.md`)."""
 
@@ -98,6 +103,11 @@ class TaskDelay(msgspec.Struct, frozen=True, kw_only=True):
         return found
 
 
+def task_of(choice: str) -> Task:
+    """Return the task behind one of the `MEASURED` choices."""
+    return SIMPLE if choice == "simple" else FEEDBACK_LAG
+
+
 def task_key(task: Task, game: str) -> str:
     """Return the name under which a delay is kept."""
     return task if game == "tetris" or task != FEEDBACK_LAG else f"{task}, {game}"
@@ -111,6 +121,15 @@ class ParticipantDelays(msgspec.Struct, frozen=True, kw_only=True):
     participant: str
     """Pseudonym; never a name."""
     tasks: dict[str, TaskDelay] = {}
+
+
+class GroupDelay(msgspec.Struct, frozen=True, kw_only=True):
+    """The delay of the typical participant of a group."""
+
+    delay: GammaDelay
+    n_people: int
+    files: tuple[str, ...]
+    """Names of the trial files."""
 
 
 class CreditChoice(msgspec.Struct, frozen=True):
@@ -182,7 +201,7 @@ def choose_credit(text: str, recordings: Path, participant: str, game: str = "te
         return _chosen(text, GammaDelay(), {})
     if text not in CHOICES:
         return _chosen(text, parse_delay(text), {})
-    task = SIMPLE if text == "simple" else FEEDBACK_LAG
+    task = task_of(text)
     known = read_delays(recordings, participant)
     key = task_key(task, game)
     fit = None if known is None else known.tasks.get(key)
@@ -210,6 +229,36 @@ def choose_credit(text: str, recordings: Path, participant: str, game: str = "te
         )
     about["credit_people"] = str(fit.pooled_people)
     return _chosen(text, fit.pooled, about)
+
+
+def group_credit(recordings: Path, game: str) -> CreditChoice:
+    """Return the delay of judging a game of the typical participant in a recordings folder: the middle of the group.
+
+    Args:
+        recordings: folder with the trials of the others, at least five.
+        game: which was judged.
+
+    Raises:
+        ParticipantError: there are fewer than five, or their trials cannot be fitted.
+    """
+    order = msgspec.json.encode({"recordings": str(recordings), "game": game})
+    # A process of its own: statistics load slowly, and the screen's process never has them.
+    done = subprocess.run(
+        [sys.executable, "-m", "arl_tui.calibration.group"], input=order, capture_output=True, check=False
+    )
+    if done.returncode != 0:
+        reason = done.stderr.decode(errors="replace").strip().splitlines()
+        raise ParticipantError(
+            f"no pooled delay of judging {game} from the trials in {recordings}: {reason[-1] if reason else 'no answer'}"
+        )
+    found = msgspec.json.decode(done.stdout, type=GroupDelay)
+    about = {
+        "credit_task": task_key(FEEDBACK_LAG, game),
+        "credit_fitted_utc": wall_time_utc(),
+        "credit_files": " ".join(found.files),
+        "credit_people": str(found.n_people),
+    }
+    return _chosen("pooled", found.delay, about)
 
 
 def rule_as_written(delay: Delay) -> CreditChoice:

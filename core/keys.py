@@ -6,35 +6,39 @@ one every 25-40 ms. The rule here recognises such a run from its intervals and t
 
 from collections.abc import Iterator
 from itertools import count
-from typing import Literal
+from typing import Annotated, Literal
 
 import msgspec
 
 from core.clock import NS_PER_S
 from core.episode import KeyPressed, PressRetracted
 from core.layouts import KeyReader
+from core.settings import number, text
 
 NS_PER_MS = 1_000_000
+
+
+RepeatDelay = Annotated[int, number("milliseconds", ge=0, le=1_000_000, usual=(0, 5000))]
 
 
 class KeyConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Keys and limits of feedback."""
 
-    good: str = "j"
+    good: Annotated[str, text("one lower-case letter a-z")] = "j"
     """Key for +1: a lower-case letter (digits and punctuation occur in terminals' own replies)."""
-    bad: str = "f"
+    bad: Annotated[str, text("one lower-case letter a-z")] = "f"
     """Key for -1."""
-    retract: str = "u"
+    retract: Annotated[str, text("one lower-case letter a-z")] = "u"
     """Key that takes the last accepted press back."""
-    max_presses_per_episode: int = 5
+    max_presses_per_episode: Annotated[int, number("presses", ge=0, le=1_000_000)] = 5
     """Accepted presses per watched episode (paper, section 4: at most 5 in Tetris, 2 in Keepaway)."""
-    refractory_ms: int = 100
+    refractory_ms: Annotated[int, number("milliseconds", ge=0, le=1_000_000, usual=(0, 2000))] = 100
     """A press of the same key within this time of the one before is a repeat."""
-    repeat_interval_ms: int = 80
+    repeat_interval_ms: Annotated[int, number("milliseconds", ge=0, le=1_000_000, usual=(0, 2000))] = 80
     """Two intervals shorter than this in a row are a held key."""
-    repeat_delay_ms: tuple[int, int] = (200, 700)
+    repeat_delay_ms: tuple[RepeatDelay, RepeatDelay] = (200, 700)
     """A held key's first repeat comes this long after the press itself."""
-    wrong_press_rate: float = 0.0
+    wrong_press_rate: Annotated[float, number(ge=0, le=1)] = 0.0
     """Share of steps' feedback the participant is asked to give wrongly (paper, section 4: about 0.1)."""
 
     def __post_init__(self) -> None:
@@ -43,7 +47,7 @@ class KeyConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
             if len(key) != 1 or not key.islower() or not key.isascii():
                 raise ValueError(f"a feedback key is one lower-case letter a-z, got {key!r}")
         if len(set(keys)) != 3:
-            raise ValueError(f"good, bad and retract need three different keys, got {keys}")
+            raise ValueError(f"good, bad and retract need three different keys, got {', '.join(keys)}")
         if self.max_presses_per_episode < 0:
             raise ValueError(f"max_presses_per_episode is >= 0, got {self.max_presses_per_episode}")
         if not 0.0 <= self.wrong_press_rate <= 1.0:

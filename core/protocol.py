@@ -4,14 +4,14 @@ Every field has a default for each game, and every default names its source, so 
 protocol is written to each recording's header, and a session is built from that alone (`core.session.build_session`).
 """
 
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import msgspec
 
 from core.combination.config import AgentConfig, check_learner
+from core.effects import contradictions, idle
 from core.feedback.config import CreditConfig, TrainerConfig
 from core.feedback.delays import GammaDelay, describe
 from core.keepaway.person_config import KeepawayPersonConfig
@@ -21,6 +21,9 @@ from core.learners.cross_entropy_config import CrossEntropyConfig
 from core.learners.human_config import TileModel
 from core.learners.policy_gradient_config import PolicyGradientConfig
 from core.learners.sarsa_config import SarsaConfig
+from core.protocol_file import ProtocolError, located, read_toml
+from core.reading import ConfigurationError, read
+from core.settings import number
 from core.tetris.config import TetrisConfig
 
 DomainConfig = TetrisConfig | KeepawayConfig
@@ -37,18 +40,18 @@ LEARNERS: dict[type[DomainConfig], tuple[type[LearnerConfig], ...]] = {
 class SessionConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How many episodes there are, who sees them, and how long they may last."""
 
-    episodes: int = 10
+    episodes: Annotated[int, number("watched episodes", ge=1, le=1_000_000, usual=(1, 10_000))] = 10
     """Watched episodes."""
-    unseen_before: int = 0
+    unseen_before: Annotated[int, number("episodes", ge=0, le=10_000_000)] = 0
     """Unseen episodes before the first watched one: 0 shows the agent as it begins."""
-    unseen_between: int = 100
+    unseen_between: Annotated[int, number("episodes", ge=0, le=10_000_000)] = 100
     """Unseen episodes between two watched ones; 100 are one iteration of the cross-entropy method."""
     watched: Literal["top", "proposed"] = "top"
     """What is watched: one of the top policies, drawn by performance and match, or the learner's next proposal, so
     that watched episodes are the learner's own (`docs/decisions/watched-and-unseen-episodes.md`)."""
-    watched_steps: int = 60
+    watched_steps: Annotated[int, number("steps", ge=1, le=1_000_000_000, usual=(1, 1_000_000))] = 60
     """A watched episode is truncated after this many steps (a good policy would play for hours)."""
-    unseen_steps: int = 5000
+    unseen_steps: Annotated[int, number("steps", ge=1, le=1_000_000_000)] = 5000
     """An unseen episode is truncated after this many steps."""
 
     def __post_init__(self) -> None:
@@ -63,12 +66,12 @@ class SessionConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
 class ScreenConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How the session looks and how fast it goes."""
 
-    tick_ms: int = 80
+    tick_ms: Annotated[int, number("milliseconds", ge=10, le=2000)] = 80
     """Tetris: time per primitive action and per row of gravity, in milliseconds (TAMER's demo: 150)."""
-    speed: float = 1.0
+    speed: Annotated[float, number("simulated seconds per second", ge=0.05, le=5)] = 1.0
     """Keepaway: simulated seconds per second, in [0.05, 5]; below 1 is slow motion. Times of presses and of what was on
     screen stay real. (The paper plays the simulator at its own speed.)"""
-    pause_between_episodes_s: float = 2.0
+    pause_between_episodes_s: Annotated[float, number("seconds", ge=0, le=60)] = 2.0
     """How long the final board of an episode stays, in seconds."""
     palette: Literal["standard", "colour-blind", "high-contrast", "sixteen"] = "standard"
     """Colours of the pieces; each piece has its own texture, too, outside the standard palette."""
@@ -84,6 +87,8 @@ class ScreenConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
             )
 
 
+DelayIfMissing = Literal["refuse", "pooled", "paper"]
+"""What a participant has whose delay was not measured (see `Protocol.delay_if_missing`)."""
 DelayOf = Literal["rule", "feedback-lag", "simple", "pooled", "paper"]
 """Whose delay gives credit: as written in the protocol, or of whoever takes part (see `Protocol.delay_of`)."""
 
@@ -99,16 +104,25 @@ class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     learner: LearnerConfig = CrossEntropyConfig()
     """The environment's learner; each game has its own (`LEARNERS`)."""
     agent: AgentConfig = AgentConfig()
+    """How the learner and the participant's feedback are combined."""
     delay_of: DelayOf = "rule"
     """Credit by `agent.credit.delay` ("rule"), by the participant's own measured delay of judging ("feedback-lag"), of
     reacting ("simple"), of judging pooled with others ("pooled"), or by the paper's density ("paper"). All but "rule"
-    are replaced by "rule" and its numbers when a session starts, so that a recording needs no other file."""
+    are replaced by "rule" and its numbers when a session starts, so that a recording needs no other file. The rule is
+    the same for every participant, with or without a protocol file (`docs/decisions/one-rule-of-credit.md`)."""
+    delay_if_missing: DelayIfMissing = "refuse"
+    """Where `delay_of` names a measured delay and the participant has none: the session does not start ("refuse"), credit
+    goes by the delay of judging of the others in the same recordings folder ("pooled", at least five), or by the paper's
+    density ("paper")."""
     keys: KeyConfig = KeyConfig()
+    """Which presses count."""
     session: SessionConfig = SessionConfig()
+    """How many games there are."""
     screen: ScreenConfig = ScreenConfig()
+    """How the session looks and how fast it goes."""
     trainer: TrainerConfig = TrainerConfig()
     """The simulated participant of demonstrations and of simulated sessions."""
-    others: tuple[TrainerConfig, ...] = ()
+    others: Annotated[tuple[TrainerConfig, ...], msgspec.Meta(max_length=100)] = ()
     """Further simulated participants of simulated sessions: persons 1, 2, ... The agent has a human model and a weight for
     each. (Section 3.1: "one or more sources"; the paper's sessions have one, and so have live ones.)"""
 
@@ -124,6 +138,12 @@ class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
                 "the human model of Keepaway is of type tiles, that of Tetris is not; got "
                 f"{_tag(self.agent.human_model)} for {self.game}: set [agent.human_model] type"
             )
+        check_learner(self.agent.scheme, self.learner.kind, _tag(self.learner))
+        if isinstance(self.domain, TetrisConfig) and self.domain.lines_in_value:
+            raise ValueError(
+                "lines_in_value is for given policies in compiled play only: a session's learner sees features alone. "
+                "Set [domain] lines_in_value = false"
+            )
         needs = self.agent.bootstrap.trust.needs
         if needs.side_by_side:
             raise ValueError(
@@ -135,8 +155,6 @@ class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
                 "a policy that changes at every step cannot be asked again about earlier decisions: use "
                 'measured = "as-played", and name the chance of a chance-corrected match'
             )
-
-        check_learner(self.agent.scheme, self.learner.kind, _tag(self.learner))
 
     @property
     def game(self) -> str:
@@ -215,7 +233,7 @@ DEFAULTS: dict[str, Protocol] = {"tetris": TETRIS, "keepaway": KEEPAWAY}
 """The default protocol of each game."""
 
 
-def protocol_from(plain: Mapping[str, Any], *, game: str = "tetris") -> Protocol:
+def protocol_from(plain: Mapping[str, Any], *, game: str = "tetris", to_run: bool = False) -> Protocol:
     """Return the protocol that plain types describe: a recording's header, or a TOML file.
 
     What is not said has the default of the game. A table with another `type` than the default's stands for itself.
@@ -223,55 +241,39 @@ def protocol_from(plain: Mapping[str, Any], *, game: str = "tetris") -> Protocol
     Args:
         plain: tables as in `arl protocol`; recordings made before there was a second game do not name theirs.
         game: which one is meant where `plain` does not say.
+        to_run: the protocol is about to be run, not replayed: values that nobody means, and settings that have no
+            effect in any session of this protocol, are refused, too (`core.effects`).
 
     Raises:
-        ValueError: a field is unknown, of the wrong type or out of range (`msgspec.ValidationError`, with its place).
+        ConfigurationError: a key is unknown, or a value is of the wrong kind or out of range, each with its place.
     """
     domain = plain.get("domain", {})
-    named = domain.get("type", game) if isinstance(domain, Mapping) else game
-    default = DEFAULTS.get(str(named), TETRIS)
-    return msgspec.convert(_filled(plain, msgspec.to_builtins(default)), Protocol)
-
-
-def _filled(plain: Mapping[str, Any], default: Mapping[str, Any]) -> dict[str, Any]:
-    """Return `plain` with the default's fields where it has none, table by table."""
-    filled = {name: value for name, value in default.items() if name not in plain}
-    for name, value in plain.items():
-        below = default.get(name)
-        if isinstance(value, Mapping) and isinstance(below, Mapping) and _same_kind(value, below):
-            filled[name] = _filled(value, below)
-        else:
-            filled[name] = value
-    return filled
-
-
-def _same_kind(value: Mapping[str, Any], default: Mapping[str, Any]) -> bool:
-    kind = default.get("type")
-    return bool(value.get("type", kind) == kind)
-
-
-class ProtocolError(ValueError):
-    """A protocol file cannot be used; the message names file, place and reason."""
+    named = domain.get("type", game) if isinstance(domain, Mapping) else domain
+    default = DEFAULTS.get(str(named), DEFAULTS[game])
+    protocol = read(plain, default, to_run=to_run)
+    if to_run:
+        problems = list(contradictions(protocol))
+        problems += [each.problem() for each in idle(protocol, default) if each.use.refused]
+        if problems:
+            raise ConfigurationError(problems)
+    return protocol
 
 
 def load_protocol(path: Path | None, *, game: str = "tetris") -> Protocol:
     """Return the protocol in a TOML file; the defaults for None.
 
     Args:
-        path: the file.
+        path: the file: UTF-8, with or without a byte-order mark, with any line ends.
         game: which game's defaults are meant where the file does not name one.
 
     Raises:
-        ProtocolError: the file is not TOML, or a field is unknown, of the wrong type or out of range.
+        ProtocolError: the file is not TOML, or something in it cannot be used; with file, line, key and reason.
         OSError: the file cannot be read.
     """
     if path is None:
         return DEFAULTS[game]
+    text, plain = read_toml(path)
     try:
-        return protocol_from(tomllib.loads(path.read_text(encoding="utf-8")), game=game)
-    except tomllib.TOMLDecodeError as error:
-        raise ProtocolError(f"{path}: not a TOML file: {error}") from error
-    except (msgspec.ValidationError, ValueError) as error:
-        raise ProtocolError(
-            f"{path}: {error}. `arl protocol` prints a complete protocol to start from."
-        ) from error
+        return protocol_from(plain, game=game, to_run=True)
+    except ConfigurationError as error:
+        raise ProtocolError(located(path, text, error.problems)) from error

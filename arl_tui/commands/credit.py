@@ -1,22 +1,26 @@
-"""Whose delay gives credit: `--credit`, or else the protocol's `delay_of`, or without either whoever has one."""
+"""Whose delay gives credit: `--credit`, or else the protocol's `delay_of`: one rule for every participant."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import assert_never
 
 import click
 import msgspec
 
 from arl_tui.participants import (
     CHOICES,
-    FEEDBACK_LAG,
+    MEASURED,
     CreditChoice,
     ParticipantError,
     choose_credit,
+    group_credit,
     home_of,
     read_delays,
     rule_as_written,
     task_key,
+    task_of,
 )
+from core.effects import wrong_delay
 from core.feedback.delays import Delay
 from core.protocol import Protocol
 from core.recording.reader import Recording
@@ -30,49 +34,79 @@ def credit_of(text: str, recordings: Path, participant: str, game: str) -> Credi
         raise click.ClickException(str(error)) from error
     except ValueError as error:
         raise click.BadParameter(f"{error}; or one of {', '.join(CHOICES)}", param_hint="--credit") from error
+    reason = wrong_delay(choice.delay)
+    if reason:
+        raise click.BadParameter(reason, param_hint="--credit")
     for warning in choice.warnings:
         click.echo(f"Credit of {participant}: beware: {warning}", err=True)
     return choice
 
 
 def settle_credit(
-    protocol: Protocol,
-    option: str | None,
-    recordings: Path,
-    participant: str,
-    *,
-    own_if_measured: bool = False,
+    protocol: Protocol, option: str | None, recordings: Path, participant: str
 ) -> tuple[Protocol, dict[str, str]]:
     """Return the protocol with its credit rule in numbers, and where that comes from, for the recording's header.
+
+    The rule is the same for every participant, with or without a protocol file (`docs/decisions/one-rule-of-credit.md`).
 
     Args:
         protocol: its `delay_of` counts where the command line says nothing.
         option: `--credit`; None where it was not given.
         recordings: folder beside which participants' delays are kept.
         participant: pseudonym.
-        own_if_measured: nobody has chosen the protocol: without `option` the participant's own delay of judging this
-            game counts, where it has been measured.
     """
     asked = option if option is not None else protocol.delay_of
-    by = "protocol" if option is None else "command line"
-    if option is None and own_if_measured:
-        by = "default"
-        if has_fit(recordings, participant, protocol.game):
-            asked = "participant"
+    by = {"credit_asked_by": "protocol" if option is None else "command line"}
     if asked == "rule":
         choice = rule_as_written(protocol.agent.credit.delay)
+    elif asked in MEASURED and not is_measured(asked, recordings, participant, protocol.game):
+        choice = _without_measurement(protocol, asked, recordings, participant)
     else:
         choice = credit_of(asked, recordings, participant, protocol.game)
-    return with_credit(protocol, choice), choice.source | {"credit_asked_by": by}
+    return with_credit(protocol, choice), choice.source | by
 
 
-def has_fit(recordings: Path, participant: str, game: str) -> bool:
-    """Return whether the participant's delay of judging a game has been measured; stop where the file is damaged."""
+def _without_measurement(protocol: Protocol, asked: str, recordings: Path, participant: str) -> CreditChoice:
+    """Return the rule of a participant whose delay was not measured, as the protocol's `delay_if_missing` says."""
+    missing = {"credit_missing": f"{participant} has no measured delay: {protocol.delay_if_missing}"}
+    match protocol.delay_if_missing:
+        case "refuse":
+            return credit_of(asked, recordings, participant, protocol.game)  # says what to do, and stops
+        case "paper":
+            choice = choose_credit("paper", recordings, participant, protocol.game)
+        case "pooled":
+            try:
+                choice = group_credit(recordings, protocol.game)
+            except ParticipantError as error:
+                raise click.ClickException(str(error)) from error
+        case _:
+            assert_never(protocol.delay_if_missing)
+    return msgspec.structs.replace(choice, source={**choice.source, "credit_asked": asked, **missing})
+
+
+def is_measured(asked: str, recordings: Path, participant: str, game: str) -> bool:
+    """Return whether the participant has the delay that `asked` names; stop where the file of delays is damaged."""
     try:
         known = read_delays(recordings, participant)
     except ParticipantError as error:
         raise click.ClickException(str(error)) from error
-    return known is not None and task_key(FEEDBACK_LAG, game) in known.tasks
+    fit = None if known is None else known.tasks.get(task_key(task_of(asked), game))
+    return fit is not None and (asked != "pooled" or fit.pooled is not None)
+
+
+def credit_lines(source: Mapping[str, str], recordings: Path, participant: str, game: str) -> Iterator[str]:
+    """Yield in words which rule gives credit, whose it is, and from which trials: for the experimenter."""
+    who = f"asked for by the {source['credit_asked_by']}"
+    yield f"{source['credit_rule']} ({source['credit']}, {who})"
+    if "credit_missing" in source:
+        yield source["credit_missing"]
+    if "credit_files" in source:
+        yield f"task {source['credit_task']}, fitted {source['credit_fitted_utc']} from {source['credit_files']}"
+    elif source["credit"] != "paper" and is_measured("feedback-lag", recordings, participant, game):
+        yield (
+            f"{participant} has a measured delay of judging, which is not used: "
+            'delay_of = "feedback-lag" in the protocol uses everybody\'s own'
+        )
 
 
 def with_credit(protocol: Protocol, choice: CreditChoice) -> Protocol:

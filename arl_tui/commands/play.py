@@ -35,9 +35,16 @@ def play_session(
     chosen = read_protocol(protocol, game)
     if episodes is not None:
         chosen = with_episodes(chosen, episodes)
+    if chosen.others:
+        raise click.ClickException(
+            "a live session has one participant: leave `others` out of the protocol (only simulated sessions have them)"
+        )
+    from arl_tui.commands.check_protocol import tell_start
     from arl_tui.commands.credit import settle_credit
 
-    chosen, source = settle_credit(chosen, credit, recordings, participant, own_if_measured=protocol is None)
+    as_written = chosen
+    chosen, source = settle_credit(chosen, credit, recordings, participant)
+    tell_start(as_written, source, recordings, participant)
     outcome = run_live(chosen, participant=participant, seed=seed, recordings=recordings, source=source)
     tell(outcome)
 

@@ -1,18 +1,130 @@
-"""`arl protocol`: a complete protocol to start from."""
+"""`arl protocol`: every setting with what it means, as a file to start from; and what a file will do."""
 
+import json
+import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import click
+import msgspec
 
 from arl_tui.commands.play import read_protocol
-from core.recording.schema import to_plain
+from core.catalogue import TAG, Kind, Setting, Struct, settings_of, table_docs, tag_of
+from core.effects import MODES, idle, uses_of
+from core.protocol import DEFAULTS, Protocol
+
+WIDE = 100
+"""Columns of the printed file."""
 
 
 def print_protocol(game: str | None, path: Path | None) -> None:
-    """Print a protocol (the default one of a game, or a file's) with every field filled in, as TOML."""
-    click.echo("\n".join(toml_lines(to_plain(read_protocol(path, game)))))
+    """Print a protocol (the default one of a game, or a file's) with every setting and what it means, as TOML."""
+    click.echo("\n".join(protocol_lines(read_protocol(path, game))))
+
+
+def protocol_lines(protocol: Protocol) -> Iterator[str]:
+    """Yield a protocol as TOML that reads back as the same one: each key below its meaning, range and use.
+
+    A setting without effect in this protocol, and one that has no value, is there as a comment.
+    """
+    yield from _comment(
+        f"A protocol of {protocol.game}: every setting with its default or value. What is left out of a file has the "
+        "default. `arl protocol --check FILE` says what a file will do."
+    )
+    yield from _table_lines(protocol, "", Idle(protocol))
+
+
+class Idle:
+    """Which settings have no effect in any session of a protocol, whatever their value."""
+
+    def __init__(self, protocol: Protocol) -> None:
+        self._protocol = protocol
+        self._changed = {".".join(map(str, each.path)) for each in idle(protocol, DEFAULTS[protocol.game])}
+
+    def commented(self, path: str) -> bool:
+        """Return whether a setting is printed as a comment: it has no effect, and its value is the default."""
+        return path not in self._changed and not any(
+            all(use.when(self._protocol, mode) for use in uses_of(path)) for mode in MODES
+        )
+
+
+def _table_lines(table: msgspec.Struct, heading: str, unused: Idle) -> Iterator[str]:
+    settings = settings_of(type(table))
+    inner = {key: value for key in settings if isinstance(value := getattr(table, key), msgspec.Struct)}
+    if tag_of(table):
+        yield f'{TAG} = "{tag_of(table)}"'
+    for key, setting in settings.items():
+        if key not in inner and setting.kind.base != "tables":
+            path = f"{heading}.{key}" if heading else key
+            yield ""
+            yield from _setting_lines(setting, getattr(table, key), path, unused)
+    for key, setting in settings.items():
+        if setting.kind.base == "tables":
+            yield from _tables_lines(setting, getattr(table, key))
+    for key, value in inner.items():
+        path = f"{heading}.{key}" if heading else key
+        yield ""
+        yield ""
+        yield from _comment(settings[key].doc or table_docs(type(value)))
+        yield from _comment(_types_in_words(settings[key].kind, tag_of(value)))
+        for use in _uses_in_words(path):
+            yield from _comment(use)
+        yield f"[{path}]"
+        yield from _table_lines(value, path, unused)
+
+
+def _setting_lines(setting: Setting, value: object, path: str, unused: Idle) -> Iterator[str]:
+    yield from _comment(setting.doc)
+    yield from _comment(_values_in_words(setting.kind))
+    own = [use for use in uses_of(path) if path in use.settings]
+    for use in own:
+        yield from _comment(f"Has an effect {use.where}.")
+    if value is None:
+        yield f"# {setting.key} = ..."
+    else:
+        plain = msgspec.to_builtins(value)
+        yield f"{'# ' if unused.commented(path) else ''}{setting.key} = {toml_value(plain)}"
+
+
+def _tables_lines(setting: Setting, value: Sequence[msgspec.Struct]) -> Iterator[str]:
+    yield ""
+    yield from _comment(setting.doc)
+    yield from _comment(
+        f"Each is a table [[{setting.key}]] at the end of the file with keys as in [trainer]."
+    )
+    if value:
+        # Inline, because a key above the first table may not be a list of tables below it.
+        yield f"{setting.key} = {toml_value(msgspec.to_builtins(value))}"
+    else:
+        yield f"# {setting.key} = []"
+
+
+def _types_in_words(kind: Kind, tag: str) -> str:
+    """Return which other types a table can be of, each with its keys."""
+    others = [_type_in_words(name, struct) for name, struct in (kind.structs or {}).items() if name != tag]
+    return f"Other types: {'; '.join(others)}." if tag and others else ""
+
+
+def _type_in_words(tag: str, struct: Struct) -> str:
+    keys = ", ".join(settings_of(struct))
+    return f"{tag} ({keys})" if keys else tag
+
+
+def _values_in_words(kind: Kind) -> str:
+    text = str(kind)
+    return f"{text[0].upper()}{text[1:]}{', or left out' if kind.optional else ''}."
+
+
+def _uses_in_words(path: str) -> Iterator[str]:
+    for use in uses_of(path):
+        if path in use.settings:
+            yield f"Has an effect {use.where}."
+
+
+def _comment(text: str) -> Iterator[str]:
+    for line in textwrap.wrap(text, WIDE - 2, break_long_words=False, break_on_hyphens=False):
+        yield f"# {line}"
 
 
 def toml_lines(table: Mapping[str, Any], heading: str = "") -> Iterator[str]:
@@ -24,7 +136,7 @@ def toml_lines(table: Mapping[str, Any], heading: str = "") -> Iterator[str]:
     """
     for name, value in table.items():
         if value is not None and not isinstance(value, Mapping):
-            yield f"{name} = {_toml_value(value)}"
+            yield f"{name} = {toml_value(value)}"
     for name, value in table.items():
         if isinstance(value, Mapping):
             inner = f"{heading}.{name}" if heading else name
@@ -32,13 +144,17 @@ def toml_lines(table: Mapping[str, Any], heading: str = "") -> Iterator[str]:
             yield from toml_lines(value, inner)
 
 
-def _toml_value(value: object) -> str:
+def toml_value(value: object) -> str:
+    """Return a value as it is written in TOML, on one line."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, str):
-        escaped = value.replace("\\", "\\\\").replace('"', '\\"')
-        return f'"{escaped}"'
+        # TOML's basic strings escape as JSON's do, and the delete character, too.
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
     if isinstance(value, int | float):
         return repr(value)
+    if isinstance(value, Mapping):
+        inner = (f"{name} = {toml_value(item)}" for name, item in value.items() if item is not None)
+        return "{ " + ", ".join(inner) + " }"
     assert isinstance(value, Sequence), f"a protocol holds no {type(value).__name__}"
-    return "[" + ", ".join(_toml_value(item) for item in value) + "]"
+    return "[" + ", ".join(toml_value(item) for item in value) + "]"

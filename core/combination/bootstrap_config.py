@@ -1,9 +1,12 @@
 """Settings of bootstrap learning and of asking. No compiled code is imported."""
 
+from typing import Annotated
+
 import msgspec
 
 from core.combination.trust import Equation4, TrustRule
 from core.combination.trust.contract import check_memory
+from core.settings import number
 
 
 class BootstrapConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -11,12 +14,12 @@ class BootstrapConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
 
     trust: TrustRule = Equation4()
     """How w_h follows from performance and match (the paper's first equation for it)."""
-    top_policies: int = 10
+    top_policies: Annotated[int, number("policies", ge=1, le=100_000)] = 10
     """N, the number of policies kept. (The paper does not say; as many as the elite of one CE iteration.)"""
     symmetric: bool = True
     """A policy's selection probability rises with its match to the human policy, scaled by w_h: the agent
     "alternately assumes the policy based on each feedback mechanism to be ground truth"."""
-    window_decisions: int = 200
+    window_decisions: Annotated[int, number("decisions", ge=1, le=1_000_000)] = 200
     """Recent decisions kept for measuring matches anew. (Our choice.)"""
 
     def __post_init__(self) -> None:
@@ -29,15 +32,15 @@ class BootstrapConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
 class AskingConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """When the agent poses a choice of candidate actions (`core.combination.asking`; `docs/decisions/asking.md`)."""
 
-    per_episode: int = 0
+    per_episode: Annotated[int, number("questions", ge=0, le=1_000_000)] = 0
     """Questions per watched episode at most. 0: the agent never asks, as in the paper's experiments."""
-    options: int = 3
+    options: Annotated[int, number("actions", ge=2, le=3)] = 3
     """Candidate actions of a question at most, 2 or 3."""
-    share: float = 0.05
+    share: Annotated[float, number(gt=0, lt=1)] = 0.05
     """It asks where its policies disagree more than in all but this share of recent decisions, in (0, 1). (Our choice.)"""
-    memory: int = 200
+    memory: Annotated[int, number("decisions", ge=1, le=1_000_000)] = 200
     """How many recent decisions that share is of. (Our choice.)"""
-    minimum_decisions: int = 20
+    minimum_decisions: Annotated[int, number("decisions", ge=1, le=1_000_000)] = 20
     """It does not ask before it has seen this many. (Our choice.)"""
 
     def __post_init__(self) -> None:

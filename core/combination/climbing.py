@@ -16,7 +16,8 @@ from core.combination.window import Values
 from core.counters import uniform_at
 from core.domain import Choices
 from core.episode import CreditGiven
-from core.learners.contract import Actor, LearnerKind
+from core.learners.contract import Actor
+from core.learners.kinds import LearnerKind
 from core.softmax import drawn, softmax
 
 KEPT_TRACES = 256

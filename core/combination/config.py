@@ -5,7 +5,7 @@ Nothing here needs compiled code, so a protocol can be read without it; the deci
 """
 
 import math
-from typing import ClassVar, Literal, get_args
+from typing import Annotated, ClassVar, Literal, get_args
 
 import msgspec
 
@@ -31,8 +31,9 @@ from core.combination.trust import (
     TrustRule,
 )
 from core.feedback.config import CreditConfig
-from core.learners.contract import LearnerKind
 from core.learners.human_config import HumanModelConfig, RidgeModel
+from core.learners.kinds import LearnerKind
+from core.settings import number
 
 __all__ = [
     "ADVISE",
@@ -89,14 +90,14 @@ OFFERS: dict[LearnerKind, frozenset[ActsOn]] = {
 """What each kind of learner has that a scheme can act on."""
 NEEDED: dict[ActsOn, str] = {
     "choice": "any learner",
-    "reward": "a learner that learns from the reward of each step: Sarsa or policy gradient",
-    "values": "a learner of action values that learns at every step: Sarsa",
-    "policy": "a learner with a softmax policy: policy gradient",
+    "reward": "a learner that learns at every step: policy-gradient or sarsa",
+    "values": "a learner of action values that learns at every step: sarsa",
+    "policy": "a learner with a softmax policy: policy-gradient",
 }
 """Which learner a scheme needs, by what it acts on, for messages."""
 
 
-class Linear(msgspec.Struct, frozen=True, tag="linear"):
+class Linear(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="linear"):
     """a = argmax w_r R + w_h H with w_r = 1 and w_h from bootstrap learning (Eq. 3)."""
 
     acts_on: ClassVar[ActsOn] = "choice"
@@ -109,7 +110,7 @@ class Linear(msgspec.Struct, frozen=True, tag="linear"):
         return EpisodeWeights(_linear_form(self.scale), 1.0, trust)
 
 
-class Exponential(msgspec.Struct, frozen=True, tag="exponential"):
+class Exponential(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="exponential"):
     """a = argmax w_r R (1 + H^w_h) with w_r = 1 and w_h from bootstrap learning (section 3.1)."""
 
     acts_on: ClassVar[ActsOn] = "choice"
@@ -119,14 +120,14 @@ class Exponential(msgspec.Struct, frozen=True, tag="exponential"):
         return EpisodeWeights(EXPONENTIAL, 1.0, trust)
 
 
-class Annealed(msgspec.Struct, frozen=True, tag="annealed"):
+class Annealed(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="annealed"):
     """Eq. 3 with w_h = beta_0 decay^k, k counted by `per`: the paper's baseline (section 4; Knox & Stone 2010)."""
 
     acts_on: ClassVar[ActsOn] = "choice"
 
-    beta_0: float = 1.0
+    beta_0: Annotated[float, number(ge=0, le=1e9, usual=(0, 1000))] = 1.0
     """w_h of the first episode. 1: as much say as the environment, both being standardised. (Our choice.)"""
-    decay: float = 0.98
+    decay: Annotated[float, number(gt=0, le=1)] = 0.98
     """Factor per watched game or per episode, in (0, 1] (TAMER's code documents 0.98 for AAMAS 2010)."""
     per: Per = "watched-game"
     """What the weight falls with: each watched game, or each episode, unseen ones included (`docs/decisions/annealing.md`)."""
@@ -141,12 +142,12 @@ class Annealed(msgspec.Struct, frozen=True, tag="annealed"):
         return EpisodeWeights(_linear_form(self.scale), 1.0, _annealed(self.beta_0, self.decay, episode))
 
 
-class Constant(msgspec.Struct, frozen=True, tag="constant"):
+class Constant(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="constant"):
     """Eq. 3 with a weight that never changes: what bootstrap learning has to beat with a bad participant."""
 
     acts_on: ClassVar[ActsOn] = "choice"
 
-    w_h: float = 1.0
+    w_h: Annotated[float, number(ge=-1e9, le=1e9, usual=(-1000, 1000))] = 1.0
     """As much say as the environment, both being standardised. (Our choice.)"""
     scale: Scale = "standardised"
     """As in `Linear`."""
@@ -156,7 +157,7 @@ class Constant(msgspec.Struct, frozen=True, tag="constant"):
         return EpisodeWeights(_linear_form(self.scale), 1.0, self.w_h)
 
 
-class EnvironmentOnly(msgspec.Struct, frozen=True, tag="environment-only"):
+class EnvironmentOnly(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="environment-only"):
     """The underlying learner without a human: a = argmax R (section 4, "default")."""
 
     acts_on: ClassVar[ActsOn] = "choice"
@@ -166,7 +167,7 @@ class EnvironmentOnly(msgspec.Struct, frozen=True, tag="environment-only"):
         return ENVIRONMENT_WEIGHTS
 
 
-class HumanOnly(msgspec.Struct, frozen=True, tag="human-only"):
+class HumanOnly(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="human-only"):
     """The human model without an environment: a = argmax H, as TAMER (Knox & Stone 2009; section 4)."""
 
     acts_on: ClassVar[ActsOn] = "choice"
@@ -176,7 +177,7 @@ class HumanOnly(msgspec.Struct, frozen=True, tag="human-only"):
         return EpisodeWeights(LINEAR, 0.0, 1.0)
 
 
-class ActionBiasing(msgspec.Struct, frozen=True, tag="action-biasing"):
+class ActionBiasing(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="action-biasing"):
     """a = argmax Q + beta H at choice only, beta annealed (Knox & Stone 2010, technique 6).
 
     The scales of Q and H are the values' own, as in the source, so `beta_0` belongs to one task and one
@@ -185,9 +186,9 @@ class ActionBiasing(msgspec.Struct, frozen=True, tag="action-biasing"):
 
     acts_on: ClassVar[ActsOn] = "choice"
 
-    beta_0: float = 10.0
+    beta_0: Annotated[float, number(ge=0, le=1e9, usual=(0, 1e6))] = 10.0
     """Weight of the first episode (default of TAMER's code)."""
-    decay: float = 0.98
+    decay: Annotated[float, number(gt=0, le=1)] = 0.98
     """Factor per watched game or per episode, in (0, 1] (TAMER's code documents 0.98 for AAMAS 2010)."""
     per: Per = "watched-game"
     """What the weight falls with: each watched game, or each episode, unseen ones included (`docs/decisions/annealing.md`)."""
@@ -202,14 +203,14 @@ class ActionBiasing(msgspec.Struct, frozen=True, tag="action-biasing"):
         return EpisodeWeights(_linear_form(self.scale), 1.0, _annealed(self.beta_0, self.decay, episode))
 
 
-class ControlSharing(msgspec.Struct, frozen=True, tag="control-sharing"):
+class ControlSharing(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="control-sharing"):
     """With probability min(1, beta) take argmax H, else argmax R (Knox & Stone 2010, technique 7)."""
 
     acts_on: ClassVar[ActsOn] = "choice"
 
-    beta_0: float = 1.0
+    beta_0: Annotated[float, number(ge=0, le=1e9, usual=(0, 1000))] = 1.0
     """Probability in the first episode, clipped to 1 (as in the Frogger study of Griffith et al. 2013)."""
-    decay: float = 0.98
+    decay: Annotated[float, number(gt=0, le=1)] = 0.98
     """Factor per watched game or per episode, in (0, 1] (TAMER's code documents 0.98 for AAMAS 2010)."""
     per: Per = "watched-game"
     """What the weight falls with: each watched game, or each episode, unseen ones included (`docs/decisions/annealing.md`)."""
@@ -222,7 +223,7 @@ class ControlSharing(msgspec.Struct, frozen=True, tag="control-sharing"):
         return EpisodeWeights(LINEAR, 1.0, 0.0, min(1.0, _annealed(self.beta_0, self.decay, episode)))
 
 
-class Advise(msgspec.Struct, frozen=True, tag="advise"):
+class Advise(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="advise"):
     """a = argmax pi_R(a) pi_H(a): policy shaping by the Advise rule (Griffith et al. 2013).
 
     pi_R is the softmax of R; pi_H = C^d / (C^d + (1 - C)^d), d being how much more often the action has been called right
@@ -232,9 +233,9 @@ class Advise(msgspec.Struct, frozen=True, tag="advise"):
 
     acts_on: ClassVar[ActsOn] = "choice"
 
-    consistency: float = 0.9
+    consistency: Annotated[float, number(gt=0, lt=1)] = 0.9
     """C, in (0, 1): chance that a press is right. 0.5 means nothing, less the opposite. (Paper, section 4: 1 in 10 wrong.)"""
-    temperature: float = 1.0
+    temperature: Annotated[float, number("standard deviations of R", gt=0, le=1e9, usual=(0.001, 1000))] = 1.0
     """Of the softmax, > 0, in standard deviations of R. (Our choice.)"""
 
     def __post_init__(self) -> None:
@@ -249,14 +250,14 @@ class Advise(msgspec.Struct, frozen=True, tag="advise"):
         return EpisodeWeights(ADVISE, 1.0 / self.temperature, odds)
 
 
-class RewardShaping(msgspec.Struct, frozen=True, tag="reward-shaping"):
+class RewardShaping(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="reward-shaping"):
     """The learner learns from r + beta H(s, a), beta annealed, and chooses by R alone (Knox & Stone 2010, technique 1)."""
 
     acts_on: ClassVar[ActsOn] = "reward"
 
-    beta_0: float = 1.0
+    beta_0: Annotated[float, number(ge=0, le=1e9, usual=(0, 1e6))] = 1.0
     """Reward per unit of H in the first episode: a press is worth a line, or a cycle. (Our choice.)"""
-    decay: float = 0.98
+    decay: Annotated[float, number(gt=0, le=1)] = 0.98
     """Factor per watched game or per episode, in (0, 1] (TAMER's code documents 0.98 for AAMAS 2010)."""
     per: Per = "watched-game"
     """What the weight falls with: each watched game, or each episode, unseen ones included (`docs/decisions/annealing.md`)."""
@@ -269,7 +270,7 @@ class RewardShaping(msgspec.Struct, frozen=True, tag="reward-shaping"):
         return EpisodeWeights(LINEAR, 1.0, 0.0, shaping=_annealed(self.beta_0, self.decay, episode))
 
 
-class QAugmentation(msgspec.Struct, frozen=True, tag="q-augmentation"):
+class QAugmentation(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="q-augmentation"):
     """Q + beta H takes Q's place in learning and in choice, beta constant (Knox & Stone 2010, technique 4).
 
     The temporal difference of Q + beta H is that of Q with beta (gamma H(s', a') - H(s, a)) added to the reward.
@@ -277,7 +278,7 @@ class QAugmentation(msgspec.Struct, frozen=True, tag="q-augmentation"):
 
     acts_on: ClassVar[ActsOn] = "values"
 
-    beta: float = 1.0
+    beta: Annotated[float, number(ge=-1e9, le=1e9, usual=(-1e6, 1e6))] = 1.0
     """Weight of H, in units of the return. (Our choice.)"""
 
     def __post_init__(self) -> None:
@@ -289,7 +290,7 @@ class QAugmentation(msgspec.Struct, frozen=True, tag="q-augmentation"):
         return EpisodeWeights(LINEAR_RAW, 1.0, self.beta, augmentation=self.beta)
 
 
-class Coach(msgspec.Struct, frozen=True, tag="coach"):
+class Coach(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="coach"):
     """A press is the advantage of what was done: it moves an actor's policy itself (COACH, MacGlashan et al. 2017).
 
     theta <- theta + alpha f e, e being the trace of grad log pi up to the step that the press is about. No human model
@@ -298,9 +299,9 @@ class Coach(msgspec.Struct, frozen=True, tag="coach"):
 
     acts_on: ClassVar[ActsOn] = "policy"
 
-    step_size: float = 0.05
+    step_size: Annotated[float, number(gt=0, le=1e6, usual=(1e-9, 10))] = 0.05
     """alpha of the presses, > 0. (Our choice; the source's 0.05 belongs to a robot's features.)"""
-    trace_decay: float = 0.95
+    trace_decay: Annotated[float, number(ge=0, le=1)] = 0.95
     """lambda of the trace, in [0, 1] (the source, for plain presses)."""
     environment_too: bool = True
     """The environment's reward goes on teaching; False: the source, where the human is the only teacher."""

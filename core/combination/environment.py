@@ -14,7 +14,8 @@ from core.combination.sides import EpisodeEnd, EpisodeStart, Floats, HumanPrefer
 from core.combination.window import Values
 from core.domain import Choices
 from core.episode import CreditGiven
-from core.learners.contract import Actor, EnvironmentLearner, LearnerKind, StepwiseLearner
+from core.learners.contract import Actor, EnvironmentLearner, StepwiseLearner
+from core.learners.kinds import LearnerKind
 
 
 class EnvironmentSide(Protocol):

@@ -2,9 +2,11 @@
 
 import math
 from functools import lru_cache
-from typing import TYPE_CHECKING, assert_never
+from typing import TYPE_CHECKING, Annotated, assert_never
 
 import msgspec
+
+from core.settings import number
 
 if TYPE_CHECKING:
     import numpy as np
@@ -14,7 +16,7 @@ HORIZON_MASS = 1e-6
 """Mass of a density beyond its horizon; credit takes it to lie at the horizon."""
 
 
-class GammaDelay(msgspec.Struct, frozen=True, tag="gamma"):
+class GammaDelay(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="gamma"):
     """Gamma density of the delay, shifted by an offset (Fig. 4).
 
     The paper's gamma(2.5, 0.3) is shape and scale in seconds: mean shape * scale_s = 0.75 s, mode
@@ -22,11 +24,11 @@ class GammaDelay(msgspec.Struct, frozen=True, tag="gamma"):
     reading of the numbers; we build the numbers (`docs/decisions/credit-of-a-press.md`).
     """
 
-    shape: float = 2.5
+    shape: Annotated[float, number(gt=0, le=1e9, usual=(0.05, 1000))] = 2.5
     """Shape k, dimensionless, > 0 (Fig. 4)."""
-    scale_s: float = 0.3
+    scale_s: Annotated[float, number("seconds", gt=0, le=1e6, usual=(0.0001, 10))] = 0.3
     """Scale theta in seconds, > 0 (Fig. 4)."""
-    offset_s: float = 0.0
+    offset_s: Annotated[float, number("seconds", ge=0, le=1e6, usual=(0, 10))] = 0.0
     """Shortest possible delay in seconds, >= 0. (The paper has none.)"""
 
     def __post_init__(self) -> None:
@@ -36,6 +38,11 @@ class GammaDelay(msgspec.Struct, frozen=True, tag="gamma"):
             raise ValueError(f"gamma delay: scale_s is > 0 seconds, got {self.scale_s}")
         if not (math.isfinite(self.offset_s) and self.offset_s >= 0):
             raise ValueError(f"gamma delay: offset_s is >= 0 seconds, got {self.offset_s}")
+
+    @property
+    def mean_s(self) -> float:
+        """Mean delay in seconds."""
+        return self.shape * self.scale_s + self.offset_s
 
     def cdf(self, delay_s: "ArrayLike") -> "NDArray[np.float64]":
         """Return the probability of a delay of at most `delay_s` seconds, element by element."""
@@ -52,12 +59,12 @@ class GammaDelay(msgspec.Struct, frozen=True, tag="gamma"):
         return self.offset_s + self.scale_s * _gamma_horizon(self.shape)
 
 
-class UniformDelay(msgspec.Struct, frozen=True, tag="uniform"):
+class UniformDelay(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="uniform"):
     """Uniform density of the delay on [low_s, high_s]."""
 
-    low_s: float = 0.2
+    low_s: Annotated[float, number("seconds", ge=0, le=1e6, usual=(0, 10))] = 0.2
     """Shortest delay in seconds, >= 0 (TAMER's code: nobody reacts faster)."""
-    high_s: float = 0.8
+    high_s: Annotated[float, number("seconds", gt=0, le=1e6, usual=(0, 20))] = 0.8
     """Longest delay in seconds, > low_s (TAMER's code: a window of 0.6 s)."""
 
     def __post_init__(self) -> None:
@@ -77,14 +84,14 @@ class UniformDelay(msgspec.Struct, frozen=True, tag="uniform"):
         return self.high_s
 
 
-class PreviousStep(msgspec.Struct, frozen=True, tag="previous"):
+class PreviousStep(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="previous"):
     """All credit to the step before the one on screen: in Tetris, the piece that last landed.
 
     TAMER's rule for Tetris (Knox & Stone 2009). With nothing on screen it is the last step that was.
     """
 
 
-class CurrentStep(msgspec.Struct, frozen=True, tag="current"):
+class CurrentStep(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="current"):
     """All credit to the step on screen: feedback "instantaneous" to the letter (section 3.2)."""
 
 

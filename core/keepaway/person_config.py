@@ -1,10 +1,11 @@
 """Settings of a simulated participant in front of Keepaway. No numerical library is imported."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
 import msgspec
 
 from core.feedback.config import TrainerConfig
+from core.settings import number
 
 
 class KeepawayPersonConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -19,7 +20,7 @@ class KeepawayPersonConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
     episode, about one in ten wrong (section 4). The chance of 0.3 is ours: with it the two presses of an episode do
     not always go to its first two passes. Delays run from the end of the option's first cycle, when it is seen
     to have been chosen."""
-    holds_noticed_per_s: float = 0.3
+    holds_noticed_per_s: Annotated[float, number("per second", ge=0, le=1)] = 0.3
     """Chance, per second of holding, to look at the hold as one looks at a pass; it is then judged with
     `trainer.press_probability`. (Our choice: about as many judgements of holds as a third of all.)"""
     sees: Literal["keeper", "everything"] = "keeper"

@@ -4,9 +4,11 @@ Sources: RoboCup soccer server 15.2.2 (defaults) in keepaway mode; UT Austin kee
 of the players' own skills. Lengths in metres, speeds in metres per cycle, angles in degrees, one cycle = 100 ms.
 """
 
-from typing import Final, NamedTuple
+from typing import Annotated, Final, NamedTuple
 
 import msgspec
+
+from core.settings import number
 
 CYCLE_NS: Final = 100_000_000
 """Duration of one cycle in nanoseconds."""
@@ -104,22 +106,27 @@ class Rules(NamedTuple):
     """When players see does not change from episode to episode."""
 
 
+SeePhase = Annotated[int, number(ge=0, le=2)]
+
+
 class KeepawayConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="keepaway"):
     """A Keepaway task; the defaults are the paper's (section 3.3): 3v2 on 20 m x 20 m."""
 
-    n_keepers: int = 3
-    n_takers: int = 2
-    length_m: float = 20.0
+    n_keepers: Annotated[int, number("keepers", ge=2, le=11)] = 3
+    """Keepers: the team that keeps the ball (section 3.3: 3)."""
+    n_takers: Annotated[int, number("takers", ge=1, le=11)] = 2
+    """Takers: the team that wants the ball (section 3.3: 2)."""
+    length_m: Annotated[float, number("metres", ge=10, le=200, usual=(10, 120))] = 20.0
     """Extent of the region along x."""
-    width_m: float = 20.0
+    width_m: Annotated[float, number("metres", ge=10, le=200, usual=(10, 120))] = 20.0
     """Extent of the region along y."""
     exact_state: bool = False
     """True: every player knows the exact state in every cycle (the server's `fullstate`)."""
-    view_angle_deg: float = 360.0
+    view_angle_deg: Annotated[float, number("degrees", gt=0, le=360)] = 360.0
     """Field of view when the state is not exact: 360 (the reference's default) or 90 (the server's)."""
     quantise: bool = True
     """False: what is seen is seen exactly, but still only in two of three cycles."""
-    see_phases: tuple[int, ...] | None = None
+    see_phases: tuple[SeePhase, ...] | None = None
     """Of each player's visual messages (0, 1 or 2, keepers first), kept over episodes; None draws them per episode."""
 
     def __post_init__(self) -> None:
@@ -135,7 +142,7 @@ class KeepawayConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, ta
             raise ValueError(f"a field of view is in (0, 360] degrees, got {self.view_angle_deg}")
         phases = self.see_phases
         if phases is not None and (len(phases) != self.n_players or not set(phases) <= {0, 1, 2}):
-            raise ValueError(f"need {self.n_players} phases of 0, 1 or 2, got {phases}")
+            raise ValueError(f"need {self.n_players} phases of 0, 1 or 2, got {phases and list(phases)}")
 
     @property
     def n_players(self) -> int:

@@ -14,11 +14,16 @@ from core.keepaway.autoplay import keepaway_tiles
 from core.keepaway.pitch import KeepawayConfig
 from core.learners.sarsa import Sarsa, new_sarsa
 from core.learners.sarsa_config import SarsaConfig
+from core.reading import ConfigurationError, read
 
 FORMAT: Final = "arl keepaway policy"
 VERSION: Final = 1
 N_LAST: Final = 500
 """Episodes that the mean duration in a header is taken over."""
+
+
+MOST_TILINGS: Final = 128
+"""More tilings than these would ask for memory that no machine has."""
 
 
 class PolicyFileError(ValueError):
@@ -33,6 +38,7 @@ class PolicyHeader(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     task: KeepawayConfig
     learner: SarsaConfig
     n_tilings: int
+    """Tilings per variable, 1..`MOST_TILINGS`."""
     root_seed: int
     hours: float
     """Simulated time it has learned for."""
@@ -54,6 +60,7 @@ class SavedPolicy:
 
     def __post_init__(self) -> None:
         header = self.header
+        _check_size(header)
         expected = _empty(header).weights.shape
         if self.weights.shape != expected:
             raise PolicyFileError(
@@ -66,6 +73,17 @@ class SavedPolicy:
     def sarsa(self) -> Sarsa:
         """Return learners with these weights; they would go on learning (see `core.learners.sarsa.frozen`)."""
         return _empty(self.header)._replace(weights=self.weights.copy())
+
+
+def _check_size(header: PolicyHeader) -> None:
+    """Refuse what no memory could hold, before any is asked for."""
+    if not 1 <= header.n_tilings <= MOST_TILINGS:
+        raise PolicyFileError(f"n_tilings is 1..{MOST_TILINGS} tilings, got {header.n_tilings}")
+    try:
+        read(msgspec.to_builtins(header.task), header.task, to_run=False)
+        read(msgspec.to_builtins(header.learner), header.learner, to_run=False)
+    except ConfigurationError as error:
+        raise PolicyFileError(str(error)) from error
 
 
 def _empty(header: PolicyHeader) -> Sarsa:

@@ -4,16 +4,12 @@ Two kinds: those that search among policies, each played for whole episodes, and
 """
 
 from dataclasses import dataclass
-from typing import Literal, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from core.domain import Choices
-
-LearnerKind = Literal["search", "climbing", "stepwise"]
-"""What a learner does while an episode is played: nothing, it searches among policies (`EnvironmentLearner`); it moves a
-softmax policy (`Actor`); it changes its values at every step (`StepwiseLearner`)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

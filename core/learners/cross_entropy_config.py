@@ -1,11 +1,12 @@
 """Settings of the noisy cross-entropy method (`core.learners.cross_entropy`). No numerical library is imported."""
 
 import math
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import msgspec
 
-from core.learners.contract import LearnerKind
+from core.learners.kinds import LearnerKind
+from core.settings import number
 
 
 def _check_at_least(name: str, value: float, lowest: float) -> None:
@@ -13,7 +14,7 @@ def _check_at_least(name: str, value: float, lowest: float) -> None:
         raise ValueError(f"{name} is finite and >= {lowest}, got {value}")
 
 
-class NoNoise(msgspec.Struct, frozen=True, tag="none"):
+class NoNoise(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="none"):
     """The plain cross-entropy method: the variance is that of the elite."""
 
     def variance(self, iteration: int) -> float:
@@ -21,10 +22,10 @@ class NoNoise(msgspec.Struct, frozen=True, tag="none"):
         return 0.0
 
 
-class ConstantNoise(msgspec.Struct, frozen=True, tag="constant"):
+class ConstantNoise(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="constant"):
     """The same variance is added in every iteration."""
 
-    level: float = 4.0
+    level: Annotated[float, number(ge=0, le=1e12)] = 4.0
     """Added variance, >= 0 (Szita & Lorincz 2006)."""
 
     def __post_init__(self) -> None:
@@ -35,12 +36,12 @@ class ConstantNoise(msgspec.Struct, frozen=True, tag="constant"):
         return self.level
 
 
-class DecreasingNoise(msgspec.Struct, frozen=True, tag="decreasing"):
+class DecreasingNoise(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="decreasing"):
     """max(start - t / per, 0) is added in iteration t."""
 
-    start: float = 5.0
+    start: Annotated[float, number(ge=0, le=1e12)] = 5.0
     """Added variance at t = 0, >= 0 (Szita & Lorincz 2006)."""
-    per: float = 10.0
+    per: Annotated[float, number("iterations", gt=0, le=1e12, usual=(1e-3, 1e9))] = 10.0
     """Iterations in which the added variance falls by 1, > 0 (Szita & Lorincz 2006)."""
 
     def __post_init__(self) -> None:
@@ -64,11 +65,11 @@ class CrossEntropyConfig(
 
     kind: ClassVar[LearnerKind] = "search"
 
-    population: int = 100
+    population: Annotated[int, number("policies", ge=1, le=100_000, usual=(2, 10_000))] = 100
     """Samples per iteration (Szita & Lorincz 2006; Thiery & Scherrer 2009)."""
-    elite_fraction: float = 0.1
+    elite_fraction: Annotated[float, number(gt=0, le=1)] = 0.1
     """Share of the population that makes the next distribution, in (0, 1] (the same)."""
-    initial_variance: float = 100.0
+    initial_variance: Annotated[float, number(gt=0, le=1e12, usual=(1e-6, 1e9))] = 100.0
     """Variance of each weight at the start, > 0, around mean 0 (the same)."""
     noise: Noise = DecreasingNoise()
     """What is added to the variance after each iteration (the schedule with their best result)."""

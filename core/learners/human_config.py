@@ -1,15 +1,17 @@
 """Settings of the human reward model. Nothing here needs compiled code: see `core.learners.human_reward`."""
 
 import math
-from typing import Literal
+from typing import Annotated, Literal
 
 import msgspec
 
+from core.settings import number
 
-class SgdModel(msgspec.Struct, frozen=True, tag="sgd"):
+
+class SgdModel(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="sgd"):
     """Linear model by incremental gradient descent from zero, as in TAMER (Knox & Stone 2009)."""
 
-    step_size: float = 0.000005 / 47
+    step_size: Annotated[float, number(gt=0, le=1e6, usual=(1e-12, 0.05))] = 0.000005 / 47
     """Step size, > 0: TAMER's for Tetris (its code divides 0.000005 by its 46 features and the bias)."""
     intercept: bool = True
     """Learn a bias beside the weights (TAMER does; it says nothing about which action is better)."""
@@ -22,14 +24,14 @@ class SgdModel(msgspec.Struct, frozen=True, tag="sgd"):
             raise ValueError(f"step_size is > 0, got {self.step_size}")
 
 
-class RidgeModel(msgspec.Struct, frozen=True, tag="ridge"):
+class RidgeModel(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="ridge"):
     """Linear model by regularised least squares over all samples so far.
 
     It minimises sum_i weight_i (label_i - intercept - v . z_i)^2 + l2 |v|^2, z_i being the inputs of sample i,
     and does not depend on the order of the samples, but for rounding.
     """
 
-    l2: float = 1.0
+    l2: Annotated[float, number(ge=1e-30, le=1e30, usual=(1e-6, 1e6))] = 1.0
     """Penalty, > 0: as strong as one unit of sample weight per standardised input. (Our choice.)"""
     intercept: Literal["free", "penalised", "none"] = "penalised"
     """Free: unpenalised, so inputs are centred, and praise alone (or blame alone) teaches nothing. Penalised: one
@@ -44,14 +46,14 @@ class RidgeModel(msgspec.Struct, frozen=True, tag="ridge"):
             )
 
 
-class TileModel(msgspec.Struct, frozen=True, tag="tiles"):
+class TileModel(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="tiles"):
     """Linear model over the active tiles of a tile-coded domain, by incremental gradient descent from zero.
 
     H(s, o) is the sum of the weights of the tiles that are active in s, for option o; a sample moves it by
     step_size * weight of its remaining error.
     """
 
-    step_size: float = 0.125
+    step_size: Annotated[float, number(gt=0, le=1)] = 0.125
     """Share of a sample's error that is taken out, in (0, 1]: divided by the number of active tiles in every update,
     as the Sarsa of the released keepaway players does with its own. (Our choice.)"""
     shared: bool = False

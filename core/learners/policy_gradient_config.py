@@ -1,11 +1,12 @@
 """Settings of policy gradient (`core.learners.policy_gradient`). No numerical library is imported."""
 
 import math
-from typing import ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
 import msgspec
 
-from core.learners.contract import LearnerKind
+from core.learners.kinds import LearnerKind
+from core.settings import number
 
 
 class PolicyGradientConfig(
@@ -15,19 +16,19 @@ class PolicyGradientConfig(
 
     kind: ClassVar[LearnerKind] = "climbing"
 
-    step_size: float = 0.03
+    step_size: Annotated[float, number(ge=0, le=1e6, usual=(0, 10))] = 0.03
     """alpha, >= 0, for features scaled by their spread among the actions of a decision."""
-    trace_decay: float = 0.9
+    trace_decay: Annotated[float, number(ge=0, le=1)] = 0.9
     """beta of the eligibility trace per decision, in [0, 1]: less bias and more variance the nearer to 1."""
-    baseline_rate: float = 0.01
+    baseline_rate: Annotated[float, number(ge=0, le=1)] = 0.01
     """Rate of the running mean reward that is taken off each reward, in [0, 1]; 0: no baseline."""
     update: Literal["step", "episode"] = "step"
     """When weights move: after every reward (OLPOMDP), or once after an episode (GPOMDP)."""
     natural: bool = False
     """Natural gradient: premultiplied by the inverse of the scores' mean outer product (Kakade 2001)."""
-    fisher_rate: float = 0.01
+    fisher_rate: Annotated[float, number(gt=0, le=1)] = 0.01
     """Rate of that running mean per episode, in (0, 1] (the first episodes count alike). (Our choice.)"""
-    fisher_ridge: float = 0.001
+    fisher_ridge: Annotated[float, number(ge=1e-30, le=1e30, usual=(1e-9, 1e6))] = 0.001
     """What is added to its diagonal, > 0 (10^-3 in Kakade's Tetris)."""
 
     def __post_init__(self) -> None:

@@ -1,10 +1,11 @@
 """Settings of SMDP Sarsa(lambda) (`core.learners.sarsa`). No numerical library is imported."""
 
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import msgspec
 
-from core.learners.contract import LearnerKind
+from core.learners.kinds import LearnerKind
+from core.settings import number
 
 
 class SarsaConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag="sarsa"):
@@ -12,19 +13,19 @@ class SarsaConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
 
     kind: ClassVar[LearnerKind] = "stepwise"
 
-    step_size: float = 0.125
+    step_size: Annotated[float, number(ge=0, le=1e6, usual=(0, 1))] = 0.125
     """alpha, divided by the number of active tiles in every update."""
-    discount: float = 1.0
+    discount: Annotated[float, number("per cycle", gt=0, le=1)] = 1.0
     """gamma per cycle, in (0, 1]."""
-    trace_decay: float = 0.0
+    trace_decay: Annotated[float, number("per decision", ge=0, le=1)] = 0.0
     """lambda per decision, in [0, 1]."""
-    exploration: float = 0.01
+    exploration: Annotated[float, number(ge=0, le=1)] = 0.01
     """epsilon: share of decisions taken at random."""
     replacing_traces: bool = True
     """True: a visited tile's trace becomes 1, those of the other actions there 0. False: traces accumulate."""
-    least_trace: float = 0.01
+    least_trace: Annotated[float, number(ge=0, le=1)] = 0.01
     """Traces below this are dropped."""
-    initial_value: float = 0.0
+    initial_value: Annotated[float, number("cycles", ge=-1e9, le=1e9, usual=(-1e5, 1e5))] = 0.0
     """Action value before any learning, in cycles."""
     shared_weights: bool = False
     """All learners learn one weight vector."""

@@ -1,8 +1,10 @@
 """The rules of a Tetris game and what is seen of it, as one frozen record. No compiled code is imported."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
 import msgspec
+
+from core.settings import number, one_of
 
 GameOverRule = Literal["fit-before-clear", "overflow"]
 TerminalValue = Literal["minus-infinity", "features"]
@@ -19,9 +21,9 @@ MIN_ROWS, MAX_ROWS = 4, 40
 class TetrisConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="tetris"):
     """Board, rules and features of a Tetris domain."""
 
-    rows: int = 20
+    rows: Annotated[int, number("rows", ge=MIN_ROWS, le=MAX_ROWS)] = 20
     """Height of the board, 4..40. 20 as in the paper (section 4) and in nearly all studies."""
-    columns: int = 10
+    columns: Annotated[int, number("columns", ge=MIN_COLUMNS, le=MAX_COLUMNS)] = 10
     """Width of the board, 4..16. 10 as in the paper."""
     game_over: GameOverRule = "fit-before-clear"
     """When a game ends. fit-before-clear: a piece must lie fully inside before full rows are removed; a game
@@ -45,9 +47,9 @@ class TetrisConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag=
     lines_in_value: bool = False
     """Whether the lines a placement clears are added to its value (an option of MDPTetris). Only for given
     policies played by `core.tetris.autoplay`: a learner that sees features alone could not add them."""
-    features: str = "bertsekas-21"
+    features: Annotated[str, one_of(FEATURE_SETS)] = "bertsekas-21"
     """Feature set of the environment's learner; the paper's "21 features", section 4."""
-    feedback_features: str = "bertsekas-21"
+    feedback_features: Annotated[str, one_of(FEATURE_SETS)] = "bertsekas-21"
     """Feature set whose differences (afterstate minus board before) the human reward model sees; differences as
     in TAMER (Knox & Stone 2009)."""
 

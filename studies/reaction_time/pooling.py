@@ -109,6 +109,11 @@ def pooled(sample: Sample, group: Group) -> PooledDelay:
     )
 
 
+def typical(group: Group) -> tuple[float, float, float]:
+    """Return shape, scale and offset (seconds) of the participant in the middle of the group."""
+    return _natural(np.array(group.mean), group.offset_limit_s)
+
+
 def _natural(theta: Array, limit: float) -> tuple[float, float, float]:
     """Return (shape, scale, offset) of (log(mean - offset), log shape[, log odds of the offset])."""
     shape = math.exp(theta[1])

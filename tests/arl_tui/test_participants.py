@@ -9,7 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 from arl_tui.cli import main
-from arl_tui.commands.credit import settle_credit, with_credit
+from arl_tui.commands.credit import credit_lines, settle_credit, with_credit
 from arl_tui.commands.demo import demo_protocol
 from arl_tui.link import Ready
 from arl_tui.participants import (
@@ -226,25 +226,55 @@ def test_the_protocol_chooses_whose_delay_gives_credit_and_the_command_line_over
     assert parse_delay(source["credit_rule"]) == rule
 
 
-def test_without_a_protocol_file_a_participant_has_its_own_delay_where_that_game_was_measured(
+def test_without_a_protocol_file_the_rule_is_the_default_protocols_for_every_participant(
     tmp_path: Path,
 ) -> None:
-    def settle(game: str, option: str | None = None) -> tuple[Delay, str, str]:
-        protocol = load_protocol(None, game=game)
-        settled, source = settle_credit(protocol, option, tmp_path, "P01", own_if_measured=True)
+    def settle(participant: str, option: str | None = None) -> tuple[Delay, str, str]:
+        settled, source = settle_credit(load_protocol(None), option, tmp_path, participant)
         return settled.agent.credit.delay, source["credit"], source["credit_asked_by"]
 
     as_written = Protocol().agent.credit.delay
-    assert settle("tetris") == (as_written, "rule", "default")
-    keep_delay(tmp_path, "P01", task_delay("simple", SIMPLE))
-    assert settle("tetris") == (as_written, "rule", "default")
     keep_delay(tmp_path, "P01", task_delay())
-    assert settle("tetris") == (LAG, "participant", "default")
-    assert settle("tetris", "paper") == (GammaDelay(), "paper", "command line")
-    assert settle("keepaway")[1:] == ("rule", "default")
+    assert settle("P01") == settle("P09") == (as_written, "rule", "protocol")
+    assert settle("P01", "participant") == (LAG, "participant", "command line")
+    assert settle("P01", "paper") == (GammaDelay(), "paper", "command line")
     delays_path(tmp_path, "P01").write_text("rubbish")
     with pytest.raises(click.ClickException, match="not a participant's delays"):
-        settle("tetris")
+        settle("P01", "participant")
+
+
+def test_a_file_with_the_defaults_gives_the_same_rule_as_no_file(tmp_path: Path) -> None:
+    keep_delay(tmp_path, "P01", task_delay())
+    path = tmp_path / "study.toml"
+    path.write_text(CliRunner().invoke(main, ["protocol"]).output)
+    written = settle_credit(load_protocol(path), None, tmp_path, "P01")
+    assert written == settle_credit(load_protocol(None), None, tmp_path, "P01")
+
+
+def test_a_participant_without_a_measured_delay_has_what_the_protocol_says(tmp_path: Path) -> None:
+    path = tmp_path / "study.toml"
+    path.write_text('delay_of = "feedback-lag"\ndelay_if_missing = "paper"\n')
+    settled, source = settle_credit(load_protocol(path), None, tmp_path, "P09")
+    assert settled.agent.credit.delay == GammaDelay()
+    assert source["credit"] == "paper"
+    assert source["credit_asked"] == "feedback-lag"
+    assert source["credit_missing"] == "P09 has no measured delay: paper"
+    path.write_text('delay_of = "feedback-lag"\ndelay_if_missing = "pooled"\n')
+    with pytest.raises(click.ClickException, match=r"no pooled delay of judging tetris .*at least 5"):
+        settle_credit(load_protocol(path), None, tmp_path, "P09")
+
+
+def test_the_experimenter_is_told_whose_delay_gives_credit_and_from_which_trials(tmp_path: Path) -> None:
+    keep_delay(tmp_path, "P01", task_delay())
+    protocol = load_protocol(protocol_file(tmp_path, "feedback-lag"))
+    _, source = settle_credit(protocol, None, tmp_path, "P01")
+    told = " ".join(credit_lines(source, tmp_path, "P01", "tetris"))
+    assert "gamma:9,0.07,0.1 (feedback-lag, asked for by the protocol)" in told
+    assert "from P01-feedback-lag-20261122T075000Z.jsonl" in told
+    _, source = settle_credit(load_protocol(None), None, tmp_path, "P01")
+    assert "P01 has a measured delay of judging, which is not used" in " ".join(
+        credit_lines(source, tmp_path, "P01", "tetris")
+    )
 
 
 def test_a_protocol_that_needs_a_measured_delay_stops_where_there_is_none(tmp_path: Path) -> None:

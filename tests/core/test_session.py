@@ -134,17 +134,17 @@ def test_outputs_count_the_inputs_that_were_taken_in_before(tmp_path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("[session]\nepisodes = 0\n", r"episodes is >= 1, got 0.*\$\.session"),
-        ("[session]\nepisods = 3\n", r"unknown field `episods`.*\$\.session"),
-        ("[keys]\ngood = 3\n", r"Expected `str`, got `int`.*\$\.keys\.good"),
-        ("[session\n", "not a TOML file"),
-        ('[agent.scheme]\ntype = "liner"\n', r"Invalid value 'liner'.*\$\.agent\.scheme"),
+        ("[session]\nepisodes = 0\n", r":2: \[session\] episodes = 0: expected a whole number 1 to 10000"),
+        ("[session]\nepisods = 3\n", r":2: \[session\] episods = 3: .*did you mean `episodes`"),
+        ("[keys]\ngood = 3\n", r":2: \[keys\] good = 3: expected a text: one lower-case letter"),
+        ("[session\n", ":1: not a TOML file"),
+        ('[agent.scheme]\ntype = "liner"\n', r':2: \[agent.scheme\] type = "liner": .*did you mean "linear"'),
     ],
 )
 def test_a_wrong_protocol_is_refused_with_file_place_and_reason(tmp_path, text, message):
     path = tmp_path / "study.toml"
     path.write_text(text)
-    with pytest.raises(ProtocolError, match=rf"study\.toml: .*{message}"):
+    with pytest.raises(ProtocolError, match=rf"study\.toml{message}"):
         load_protocol(path)
 
 

@@ -1,6 +1,6 @@
 """The rule "equation-4": the performance-weighted mean match of the top policies."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
 import msgspec
 
@@ -8,20 +8,21 @@ from core.combination.agreement import MatchKind, degree_of_match
 from core.combination.ranking import EpisodeReport
 from core.combination.trust.contract import Evidence, Needs, Trust
 from core.combination.trust.measures import human_weight
+from core.settings import number
 from core.streams import stream
 
 HIGHEST_CHANCE = 0.99
 """An estimate of chance agreement above this counts as this: a match is divided by 1 - chance."""
 
 
-class Equation4(msgspec.Struct, frozen=True, tag="equation-4"):
+class Equation4(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="equation-4"):
     """w_h is the performance-weighted mean match of the top policies (Eq. 4)."""
 
     match: MatchKind = "rate"
     """m_i: the paper counts equal choices; a rate keeps w_h in [0, 1]."""
     measured: Literal["as-played", "window"] = "as-played"
     """m_i from the last episode in which policy i was played, or anew from recent decisions."""
-    chance: float | None = None
+    chance: Annotated[float, number(ge=0, lt=1)] | None = None
     """Agreement of unrelated policies, in [0, 1), where `match` is chance-corrected; None: estimated from
     recent decisions by random policies."""
 

@@ -10,7 +10,7 @@ from core.combination.trust.contract import Evidence, Needs, Trust, weight_bytes
 from core.combination.trust.measures import next_human_weight
 
 
-class Equation5(msgspec.Struct, frozen=True, tag="equation-5"):
+class Equation5(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="equation-5"):
     """w_h moves from episode to episode, weighted by performance (Eq. 5)."""
 
     needs: ClassVar[Needs] = Needs()

@@ -1,20 +1,21 @@
 """The rule "fixed": trust that no evidence changes."""
 
 import math
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import msgspec
 
 from core.combination.ranking import EpisodeReport
 from core.combination.trust.contract import Evidence, Needs, Trust
+from core.settings import number
 
 
-class FixedWeight(msgspec.Struct, frozen=True, tag="fixed"):
+class FixedWeight(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="fixed"):
     """Trust that no evidence changes: takes bootstrap learning out, for comparisons."""
 
     needs: ClassVar[Needs] = Needs()
 
-    w_h: float = 1.0
+    w_h: Annotated[float, number(ge=-1e9, le=1e9, usual=(-1000, 1000))] = 1.0
     """As much say as the environment, both being standardised. (Our choice.)"""
 
     def __post_init__(self) -> None:

@@ -1,15 +1,16 @@
 """The rule "rank-correlation": whether policies that agree with the human do better."""
 
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import msgspec
 
 from core.combination.ranking import EpisodeReport
 from core.combination.trust.contract import Evidence, Needs, RecentEpisodes, Trust, check_gain, check_memory
 from core.combination.trust.measures import rank_human_weight
+from core.settings import number
 
 
-class RankCorrelation(msgspec.Struct, frozen=True, tag="rank-correlation"):
+class RankCorrelation(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="rank-correlation"):
     """Trust a participant if policies that agree with them do better (ours; `docs/decisions/signed-match.md`).
 
     r = Spearman's correlation between performance and agreement over recent episodes, less its standard error
@@ -18,15 +19,15 @@ class RankCorrelation(msgspec.Struct, frozen=True, tag="rank-correlation"):
 
     needs: ClassVar[Needs] = Needs()
 
-    episodes: int = 200
+    episodes: Annotated[int, number("compared episodes", ge=3, le=1_000_000)] = 200
     """How many recent compared episodes count."""
-    gain: float = 1.5
+    gain: Annotated[float, number(gt=0, le=1e9, usual=(0.001, 1000))] = 1.5
     """Factor that brings a good participant near the environment's weight."""
-    standard_errors: float = 1.0
+    standard_errors: Annotated[float, number("standard errors", ge=0, le=1e9, usual=(0, 100))] = 1.0
     """What is not this many standard errors from 0 is taken for 0."""
     signed: bool = False
     """A negative correlation gives a negative weight; otherwise 0."""
-    minimum_episodes: int = 10
+    minimum_episodes: Annotated[int, number("compared episodes", ge=3, le=1_000_000)] = 10
     """With fewer episodes w_h = 0."""
 
     def __post_init__(self) -> None:

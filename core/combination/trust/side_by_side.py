@@ -2,6 +2,7 @@
 
 import math
 import struct
+from typing import Annotated
 
 import msgspec
 
@@ -16,13 +17,14 @@ from core.combination.trust.contract import (
     check_weight,
 )
 from core.combination.trust.measures import signed_human_weight
+from core.settings import number
 from core.streams import stream
 
 ATTITUDES = (0.0, 1.0, -1.0)
 """Of the learners, in their order: without the human, with them, against them."""
 
 
-class SideBySide(msgspec.Struct, frozen=True, tag="side-by-side"):
+class SideBySide(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="side-by-side"):
     """Learners side by side, one per attitude, and the signed match of the one without the human (ours).
 
     One learner chooses without the human, one believes them (w_h = weight), one believes the opposite (w_h = -weight). One
@@ -31,20 +33,20 @@ class SideBySide(msgspec.Struct, frozen=True, tag="side-by-side"):
     that can learn from what another one does: compiled play of Keepaway has them (`core.keepaway.arl_autoplay`).
     """
 
-    weight: float = 1.0
+    weight: Annotated[float, number(gt=0, le=1e9, usual=(0.001, 1000))] = 1.0
     """|w_h| of the two that go by the human: as much say as the environment, both being standardised."""
-    own_share: float = 0.2
+    own_share: Annotated[float, number(ge=0, le=1)] = 0.2
     """Share of episodes that the learner without the human plays once the human is believed, or their opposite. Before
     that each plays a third."""
-    other_share: float = 0.05
+    other_share: Annotated[float, number(ge=0, le=1)] = 0.05
     """Share of episodes that the learner of the opposite attitude plays then."""
-    warm_up_episodes: int = 60
+    warm_up_episodes: Annotated[int, number("compared episodes", ge=2, le=1_000_000)] = 60
     """Compared episodes without the human after which their agreement counts: before, that learner knows nothing."""
-    episodes: int = 20
+    episodes: Annotated[int, number("compared episodes", ge=2, le=1_000_000)] = 20
     """How many of its recent compared episodes count."""
-    margin: float = 0.1
+    margin: Annotated[float, number(ge=0, lt=1)] = 0.1
     """As in `Signed`."""
-    standard_errors: float = 2.0
+    standard_errors: Annotated[float, number("standard errors", ge=0, le=1e9)] = 2.0
     """As in `Signed`."""
 
     def __post_init__(self) -> None:

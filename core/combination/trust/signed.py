@@ -1,31 +1,34 @@
 """The rule "signed": Eq. 4 over recent episodes, by the signed match less its standard errors."""
 
+from typing import Annotated
+
 import msgspec
 
 from core.combination.agreement import Agreement
 from core.combination.ranking import EpisodeReport
 from core.combination.trust.contract import Evidence, Needs, RecentEpisodes, Trust, check_gain, check_memory
 from core.combination.trust.measures import signed_human_weight
+from core.settings import number
 
 
-class Signed(msgspec.Struct, frozen=True, tag="signed"):
+class Signed(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="signed"):
     """Eq. 4 over recent episodes with the signed match, less its standard errors (ours; `docs/decisions`).
 
     w = sum pm_i a_i / sum pm_i, se = sd(a) sqrt(sum pm_i^2) / sum pm_i, w_h = gain sign(w) max(0, |w| - c se - margin).
     """
 
-    episodes: int = 200
+    episodes: Annotated[int, number("compared episodes", ge=2, le=1_000_000)] = 200
     """How many recent compared episodes count."""
-    gain: float = 2.0
+    gain: Annotated[float, number(gt=0, le=1e9, usual=(0.001, 1000))] = 2.0
     """Factor that brings a good participant near the environment's weight."""
-    standard_errors: float = 2.0
+    standard_errors: Annotated[float, number("standard errors", ge=0, le=1e9, usual=(0, 100))] = 2.0
     """c: what is not this many standard errors from 0 is taken for 0."""
-    margin: float = 0.0
+    margin: Annotated[float, number(ge=0, lt=1)] = 0.0
     """Agreement that is taken for chance whatever its standard error, in [0, 1): a human model learned from noise is one
     random policy in all episodes, and agrees with good ones by a fixed number (`docs/decisions/margin-of-agreement.md`)."""
-    minimum_episodes: int = 10
+    minimum_episodes: Annotated[int, number("compared episodes", ge=2, le=1_000_000)] = 10
     """With fewer episodes w_h = 0: their standard deviation says nothing."""
-    consistent_above: float | None = None
+    consistent_above: Annotated[float, number("standard errors", ge=0)] | None = None
     """w_h = 0 unless the presses so far follow the human model better than chance by so many standard errors
     (`core.learners.consistency`); None: not looked at."""
 

@@ -1,7 +1,7 @@
 """The rule "tried": attitudes to the human are tried out, and performance says which one is kept."""
 
 import struct
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import msgspec
 
@@ -15,10 +15,11 @@ from core.combination.trust.contract import (
     check_weight,
 )
 from core.combination.trust.measures import rank_test
+from core.settings import number
 from core.streams import stream
 
 
-class Tried(msgspec.Struct, frozen=True, tag="tried"):
+class Tried(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="tried"):
     """The human's word is tried out, and performance says what to make of it (ours; `docs/decisions/tried-trust.md`).
 
     w_h = attitude * weight. The attitude is 1 (believe), 0, or -1 (believe the opposite), whichever went with the better
@@ -28,19 +29,19 @@ class Tried(msgspec.Struct, frozen=True, tag="tried"):
 
     needs: ClassVar[Needs] = Needs(consistency=True)
 
-    weight: float = 1.0
+    weight: Annotated[float, number(gt=0, le=1e9, usual=(0.001, 1000))] = 1.0
     """|w_h| of a participant who is believed: as much say as the environment, both being standardised."""
-    consistent_above: float = 2.0
+    consistent_above: Annotated[float, number("standard errors", ge=0)] = 2.0
     """Standard errors by which presses must be foreseen better than chance for an attitude to be tried."""
-    trial_share: float = 0.3
+    trial_share: Annotated[float, number(ge=0, le=1)] = 0.3
     """Share of episodes in which 1 or -1 is tried while the attitude is 0."""
-    control_share: float = 0.05
+    control_share: Annotated[float, number(ge=0, le=1)] = 0.05
     """Share of episodes played without the human while it is 1 or -1."""
-    better_by: float = 3.0
+    better_by: Annotated[float, number("standard errors", ge=0)] = 3.0
     """Standard errors of the rank test (Mann & Whitney) by which another attitude must do better to be taken over."""
-    minimum_episodes: int = 5
+    minimum_episodes: Annotated[int, number("compared episodes", ge=2, le=1_000_000)] = 5
     """Episodes under an attitude before it is compared."""
-    episodes: int = 200
+    episodes: Annotated[int, number("compared episodes", ge=2, le=1_000_000)] = 200
     """How many recent compared episodes count."""
 
     def __post_init__(self) -> None:

@@ -1,11 +1,12 @@
 """The rule "recent": the mean match of the last episodes, whatever their performance."""
 
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import msgspec
 
 from core.combination.ranking import EpisodeReport
 from core.combination.trust.contract import Evidence, Needs, RecentEpisodes, Trust
+from core.settings import number
 
 
 class Recent(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="recent"):
@@ -13,8 +14,8 @@ class Recent(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="recen
 
     needs: ClassVar[Needs] = Needs()
 
-    episodes: int = 20
-    """How many recent compared episodes count, >= 1. (Our choice.)"""
+    episodes: Annotated[int, number("compared episodes", ge=1, le=1_000_000)] = 20
+    """How many recent compared episodes count. (Our choice.)"""
 
     def begin(self, *, root_seed: int) -> Trust:
         """Return trust of 0."""

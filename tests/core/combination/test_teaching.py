@@ -230,9 +230,9 @@ class Searcher:
         (
             Searcher,
             RewardShaping(),
-            "reward-shaping needs a learner that learns from the reward of each step",
+            "reward-shaping needs a learner that learns at every step",
         ),
-        (Searcher, Coach(), "coach needs a learner with a softmax policy: policy gradient; got Searcher"),
+        (Searcher, Coach(), "coach needs a learner with a softmax policy: policy-gradient; got Searcher"),
         (Searcher, QAugmentation(), "q-augmentation needs a learner of action values"),
         (sarsa, Coach(), "coach needs a learner with a softmax policy"),
         (

@@ -1,0 +1,93 @@
+"""`arl protocol --check FILE`, and the same in short before a session: what a protocol will do."""
+
+import shutil
+import textwrap
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+
+import click
+import msgspec
+
+from arl_tui.commands.credit import credit_lines
+from core.effects import idle, warnings_of
+from core.feedback.delays import GammaDelay, describe
+from core.protocol import DEFAULTS, Protocol
+from core.reading import printable
+from core.session_plan import plan
+
+WIDEST = 110
+"""Columns of a line at most."""
+INDENT = 10
+"""Columns of the topics."""
+ENOUGH = 0.70
+"""Below this share the pace or the credit rule should be another one (docs/decisions/pace-of-a-session.md)."""
+
+
+def check_protocol(path: Path, protocol: Protocol) -> None:
+    """Print what a session of a protocol file will do; compiled code is loaded for the last lines."""
+    click.echo(f"{printable(str(path))}: can be used.")
+    topics = plan(protocol)
+    topics["Compiled"] = _compiled(protocol)  # before anything is
+    topics["Reach"] = _reach(protocol)
+    _tell([*topics.items(), *(("Note", f"{sentence}.") for sentence in protocol.departures())])
+    _tell([("Beware", f"{sentence}.") for sentence in notes(protocol)])
+
+
+def tell_start(protocol: Protocol, source: Mapping[str, str], recordings: Path, participant: str) -> None:
+    """Print for the experimenter what is about to start: how much, whose delay gives credit, what has no effect.
+
+    Neither the protocol's name nor the weight of the participant is in it: the participant may see this page.
+    """
+    topics = plan(protocol)
+    click.echo(f"Session of {participant}:")
+    credit = "; ".join(credit_lines(source, recordings, participant, protocol.game))
+    _tell([*((topic, topics[topic]) for topic in ("Games", "Presses", "Time")), ("Credit", credit)])
+    _tell([("Beware", f"{sentence}.") for sentence in notes(protocol)])
+
+
+def _tell(topics: Sequence[tuple[str, str]]) -> None:
+    """Print topics in two columns, as wide as the terminal."""
+    width = max(40, min(shutil.get_terminal_size().columns, WIDEST))
+    for topic, text in topics:
+        indent = " " * (INDENT + 2)
+        click.echo(
+            textwrap.fill(
+                f"  {topic:{INDENT - 2}}  {text}", width, subsequent_indent=indent, break_on_hyphens=False
+            )
+        )
+
+
+def notes(protocol: Protocol) -> Iterator[str]:
+    """Yield what has no effect in a live session, and what an experimenter may not have meant."""
+    yield from map(str, idle(protocol, DEFAULTS[protocol.game], ["live"]))
+    yield from warnings_of(protocol, "live")
+
+
+def _reach(protocol: Protocol) -> str:
+    """Return the share of a press that reaches the step it was meant for, under the delay in force."""
+    from core.feedback.reach import delay_in_force, reach_of  # here, not above: compiled code comes with it
+
+    measured = protocol.delay_of != "rule"
+    if measured:
+        # Each participant has their own: the paper's stands for them here.
+        credit = msgspec.structs.replace(protocol.agent.credit, delay=GammaDelay())
+        agent = msgspec.structs.replace(protocol.agent, credit=credit)
+        protocol = msgspec.structs.replace(protocol, agent=agent)
+    reach = reach_of(protocol)
+    text = (
+        f"{reach.share:.0%} of a press reaches the step it was meant for, for a participant with the delay "
+        f"{describe(delay_in_force(protocol))} (a step lasts {reach.step_s:.2g} s)"
+    )
+    return text if reach.share >= ENOUGH else f"{text}: less than {ENOUGH:.0%}; a slower pace reaches more"
+
+
+def _compiled(protocol: Protocol) -> str:
+    import os
+
+    import core.compiled  # noqa: F401 - sets the cache folder
+
+    folder = Path(os.environ["NUMBA_CACHE_DIR"])
+    kept = sum(1 for _ in folder.rglob("*.nbc"))
+    if kept:
+        return f"the kernels of {protocol.game}; {kept} compiled parts of the program are kept in {folder}"
+    return f"the kernels of {protocol.game}, at the first start: a minute or two"

@@ -1,0 +1,152 @@
+"""`arl protocol`: the printed file, the page, and what a file is said to do."""
+
+import re
+from pathlib import Path
+
+import msgspec
+import pytest
+from click.testing import CliRunner, Result
+
+from arl_tui.cli import main
+from arl_tui.commands.check_protocol import tell_start
+from arl_tui.commands.protocol import protocol_lines
+from arl_tui.commands.protocol_page import page
+from core.catalogue import settings_of, tables_of
+from core.combination.config import SCHEMES
+from core.feedback.config import TrainerConfig
+from core.protocol import DEFAULTS, Protocol, load_protocol, protocol_from
+
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+SHARED = Path("/nonexistent")
+
+
+def run(*arguments: object) -> Result:
+    return CliRunner().invoke(main, [str(argument) for argument in arguments])
+
+
+def keys_of(game: str) -> set[tuple[str, str]]:
+    """Every key of every table of a game's default protocol, whatever its value."""
+    found = {("", setting.key) for setting in settings_of(Protocol).values() if setting.kind.base != "table"}
+    for path, kind in tables_of(Protocol):
+        value: object = DEFAULTS[game]
+        for key in path:
+            value = getattr(value, key, None)
+        if isinstance(value, msgspec.Struct) and kind.base == "table":
+            settings = settings_of(type(value)).values()
+            found |= {(".".join(path), s.key) for s in settings if s.kind.base != "table"}
+    return found
+
+
+@pytest.mark.parametrize("game", ["tetris", "keepaway"])
+def test_every_key_is_printed_with_its_meaning_and_reads_back(tmp_path: Path, game: str) -> None:
+    printed = run("protocol", game).output
+    path = tmp_path / "p.toml"
+    path.write_text(printed)
+    assert load_protocol(path, game=game) == DEFAULTS[game]
+    table, found = "", set()
+    lines = printed.splitlines()
+    for number, line in enumerate(lines):
+        if header := re.match(r"\[([\w.]+)\]$", line):
+            table = header[1]
+        elif (key := re.match(r"(?:# )?([a-z_0-9]+) = ", line)) and key[1] != "type":
+            found.add((table, key[1]))
+            assert lines[number - 1].startswith("# "), line
+    assert found == keys_of(game)
+    assert all(len(line) <= 110 for line in lines)
+
+
+@pytest.mark.parametrize("scheme", sorted(SCHEMES))
+def test_any_protocol_reads_back_as_it_was_printed(tmp_path: Path, scheme: str) -> None:
+    game = "keepaway" if scheme == "q-augmentation" else "tetris"
+    plain: dict[str, object] = {
+        "name": 'quote " back \\ \t tab \x7f Käthe',
+        "agent": {"scheme": scheme},
+        "keys": {"repeat_delay_ms": [100, 300]},
+    }
+    if scheme in ("coach", "reward-shaping"):
+        plain["learner"] = {"type": "policy-gradient", "natural": True, "fisher_rate": 0.5}
+    plain["session"] = {"watched": "proposed"} if game == "tetris" else {}
+    protocol = msgspec.structs.replace(
+        protocol_from(plain, game=game, to_run=True),
+        others=(TrainerConfig(mean_presses=2.0), TrainerConfig(stops_after_episodes=3)),
+    )
+    path = tmp_path / "p.toml"
+    path.write_text("\n".join(protocol_lines(protocol)))
+    assert load_protocol(path, game=game) == protocol
+
+
+def test_a_setting_without_effect_is_printed_as_a_comment() -> None:
+    tetris, keepaway = run("protocol").output, run("protocol", "keepaway").output
+    assert "\n# speed = 1.0\n" in tetris
+    assert "\nspeed = 1.0\n" in keepaway
+    assert "\ntick_ms = 80\n" in tetris
+    assert "\n# tick_ms = 80\n" in keepaway
+    assert "# Has an effect in Keepaway only." in tetris
+
+
+def test_the_page_of_settings_is_current() -> None:
+    assert (DOCS / "protocol.md").read_text(encoding="utf-8") == page(), (
+        "write it again: arl protocol --markdown > docs/protocol.md"
+    )
+    assert run("protocol", "--markdown").output == page()
+
+
+def test_the_page_names_every_key_and_type() -> None:
+    text = page()
+    for path, kind in tables_of(Protocol):
+        assert ".".join(path) in text
+        for tag, struct in (kind.structs or {}).items():
+            assert f'type = "{tag}"' in text or not tag
+            for key, setting in settings_of(struct).items():
+                assert f"| `{key}` |" in text or setting.kind.base == "table"
+
+
+@pytest.mark.jit
+def test_a_file_is_said_what_it_will_do(tmp_path: Path) -> None:
+    path = tmp_path / "study.toml"
+    path.write_text(
+        'name = "pilot"\ndelay_of = "feedback-lag"\n[agent.scheme]\ntype = "annealed"\ndecay = 0.5\n'
+        "[session]\nepisodes = 4\nunseen_between = 0\n[trainer]\nmistake_rate = 0.5\n"
+    )
+    result = run("protocol", "--check", path)
+    assert result.exit_code == 0, result.output
+    told = " ".join(result.output.split())
+    for part in (
+        "4 watched, each of at most 60 pieces",
+        "at most 5 in a game, 20 in all",
+        "annealed: w_r = 1, w_h 1, 0.5, 0.25, 0.12 in games 1 to 4",
+        "own measured delay of judging this game (task feedback lag); for a participant without one: the session does",
+        "of a press reaches the step it was meant for",
+        "the kernels of tetris",
+        "[trainer] mistake_rate has no effect here",
+        "teaches nothing after it",
+    ):
+        assert part in told
+
+
+def test_a_wrong_file_is_not_checked_further(tmp_path: Path) -> None:
+    path = tmp_path / "study.toml"
+    path.write_text("[session]\nepisode = 2\n")
+    result = run("protocol", "--check", path)
+    assert result.exit_code == 1
+    assert "study.toml:2: [session] episode = 2" in result.output
+    assert "Traceback" not in result.output
+
+
+def test_one_thing_is_asked_of_it_at_a_time(tmp_path: Path) -> None:
+    path = tmp_path / "study.toml"
+    path.write_text("")
+    assert run("protocol", "--check", path, "--markdown").exit_code == 2
+
+
+def test_the_start_tells_the_experimenter_much_and_not_the_condition(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    protocol = protocol_from({"agent": {"scheme": "annealed"}, "trainer": {"mistake_rate": 0.5}}, to_run=True)
+    source = {"credit": "rule", "credit_rule": "previous", "credit_asked_by": "protocol"}
+    tell_start(protocol, source, tmp_path, "P01")
+    told = capsys.readouterr().out
+    for part in ("10 watched", "50 in all", "about 7 minutes", "previous (rule, asked for by the protocol)"):
+        assert part in told
+    assert "[trainer] mistake_rate has no effect here" in told
+    assert "annealed" not in told
