@@ -269,7 +269,7 @@ def test_settings_that_compiled_play_cannot_follow_are_refused():
             ArlKeepawayConfig(agent=agent(trust=SideBySide()), sarsa=sarsa)
     with pytest.raises(ValueError, match="burst"):
         setting(trainer=TrainerConfig(burst_rate=0.1, burst_interval_s=0.05))
-    with pytest.raises(TypeError, match="learning"):
+    with pytest.raises(ValueError, match="learning"):
         ArlKeepawayConfig(agent=agent(RewardShaping()))
     with pytest.raises(ValueError, match="myopic"):
         setting(trainer=TrainerConfig(knowledge="myopic"))
