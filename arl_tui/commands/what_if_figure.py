@@ -24,7 +24,7 @@ def draw(rows: "Sequence[WhatIfRow]", path: Path, units: str = "lines") -> None:
 
     credits = list(dict.fromkeys(row.credit for row in rows))
     schemes = list(dict.fromkeys(row.rule for row in rows))
-    figure = Figure(figsize=(10.0, 1.6 + 0.5 * len(credits)), layout="constrained")
+    figure = Figure(figsize=(10.0, 1.6 + 0.5 * len(credits) + 0.1 * len(schemes)), layout="constrained")
     scores, differences = figure.subplots(1, 2, sharey=True)
     for number, scheme in enumerate(schemes):
         shown = [row for row in rows if row.rule == scheme]
@@ -45,7 +45,7 @@ def draw(rows: "Sequence[WhatIfRow]", path: Path, units: str = "lines") -> None:
     differences.axvline(0.0, color="grey", linewidth=0.8)
     differences.set_xlabel(f"minus {rows[0].credit}, {rows[0].rule} (paired by seed)")
     if len(schemes) > 1:
-        scores.legend(title="scheme", fontsize="small")
+        figure.legend(loc="outside upper center", ncols=2, fontsize="small")
     for axes in (scores, differences):
         axes.grid(axis="x", alpha=0.3)
     figure.savefig(path, dpi=150)
