@@ -86,14 +86,15 @@ def compare(
     workers: int | None,
 ) -> "list[WhatIfRow]":
     """Work out the table, with a bar that shows how far it is."""
-    from core.combination.config import SCHEMES
+    from core.combination.config import SCHEMES, check_learner
     from studies.what_if import WhatIfSettings, scheme_named, what_if
 
     own = next(name for name, kind in SCHEMES.items() if isinstance(protocol.agent.scheme, kind))
     names = list(schemes) or [own]
     for name in names:
         try:
-            scheme_named(name, protocol.agent.scheme)
+            scheme = scheme_named(name, protocol.agent.scheme)
+            check_learner(scheme, protocol.learner.kind, str(protocol.learner.__struct_config__.tag))
         except ValueError as error:
             raise click.BadParameter(str(error), param_hint="--scheme") from error
     with click.progressbar(length=len(delays) * len(names), label="Learning again", file=sys.stderr) as bar:

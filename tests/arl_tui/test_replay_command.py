@@ -195,6 +195,7 @@ def test_what_if_prints_a_row_per_rule_and_writes_table_and_figure(tmp_path: Pat
         (("--credit", "sometimes"), "unknown credit rule 'sometimes'"),
         (("--scheme", "nope"), "'nope': use one of linear"),
         (("--scheme", "linear:episode"), "the weight of linear does not fall"),
+        (("--scheme", "coach"), "coach needs a learner with a softmax policy"),
         (("--csv", "x.csv"), "name a rule"),
     ],
 )
