@@ -6,7 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.combination.asking import Asker, Question, samples_of
-from core.combination.config import ENVIRONMENT_WEIGHTS, AgentConfig, EpisodeWeights, waits_for_feedback
+from core.combination.config import (
+    ENVIRONMENT_WEIGHTS,
+    AgentConfig,
+    EpisodeWeights,
+    TrustRule,
+    waits_for_feedback,
+)
 from core.combination.environment import environment_sides
 from core.combination.human_learner import HumanLearner
 from core.combination.listeners import Listeners, ListenersTrust
@@ -67,21 +73,13 @@ class ArlAgent:
         Raises:
             ValueError: the rule of trust, or the scheme, needs another learner; or there is no participant.
         """
-        if config.bootstrap.trust.needs.side_by_side:
-            raise ValueError(
-                "this rule of trust needs learners side by side, and an agent has one: choose another one, or play "
-                f"compiled Keepaway (core.keepaway.arl_autoplay); got {config.bootstrap.trust}"
-            )
+        _check_trust(config.bootstrap.trust)
         environment_values = environment_values or exact_values
         self.config = config
         self.learner = learner
         """The environment's learner; what plays for it in compiled code lets it learn there."""
         human_values = human_values or (tile_values(feedback_tiles) if feedback_tiles else exact_values)
-        models = [
-            HumanLearner(config.credit, config.human_model, n_feedback_features, tiles=feedback_tiles)
-            for _ in range(n_participants)
-        ]
-        self.human = Listeners(models, feedback_tiles.n_weights if feedback_tiles else n_feedback_features)
+        self.human = _listeners(config, n_participants, n_feedback_features, feedback_tiles)
         self.window = DecisionWindow(config.bootstrap.window_decisions, environment_values, human_values)
         self.bootstrap = ListenersTrust(config.bootstrap, self.window, self.human, root_seed=root_seed)
         self.so_far = EpisodesSoFar()
@@ -349,3 +347,18 @@ class ArlAgent:
             weights.w_r,
             weights.w_h,
         )
+
+
+def _check_trust(rule: TrustRule) -> None:
+    """Refuse a rule that needs several learners."""
+    if rule.needs.side_by_side:
+        raise ValueError(
+            "this rule of trust needs learners side by side, and an agent has one: choose another one, or play "
+            f"compiled Keepaway (core.keepaway.arl_autoplay); got {rule}"
+        )
+
+
+def _listeners(config: AgentConfig, n: int, n_features: int, tiles: Tiling | None) -> Listeners:
+    """Return the human models of n participants that have not pressed yet."""
+    models = [HumanLearner(config.credit, config.human_model, n_features, tiles=tiles) for _ in range(n)]
+    return Listeners(models, tiles.n_weights if tiles else n_features)
