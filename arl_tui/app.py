@@ -17,7 +17,7 @@ from arl_tui.link import Link, PressSuggested, Ready
 from arl_tui.live import LiveSession, Occurrence, Tally
 from arl_tui.once import after
 from arl_tui.palette import palette_for
-from arl_tui.plain_app import PlainApp, foreign_words
+from arl_tui.plain_app import PlainApp
 from arl_tui.recordings import create_new, rescue, rescue_whole
 from arl_tui.screens.closing import ClosingScreen
 from arl_tui.screens.play import PlayScreen
@@ -222,12 +222,10 @@ class ArlApp(PlainApp[Outcome]):
             self.live.focus(isinstance(event, events.AppFocus))
         await super().on_event(event)
 
-    def tell_foreign_key(self, alphabet: str) -> None:
-        """Say it beside the game, where there is one: a note over it would hide it."""
-        if self.screen is self.play:
-            self.play.feedback.show_note(foreign_words(alphabet))
-        else:
-            super().tell_foreign_key(alphabet)
+    def tell_about_keys(self, advice: str) -> None:
+        """Leave it to the feedback bar where there is a game: a note over the game would hide it."""
+        if self.screen is not self.play:
+            super().tell_about_keys(advice)
 
     def post_display_hook(self) -> None:
         """Note that a picture of the game has just been handed to the terminal's writer."""

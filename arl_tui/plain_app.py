@@ -16,15 +16,13 @@ from textual.app import App
 from textual.driver import Driver
 
 from arl_tui.driver import own_driver
+from arl_tui.foreign_keys import ForeignKeys, language
 from arl_tui.terminal_guard import QUIET, TerminalGuard
-from core.layouts import KeyReader, alphabet_of
+from core.layouts import KeyReader
 
 Result = TypeVar("Result")
 ENDING_SIGNALS = ("SIGHUP", "SIGINT", "SIGTERM")
 """Signals that ask an app to end; the terminal sends SIGHUP when it closes."""
-
-UNSURE = ("slash", "semicolon")
-"""What the key of q sends under Hebrew and Greek: it may also be meant as it stands."""
 
 
 class PlainApp(App[Result], inherit_bindings=False):
@@ -39,7 +37,7 @@ class PlainApp(App[Result], inherit_bindings=False):
         trust_the_terminal()
         self.reader = KeyReader(language())
         """Finds the Latin letter on a key where the keyboard is set to another alphabet."""
-        self._foreign_keys = 0
+        self._foreign_keys = ForeignKeys()
         super().__init__(driver_class=driver_class or own_driver())
         self.animation_level = "none"
         self.ended_by: signal.Signals | None = None
@@ -120,16 +118,14 @@ class PlainApp(App[Result], inherit_bindings=False):
         reading = self.reader.read(raw)
         if reading is not None:
             event.key = event.character = reading.letter
-            self._foreign_keys = 0
             return
-        alphabet = alphabet_of(event.character or "")
-        self._foreign_keys = self._foreign_keys + 1 if alphabet or raw in UNSURE else 0
-        if alphabet or self._foreign_keys == 2:
-            self.tell_foreign_key(alphabet)
+        advice = self._foreign_keys.advice(raw, read=False)
+        if advice is not None:
+            self.tell_about_keys(advice)
 
-    def tell_foreign_key(self, alphabet: str) -> None:
-        """Say that keys of this alphabet ("" where it is not known) mean nothing here; apps may say it elsewhere."""
-        self.notify(foreign_words(alphabet), title="Keyboard", severity="warning", timeout=8.0)
+    def tell_about_keys(self, advice: str) -> None:
+        """Show advice about the keyboard over the page; an app with a game may show it beside that."""
+        self.notify(advice, title="Keyboard", severity="warning", timeout=8.0)
 
     def on_resize(self, event: events.Resize) -> None:
         """Tell the screen of its size.
@@ -142,20 +138,6 @@ class PlainApp(App[Result], inherit_bindings=False):
     def _tell_size(self) -> None:
         if self.screen_stack:
             self.screen.post_message(events.Resize(self.size, self.size))
-
-
-def language() -> str:
-    """Return the language of this environment by ISO 639, as "bg"; "" where it is not said."""
-    named = next((value for name in ("LC_ALL", "LC_CTYPE", "LANG") if (value := os.environ.get(name))), "")
-    return (
-        "" if named.startswith(("C.", "POSIX")) or named == "C" else named.partition("_")[0].partition(".")[0]
-    )
-
-
-def foreign_words(alphabet: str) -> str:
-    """Return what to do about a keyboard that is set to this alphabet; "" where it is not known."""
-    letters = f"{alphabet} letters" if alphabet else "other letters"
-    return f"Is your keyboard set to {letters}? Change it to English (Latin) letters"
 
 
 def trust_the_terminal() -> None:

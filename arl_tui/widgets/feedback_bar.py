@@ -11,6 +11,7 @@ from textual.geometry import Size
 from textual.strip import Strip
 from textual.widget import Widget
 
+from arl_tui.foreign_keys import ForeignKeys
 from arl_tui.once import after
 from arl_tui.widgets.big_letters import LINES, big
 from core.episode import KeyPressed, PressRetracted
@@ -100,6 +101,7 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
         """What stands below it."""
         self.saving = False
         """Whether the disk is behind with what has been recorded."""
+        self._foreign_keys = ForeignKeys()
         self._kind = "idle"
         self._hold_s = hold_s
         self._timer: TimerHandle | None = None
@@ -123,11 +125,8 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
             read_as = f" {press.key} as {press.read_as}: another keyboard layout" if press.layout else ""
             self._say("GOOD" if good else "BAD", "good" if good else "bad", f"Counted{by}{read_as}")
         elif press.verdict != "repeat" and (press.read_as or press.key) != self.keys.retract:
-            self._say("", "idle", _REFUSALS[press.verdict])
-
-    def show_note(self, note: str) -> None:
-        """Say something about the keys, in words alone."""
-        self._say("", "idle", note)
+            advice = self._foreign_keys.advice(press.key, read=bool(press.read_as))
+            self._say("", "idle", advice or _REFUSALS[press.verdict])
 
     def show_retraction(self, retraction: PressRetracted, presses_left: int) -> None:
         """Say that a press does not count after all."""
