@@ -21,11 +21,11 @@ from studies.experiments.run import (
     SweepError,
     dask_cluster,
     planned_units,
-    processes,
     read_record,
     run_sweep,
 )
 from studies.experiments.sweep import MODULES, Condition, csv_text, load_experiment, root_seeds, run_unit
+from studies.pools import processes
 from tests.studies.tiny_experiment import EXPERIMENT, Tiny
 
 ROOT = Path(__file__).resolve().parents[2]
