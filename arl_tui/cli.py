@@ -183,7 +183,7 @@ def import_group() -> None:
 @click.argument("log", type=FILE)
 @click.option(
     "--out",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=ToWrite(made=True),
     help="The recording; beside the log's name in the recordings folder by default.",
 )
 @recordings_option(to_write=True)

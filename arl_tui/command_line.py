@@ -63,25 +63,45 @@ def _encoding(stream: TextIO | None) -> str:
 class ToWrite(click.Path):
     """A file or folder that is to be written: refused before any work where that is impossible."""
 
-    def __init__(self, *, folder: bool = False) -> None:
+    def __init__(self, *, folder: bool = False, made: bool = False) -> None:
+        """Prepare.
+
+        Args:
+            folder: it is a folder, made where it is missing; otherwise a file.
+            made: the command makes the folders above a file where they are missing.
+        """
         super().__init__(file_okay=not folder, dir_okay=folder, path_type=Path)
         self._folder = folder
+        self._made = made
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
         """Return the path, after a look at the nearest folder that exists."""
         path = Path(os.fsdecode(super().convert(value, param, ctx)))
-        reason = why_not_writable(path, folder=self._folder)
+        reason = why_not_writable(path, folder=self._folder, made=self._made)
         if reason is not None:
             self.fail(reason, param, ctx)
         return path
 
 
-def why_not_writable(path: Path, *, folder: bool) -> str | None:
+def file_or_dash(_context: click.Context, _parameter: click.Parameter, value: str | None) -> str | None:
+    """Return a file's name after a look at whether it can be written; "-" (the screen) and None as they are.
+
+    Raises:
+        click.BadParameter: it cannot be written.
+    """
+    reason = None if value in (None, "-") else why_not_writable(Path(str(value)), folder=False)
+    if reason is not None:
+        raise click.BadParameter(reason)
+    return value
+
+
+def why_not_writable(path: Path, *, folder: bool, made: bool = False) -> str | None:
     """Return why nothing can be written to a path, and what to do; None where that should work.
 
     Args:
         path: of a file or folder, which may not exist.
-        folder: it is a folder, to be made with those above it where it is missing. A file's folder must be there.
+        folder: it is a folder, to be made with those above it where it is missing.
+        made: folders above a file are made, too; otherwise they must be there.
     """
     path = path.expanduser().absolute()
     if not folder and path.exists():
@@ -90,7 +110,7 @@ def why_not_writable(path: Path, *, folder: bool) -> str | None:
     there = next((above for above in (first, *first.parents) if above.exists()), Path("/"))
     if not there.is_dir():
         return f"{path} cannot be written: {there} is a file, not a folder. Choose another place"
-    if not folder and there != first:
+    if not (folder or made) and there != first:
         return (
             f"{path} cannot be written: there is no folder {first}. Make it (`mkdir -p`), or choose another"
         )

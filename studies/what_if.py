@@ -4,9 +4,7 @@ import dataclasses
 import itertools
 import math
 from collections.abc import Callable, Iterable
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
-from multiprocessing import get_context
 from pathlib import Path
 
 import msgspec
@@ -23,6 +21,7 @@ from core.protocol import Protocol
 from core.recording.reader import Recording, read_recording
 from core.streams import stream, stream_seed
 from core.what_if import WatchedStep, hear, relearn, watched_steps
+from studies.pools import processes
 from studies.statistics import Interval, mean_interval, paired_difference
 
 HELD_OUT = 0.2
@@ -122,7 +121,7 @@ def what_if(
     ]
     if workers == 1 or len(tasks) == 1:
         return _compared([_noted(_row(*task), on_progress) for task in tasks], settings)
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+    with processes(workers) as pool:
         futures = [pool.submit(_row, *task) for task in tasks]
         return _compared([_noted(future.result(), on_progress) for future in futures], settings)
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
-from arl_tui.command_line import ToWrite
+from arl_tui.command_line import ToWrite, file_or_dash
 
 if TYPE_CHECKING:
     from studies.reaction_time.fit import GroupFit
@@ -168,6 +168,7 @@ _PATH = ToWrite()
     "--json",
     "json_path",
     metavar="FILE",
+    callback=file_or_dash,
     help="Write everything for machines; - prints it instead of the tables.",
 )
 @click.option("--html", type=_PATH, help="Write a report of one page.")

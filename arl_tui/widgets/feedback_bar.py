@@ -11,6 +11,7 @@ from textual.geometry import Size
 from textual.strip import Strip
 from textual.widget import Widget
 
+from arl_tui.foreign_keys import ForeignKeys
 from arl_tui.once import after
 from arl_tui.widgets.big_letters import LINES, big
 from core.episode import KeyPressed, PressRetracted
@@ -27,6 +28,8 @@ WRONG_ASKED = (
     "On purpose: press the WRONG key",
     "press the WRONG key",
 )
+SAVING = "saving ..."
+"""What stands below the presses left while the disk is behind."""
 _REFUSALS = {
     "no-presses-left": "No presses left in this game: not counted",
     "covered": "The game is covered: not counted",
@@ -96,6 +99,9 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
         """What stands in big letters: GOOD, BAD, TAKEN BACK, or nothing."""
         self.note = ""
         """What stands below it."""
+        self.saving = False
+        """Whether the disk is behind with what has been recorded."""
+        self._foreign_keys = ForeignKeys()
         self._kind = "idle"
         self._hold_s = hold_s
         self._timer: TimerHandle | None = None
@@ -119,11 +125,8 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
             read_as = f" {press.key} as {press.read_as}: another keyboard layout" if press.layout else ""
             self._say("GOOD" if good else "BAD", "good" if good else "bad", f"Counted{by}{read_as}")
         elif press.verdict != "repeat" and (press.read_as or press.key) != self.keys.retract:
-            self._say("", "idle", _REFUSALS[press.verdict])
-
-    def show_note(self, note: str) -> None:
-        """Say something about the keys, in words alone."""
-        self._say("", "idle", note)
+            advice = self._foreign_keys.advice(press.key, read=bool(press.read_as))
+            self._say("", "idle", advice or _REFUSALS[press.verdict])
 
     def show_retraction(self, retraction: PressRetracted, presses_left: int) -> None:
         """Say that a press does not count after all."""
@@ -132,6 +135,16 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
             self._say(self.word, self._kind, "A key that is held down counts once")
         else:
             self._say("TAKEN BACK", "back", "Your last press does not count")
+
+    def show_saving(self, saving: bool) -> None:
+        """Say that the disk is behind, or no longer say so."""
+        if saving != self.saving:
+            self.saving = saving
+            self.refresh()
+
+    def show_not_saved(self) -> None:
+        """Say that nothing counts any more."""
+        self._say("", "idle", "Not saved: nothing counts any more")
 
     def ask_wrong(self, asked: bool) -> None:
         """Ask for one deliberately wrong press, or stop asking."""
@@ -164,6 +177,8 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
             return self._line([("note", parts[line] if line < len(parts) else "")])
         if line == 2:
             return self._line(self._budget())
+        if line == 3 and self.saving:
+            return self._line([("note", SAVING)])
         if line == 4 and self.wrong_asked:
             return self._filled("cue", self._longest(WRONG_ASKED))
         if line == 6:

@@ -7,6 +7,7 @@ import bz2
 import codecs
 import lzma
 import zlib
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
@@ -81,7 +82,7 @@ def as_recorded(path: Path, content: bytes) -> AsRecorded:
     packed_cut = False
     for magic, name, unpacker in _PACKED:
         if content.startswith(magic):
-            content, packed_cut = _unpack(path, content, name, unpacker())
+            content, packed_cut = _unpack(path, content, name, magic, unpacker)
             notes.append(f"the file is compressed ({name}); it was unpacked in memory")
             if packed_cut:
                 notes.append(f"the {name} file is cut off: its end is missing. Take the original again")
@@ -90,18 +91,24 @@ def as_recorded(path: Path, content: bytes) -> AsRecorded:
     return AsRecorded(_with_own_line_ends(content, notes), tuple(notes), packed_cut)
 
 
-def _unpack(path: Path, content: bytes, name: str, unpacker: _Unpacker) -> tuple[bytes, bool]:
-    """Return what a compressed file holds, and whether its end is missing."""
+def _unpack(
+    path: Path, content: bytes, name: str, magic: bytes, new_unpacker: Callable[[], _Unpacker]
+) -> tuple[bytes, bool]:
+    """Return what a compressed file holds, all of its parts, and whether its end is missing."""
+    unpacker, unpacked = new_unpacker(), b""
     try:
         unpacked = unpacker.decompress(content)
+        while unpacker.eof and unpacker.unused_data.startswith(magic):
+            rest, unpacker = unpacker.unused_data, new_unpacker()
+            unpacked += unpacker.decompress(rest)
     except (zlib.error, OSError, lzma.LZMAError) as error:
         raise RecordingError(
             f"{path}: the file is compressed ({name}) and damaged: {error}. Take the original again"
         ) from error
     if unpacker.eof and unpacker.unused_data.strip(b"\0"):
         raise RecordingError(
-            f"{path}: behind the compressed recording ({name}) stand {len(unpacker.unused_data)} more bytes: were two "
-            "files joined? Unpack it, and split what comes out"
+            f"{path}: behind the compressed recording ({name}) stand {len(unpacker.unused_data)} more bytes; was something "
+            "appended? Take the original again"
         )
     if not unpacked:
         raise RecordingError(

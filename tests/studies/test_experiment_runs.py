@@ -21,7 +21,6 @@ from studies.experiments.run import (
     SweepError,
     dask_cluster,
     planned_units,
-    processes,
     read_record,
     run_sweep,
 )
@@ -34,6 +33,7 @@ from studies.experiments.sweep import (
     root_seeds,
     run_unit,
 )
+from studies.pools import processes
 from tests.studies.tiny_experiment import EXPERIMENT, Tiny
 
 ROOT = Path(__file__).resolve().parents[2]

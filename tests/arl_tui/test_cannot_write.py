@@ -1,0 +1,113 @@
+"""Where a command cannot write, it says so in a sentence, before any work; no stack trace, whatever the command."""
+
+import errno
+import stat
+from pathlib import Path
+
+import click
+import pytest
+from click.testing import CliRunner, Result
+
+from arl_tui.cli import main
+from arl_tui.command_line import ToWrite, why_not_writable
+from tests.data_folder import REPOSITORY
+
+GOLDEN = REPOSITORY / "recordings" / "reference" / "tetris-linear-equation-4.jsonl"
+RULE = ("--credit", "previous", "--scheme", "human-only", "--games", "1", "--workers", "1")
+
+
+def arl(*arguments: str | Path) -> Result:
+    return CliRunner().invoke(main, [str(argument) for argument in arguments])
+
+
+# Every option of every command that names something to write, with what the command needs besides.
+WRITING: dict[str, tuple[str | Path, ...]] = {
+    "play --recordings": ("play",),
+    "demo --recordings": ("demo",),
+    "calibrate --recordings": ("calibrate", "--participant", "P01"),
+    "timing --recordings": ("timing",),
+    "timing --json": ("timing",),
+    "import tamer-log --recordings": ("import", "tamer-log", GOLDEN),
+    "import tamer-log --out": ("import", "tamer-log", GOLDEN),
+    "replay --csv": ("replay", GOLDEN, *RULE),
+    "replay --plot": ("replay", GOLDEN, *RULE),
+    "recordings --csv": ("recordings", "--recordings", GOLDEN.parent),
+    "recordings --publish": ("recordings", "--recordings", GOLDEN.parent),
+    "train --save": ("train", "keepaway"),
+    "fit --figure": ("fit", GOLDEN),
+    "fit --json": ("fit", GOLDEN),
+    "fit --html": ("fit", GOLDEN),
+    "fit --out": ("fit", GOLDEN),
+    "experiment run --out": ("experiment", "run", "fig5", "--quick", "--trials", "1"),
+    "experiment report --into": ("experiment", "report", "fig5"),
+    "experiment report --out": ("experiment", "report", "fig5"),
+}
+
+
+@pytest.mark.parametrize("case", WRITING)
+def test_a_place_that_cannot_be_written_is_refused_in_a_sentence(case: str, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("in the way")
+    result = arl(*WRITING[case], case.split()[-1], tmp_path / "file" / "below.csv")
+    assert result.exit_code != 0
+    assert isinstance(result.exception, SystemExit), result.exception
+    said = " ".join(result.output.split())
+    assert str(tmp_path / "file") in said
+    assert (tmp_path / "file").read_text() == "in the way"
+
+
+def options_that_write(command: click.Command, name: str = "") -> set[str]:
+    """Return every option whose type says that it writes, as "command --option"."""
+    if isinstance(command, click.Group):
+        return {
+            found
+            for below, inner in command.commands.items()
+            for found in options_that_write(inner, f"{name} {below}".strip())
+        }
+    return {f"{name} {option.opts[0]}" for option in command.params if isinstance(option.type, ToWrite)}
+
+
+def test_no_option_that_writes_is_forgotten_here() -> None:
+    assert options_that_write(main) <= set(WRITING)
+    assert len(options_that_write(main)) >= 15
+
+
+@pytest.mark.parametrize(
+    ("path", "folder", "why"),
+    [
+        ("file/x", True, "is a file, not a folder"),
+        ("file/x.csv", False, "is a file, not a folder"),
+        ("missing/x.csv", False, "there is no folder"),
+        ("missing/deep", True, None),
+        ("x.csv", False, None),
+        ("file", False, None),
+    ],
+)
+def test_why_a_place_cannot_be_written(tmp_path: Path, path: str, folder: bool, why: str | None) -> None:
+    (tmp_path / "file").touch()
+    found = why_not_writable(tmp_path / path, folder=folder)
+    assert (found is None) if why is None else (why in str(found))
+
+
+def test_a_read_only_folder_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    import os
+
+    locked = tmp_path / "locked"
+    locked.mkdir()
+    locked.chmod(stat.S_IRUSR | stat.S_IXUSR)
+    # The administrator may write everywhere: ask what anybody else would be told.
+    monkeypatch.setattr(os, "access", lambda path, mode: not (Path(path) == locked and mode & os.W_OK))
+    assert f"the folder {locked} is read-only" in str(why_not_writable(locked / "x", folder=True))
+
+
+def test_a_write_that_fails_later_is_told_in_a_sentence_too(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    def full(*_: object, **__: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device", str(tmp_path / "a.jsonl"))
+
+    monkeypatch.setattr("studies.demo.simulate_session", full)
+    result = arl("demo", "--recordings", tmp_path)
+    assert result.exit_code == 1
+    assert isinstance(result.exception, SystemExit)
+    said = " ".join(result.output.split())
+    assert "a.jsonl: No space left on device. Choose another file or folder" in said
