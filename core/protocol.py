@@ -152,8 +152,8 @@ class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
             )
         if needs.window and self.learner.kind == "stepwise":
             raise ValueError(
-                "a policy that changes at every step cannot be asked again about earlier decisions: use "
-                'measured = "as-played", and name the chance of a chance-corrected match'
+                "a policy that changes at every step cannot be asked again about earlier decisions: set "
+                '[agent.bootstrap.trust] measured = "as-played", and name the chance of a chance-corrected match'
             )
 
     @property
