@@ -13,8 +13,9 @@ from arl_tui.commands.credit import what_if_delays
 from arl_tui.commands.exact import GETTING_READY, protocol_of, read_or_stop, run_again
 from arl_tui.commands.play import read_protocol
 from arl_tui.words import words_of
+from core.effects import idle
 from core.feedback.delays import describe
-from core.protocol import Protocol
+from core.protocol import DEFAULTS, Protocol
 from core.recording.reader import RecordingError
 
 if TYPE_CHECKING:
@@ -48,6 +49,9 @@ def replay_recording(
         run_again(recording)
         return
     chosen = protocol_of(recording) if protocol is None else read_protocol(protocol)
+    if protocol is not None:
+        for each in idle(chosen, DEFAULTS[chosen.game], ["what-if"]):
+            click.echo(f"Beware: {each}.", err=True)
     delays = what_if_delays(credits or [chosen.delay_of], recording, chosen)
     rows = compare(
         recording.path,
