@@ -156,8 +156,8 @@ class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         )
         if looks_back and isinstance(self.learner, SarsaConfig):
             raise ValueError(
-                "a policy that changes at every step cannot be asked again about earlier decisions: use "
-                'measured = "as-played", and name the chance of a chance-corrected match'
+                "a policy that changes at every step cannot be asked again about earlier decisions: set "
+                '[agent.bootstrap.trust] measured = "as-played", and name the chance of a chance-corrected match'
             )
 
     def _check_scheme(self) -> None:
