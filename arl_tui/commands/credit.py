@@ -59,11 +59,16 @@ def settle_credit(
     by = {"credit_asked_by": "protocol" if option is None else "command line"}
     if asked == "rule":
         choice = rule_as_written(protocol.agent.credit.delay)
-    elif asked in MEASURED and not is_measured(asked, recordings, participant, protocol.game):
-        choice = _without_measurement(protocol, asked, recordings, participant)
     else:
-        choice = credit_of(asked, recordings, participant, protocol.game)
+        choice = _choice_of(protocol, asked, recordings, participant)
     return with_credit(protocol, choice), choice.source | by
+
+
+def _choice_of(protocol: Protocol, asked: str, recordings: Path, participant: str) -> CreditChoice:
+    """Return the rule that `asked` names for a participant; where they have none, what the protocol says then."""
+    if asked in MEASURED and not is_measured(asked, recordings, participant, protocol.game):
+        return _without_measurement(protocol, asked, recordings, participant)
+    return credit_of(asked, recordings, participant, protocol.game)
 
 
 def _without_measurement(protocol: Protocol, asked: str, recordings: Path, participant: str) -> CreditChoice:
@@ -129,7 +134,7 @@ def what_if_delays(texts: Sequence[str], recording: Recording, protocol: Protoco
         if text == "rule":
             choice = rule_as_written(protocol.agent.credit.delay)
         else:
-            choice = credit_of(text, home_of(recording.path), recording.header.participant, protocol.game)
+            choice = _choice_of(protocol, text, home_of(recording.path), recording.header.participant)
         words = "; ".join(f"{name.removeprefix('credit_')} {value}" for name, value in choice.source.items())
         if text in CHOICES:
             click.echo(f"Credit: {words}")

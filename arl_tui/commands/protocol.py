@@ -30,12 +30,13 @@ def protocol_lines(protocol: Protocol) -> Iterator[str]:
     """
     yield from _comment(
         f"A protocol of {protocol.game}: every setting with its default or value. What is left out of a file has the "
-        "default. `arl protocol --check FILE` says what a file will do."
+        'default. A key without a line "Has an effect ..." has one in every session. `arl protocol --check FILE` says '
+        "what a file will do."
     )
-    yield from _table_lines(protocol, "", Idle(protocol))
+    yield from _table_lines(protocol, "", Unused(protocol))
 
 
-class Idle:
+class Unused:
     """Which settings have no effect in any session of a protocol, whatever their value."""
 
     def __init__(self, protocol: Protocol) -> None:
@@ -49,7 +50,7 @@ class Idle:
         )
 
 
-def _table_lines(table: msgspec.Struct, heading: str, unused: Idle) -> Iterator[str]:
+def _table_lines(table: msgspec.Struct, heading: str, unused: Unused) -> Iterator[str]:
     settings = settings_of(type(table))
     inner = {key: value for key in settings if isinstance(value := getattr(table, key), msgspec.Struct)}
     if tag_of(table):
@@ -74,7 +75,7 @@ def _table_lines(table: msgspec.Struct, heading: str, unused: Idle) -> Iterator[
         yield from _table_lines(value, path, unused)
 
 
-def _setting_lines(setting: Setting, value: object, path: str, unused: Idle) -> Iterator[str]:
+def _setting_lines(setting: Setting, value: object, path: str, unused: Unused) -> Iterator[str]:
     yield from _comment(setting.doc)
     yield from _comment(_values_in_words(setting.kind))
     own = [use for use in uses_of(path) if path in use.settings]
