@@ -1,0 +1,152 @@
+"""`arl study`: a whole study from one file, from consent to thanks, for many participants."""
+
+import contextlib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from arl_tui.recordings import DEFAULT_FOLDER
+
+if TYPE_CHECKING:
+    from studies.lab.ledger import Ledger
+    from studies.lab.read import LoadedStudy
+
+STUDY = click.Path(exists=True, dir_okay=False, path_type=Path)
+study_argument = click.argument("file", metavar="STUDY", type=STUDY, default="study.toml")
+home_option = click.option(
+    "--recordings",
+    "home",
+    type=click.Path(file_okay=False, path_type=Path),
+    default=DEFAULT_FOLDER,
+    show_default=True,
+    help="Where the data of studies are kept.",
+)
+
+
+@click.group(short_help="Run a whole study from one file.")
+def study() -> None:
+    """Run a whole study from one file: consent, blocks in balanced order, breaks, questions, thanks."""
+
+
+@study.command(short_help="Lead a participant through their next sitting.")
+@study_argument
+@click.option("--participant", "code", help="Code of the participant; a new one is drawn by default.")
+@home_option
+def run(file: Path, code: str | None, home: Path) -> None:
+    """Lead a participant through their next sitting of STUDY, or go on with one that broke off."""
+    from arl_tui.commands.play import need_terminal
+    from arl_tui.commands.study_blocks import player
+    from arl_tui.facts import software
+    from arl_tui.study.run import Terminal, run_sitting
+    from studies.lab.enrolment import drawn_code
+
+    need_terminal("arl study run", instead="arl study simulate")
+    with _plain_errors():
+        loaded, ledger = _open(file, home)
+        code = code or drawn_code(loaded.study, ledger)
+        result = run_sitting(loaded, ledger, code, Terminal(player(loaded, home)), software=software())
+    said = {
+        "finished": "finished the sitting",
+        "stopped": "stopped the sitting",
+        "window-closed": "left: the window was closed",
+        "failed": "could not go on",
+        "declined": "did not consent; nothing was kept",
+        "nothing": "left before consent; nothing was kept",
+    }[result.how]
+    who = "The participant" if result.how in ("declined", "nothing") else result.code
+    click.echo(f"{who} {said}.")
+    if result.trouble:
+        raise click.ClickException(result.trouble)
+
+
+@study.command(short_help="Show who is where, and whose data are worth a look.")
+@study_argument
+@home_option
+def status(file: Path, home: Path) -> None:
+    """Show how far STUDY is: participants, orders, drop-outs, presses, and what looks wrong."""
+    from core.clock import wall_time_utc
+    from studies.lab.folder import data_folder
+    from studies.lab.progress import moment
+    from studies.lab.read import load_study
+    from studies.lab.status import status as status_of
+
+    with _plain_errors():
+        loaded = load_study(file)
+        folder = data_folder(home, loaded.study.name)
+        if not (folder / "ledger.jsonl").exists():
+            click.echo(f"Nobody has taken part yet: there is no {folder / 'ledger.jsonl'}")
+            return
+        found = status_of(loaded.study, folder, moment(wall_time_utc()))
+    click.echo(f"{found.finished} of {found.planned} have finished; {found.declined} did not consent.\n")
+    for row in found.rows:
+        presses = "-" if row.presses_per_game is None else f"{row.presses_per_game:.1f}"
+        click.echo(
+            f"{row.code:14} place {row.place + 1:<4} {row.state:12} {row.where}; {row.minutes:.0f} min, "
+            f"{row.games} games, {presses} presses a game"
+        )
+        for flag in row.flags:
+            click.echo(f"{'':14} ! {flag}")
+    click.echo("\nFinished with each order:")
+    for order, count in found.orders:
+        click.echo(f"  {count:3}  {', '.join(order)}")
+
+
+@study.command(short_help="Remove everything of a participant who withdraws.")
+@study_argument
+@click.argument("code")
+@click.option("--yes", is_flag=True, help="Do not ask.")
+@home_option
+def withdraw(file: Path, code: str, yes: bool, home: Path) -> None:
+    """Remove everything of the participant CODE from STUDY, exports included."""
+    from studies.lab.withdraw import withdraw as remove
+
+    if not yes:
+        click.confirm(f"Remove all data of {code} for ever?", abort=True)
+    with _plain_errors():
+        _, ledger = _open(file, home)
+        tombstone = remove(ledger, code)
+    click.echo(
+        f"{tombstone.files_removed} files removed. The ledger holds {tombstone.code} in place of the code."
+    )
+
+
+@study.command(short_help="Count a participant as dropped out.")
+@study_argument
+@click.argument("code")
+@click.option("--reason", default="the experimenter's decision", show_default=True, help="For the ledger.")
+@home_option
+def drop(file: Path, code: str, reason: str, home: Path) -> None:
+    """Count the participant CODE of STUDY as dropped out; what was recorded is kept."""
+    from studies.lab.ledger import DroppedOut
+    from studies.lab.progress import progress
+
+    with _plain_errors():
+        loaded, ledger = _open(file, home)
+        if code not in progress(ledger.lines()).participants:
+            raise click.ClickException(
+                f"nobody with the code {code} takes part in this study: check the code"
+            )
+        ledger.append(DroppedOut(code=code, reason=reason))
+    rule = "is given to the next participant" if loaded.study.dropouts.replace else "stays empty"
+    click.echo(f"{code} counts as dropped out. The place {rule} ([dropouts] replace).")
+
+
+def _open(file: Path, home: Path, *, simulated: bool = False) -> "tuple[LoadedStudy, Ledger]":
+    from studies.lab.folder import data_folder
+    from studies.lab.ledger import Ledger
+    from studies.lab.read import load_study
+
+    loaded = load_study(file)
+    folder = data_folder(home, loaded.study.name, simulated=simulated)
+    return loaded, Ledger(folder, study=loaded.study.name, seed=loaded.study.seed)
+
+
+@contextlib.contextmanager
+def _plain_errors() -> Iterator[None]:
+    """Turn documented errors into a message without a stack trace."""
+    try:
+        yield
+    except (ValueError, OSError) as error:
+        raise click.ClickException(str(error)) from error
