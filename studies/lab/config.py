@@ -146,7 +146,8 @@ class LatinSquare(Table, frozen=True, kw_only=True, tag="latin-square"):
     """Every participant meets all conditions, in an order of a balanced Latin square (Williams 1949).
 
     Each condition comes at each position equally often, and follows each other condition equally often. n conditions
-    need n orders where n is even, else 2 n.
+    need n orders where n is even, else 2 n. Where the timeline has n, 2 n, 3 n ... blocks, a participant goes through the
+    conditions so often, each time in the next order of the square.
     """
 
 
@@ -284,14 +285,14 @@ class Study(Table, frozen=True, kw_only=True):
     def _check_orders(self) -> None:
         blocks = self.assigned_blocks
         if isinstance(self.assignment, LatinSquare):
-            lengths = {len(self.conditions)}
+            wanted, fits = f"a multiple of {len(self.conditions)}", blocks % len(self.conditions) == 0
         elif isinstance(self.assignment, PermutedBlocks):
-            lengths = {1}
+            wanted, fits = "at least one", True
         else:
             lengths = {len(order) for order in self.assignment.orders}
-        if blocks == 0 or not lengths <= {1, blocks}:
-            said = " or ".join(str(length) for length in sorted(lengths))
+            wanted, fits = " or ".join(map(str, sorted(lengths))), lengths <= {1, blocks}
+        if blocks == 0 or not fits:
             raise ValueError(
-                f"the timeline has {blocks} blocks with an assigned condition, and an order of this assignment has {said}: "
-                "make them equal (an order of one condition serves any number of blocks)"
+                f"the timeline has {blocks} blocks with an assigned condition; this assignment needs {wanted} "
+                "(an order of one condition serves any number of blocks)"
             )

@@ -54,7 +54,7 @@ def order_of(study: Study, place: int) -> Order:
         place: from 0; places beyond `study.participants` go on in the same way.
 
     Returns:
-        Names of conditions. One name serves all blocks of the participant.
+        Names of conditions, one per block with an assigned condition. A single name serves all of them.
 
     Raises:
         ValueError: `place` < 0.
@@ -69,7 +69,12 @@ def order_of(study: Study, place: int) -> Order:
             labels = [names[i] for i in stream(study.seed, "labels").permutation(len(names))]
             square = williams_square(len(names))
             rows = stream(study.seed, "orders", cycle).permutation(len(square))
-            return tuple(labels[number] for number in square[rows[row]])
+            rounds = study.assigned_blocks // len(names)
+            return tuple(
+                labels[number]
+                for again in range(rounds)
+                for number in square[rows[(row + again) % len(rows)]]
+            )
         case PermutedBlocks(each=each):
             numbers = np.repeat(np.arange(len(names)), each)
             return (names[stream(study.seed, "orders", cycle).permutation(numbers)[row]],)

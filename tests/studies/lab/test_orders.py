@@ -59,3 +59,13 @@ def test_another_seed_gives_other_orders_and_the_same_seed_the_same():
 def test_listed_orders_begin_again_after_the_last():
     study = study_of(conditions=2, assignment={"type": "list", "orders": [["c0", "c1"], ["c1", "c0"]]})
     assert [order_of(study, place) for place in range(3)] == [("c0", "c1"), ("c1", "c0"), ("c0", "c1")]
+
+
+def test_several_rounds_go_through_the_orders_of_the_square_and_stay_balanced():
+    steps = [{"type": "consent", "text": "consent.md"}, *[{"type": "block"}] * 6]
+    study = study_of(conditions=3, sittings=[{"name": "day 1", "steps": steps}])
+    orders = [order_of(study, place) for place in range(orders_per_cycle(study))]
+    assert all(sorted(order[:3]) == sorted(order[3:]) == ["c0", "c1", "c2"] for order in orders)
+    assert all(order[:3] != order[3:] for order in orders)
+    for position in zip(*orders, strict=True):
+        assert set(Counter(position).values()) == {2}
