@@ -61,10 +61,56 @@ def run(file: Path, code: str | None, home: Path) -> None:
         raise click.ClickException(result.trouble)
 
 
+@study.command(short_help="Send simulated participants through the whole study.")
+@study_argument
+@click.option(
+    "--participants", type=click.IntRange(1), default=12, show_default=True, help="How many are simulated."
+)
+@home_option
+def simulate(file: Path, participants: int, home: Path) -> None:
+    """Send simulated participants of all kinds through the real pages of STUDY.
+
+    Their data lie in a folder of their own, whose name ends in "-simulated", and every file says that it is simulated.
+    """
+    from arl_tui.facts import software
+    from arl_tui.study.run import run_sitting
+    from arl_tui.study.simulated import SimulatedPresenter, habits_of
+    from core.clock import ManualClock
+    from core.streams import stream_seed
+    from studies.lab.enrolment import drawn_code
+    from studies.lab.progress import progress
+
+    with _plain_errors():
+        loaded, ledger = _open(file, home, simulated=True)
+        first = len(progress(ledger.lines()).participants)
+        for number in range(first, first + participants):
+            clock, code, habits = (
+                ManualClock(),
+                drawn_code(loaded.study, ledger, prefix="SIM"),
+                habits_of(number),
+            )
+            seed = stream_seed(loaded.study.seed, "simulated", number)
+            for _ in loaded.study.sittings:
+                presenter = SimulatedPresenter(loaded, habits, seed=seed, clock=clock, software=software())
+                result = run_sitting(
+                    loaded,
+                    ledger,
+                    code,
+                    presenter,
+                    software=software(),
+                    simulated=True,
+                    clock=clock,
+                    any_time=True,
+                )
+                click.echo(f"{code} ({habits.kind}): {result.how}, {clock.now_ns() / 60e9:.0f} min")
+    click.echo(f"Data: {ledger.folder}")
+
+
 @study.command(short_help="Show who is where, and whose data are worth a look.")
 @study_argument
+@click.option("--simulated", is_flag=True, help="Of the simulated participants.")
 @home_option
-def status(file: Path, home: Path) -> None:
+def status(file: Path, simulated: bool, home: Path) -> None:
     """Show how far STUDY is: participants, orders, drop-outs, presses, and what looks wrong."""
     from core.clock import wall_time_utc
     from studies.lab.folder import data_folder
@@ -74,7 +120,7 @@ def status(file: Path, home: Path) -> None:
 
     with _plain_errors():
         loaded = load_study(file)
-        folder = data_folder(home, loaded.study.name)
+        folder = data_folder(home, loaded.study.name, simulated=simulated)
         if not (folder / "ledger.jsonl").exists():
             click.echo(f"Nobody has taken part yet: there is no {folder / 'ledger.jsonl'}")
             return

@@ -4,8 +4,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import assert_never
 
-import msgspec
-
 from arl_tui.study.run import BlockCall, Played
 from arl_tui.words import words_of
 from studies.lab.config import Block, Calibration, Practice
@@ -28,14 +26,12 @@ def player(loaded: LoadedStudy, home: Path) -> Callable[[BlockCall], Played]:
 
 
 def _play_block(loaded: LoadedStudy, call: BlockCall, home: Path) -> Played:
-    from arl_tui.commands.play import run_live, with_episodes
+    from arl_tui.commands.play import run_live
 
     assert isinstance(call.step, Block), "a block"
-    protocol = loaded.protocols[call.condition]
-    if call.step.games is not None:
-        protocol = with_episodes(protocol, call.step.games)
+    protocol = loaded.block_protocol(call.condition, call.step)
     outcome = run_live(
-        msgspec.structs.replace(protocol, name="session"),
+        protocol,
         participant=call.code,
         seed=call.seed,
         recordings=call.folder,

@@ -1,6 +1,5 @@
 """Pages of a study: text, consent, break, thanks. Keyboard only; every page can be left."""
 
-import time
 from collections.abc import Iterable, Sequence
 from typing import ClassVar
 
@@ -12,6 +11,7 @@ from textual.screen import ModalScreen, Screen
 from textual.widgets import Markdown, Static
 
 from arl_tui.study import words
+from core.clock import Clock, seconds
 
 STOP_KEYS = "q,ctrl+q,ctrl+c"
 
@@ -175,6 +175,7 @@ class ConsentPage(StudyPage):
         """
         super().__init__(words.CONSENT, code=code, part=part)
         self._text = text
+        self.n_statements = len(statements) + len(optional)
         self._statements = [*statements, *optional]
         self._required = len(statements)
         self._answers: list[bool | None] = [None] * len(self._statements)
@@ -271,21 +272,32 @@ class DeclinePage(ModalScreen[bool], inherit_bindings=False):
 class BreakPage(StudyPage):
     """A rest. The participant cannot go on before its shortest time. The result is True."""
 
-    def __init__(self, text: str, *, shortest_s: float, longest_s: float, code: str, part: str = "") -> None:
+    def __init__(
+        self,
+        text: str,
+        *,
+        shortest_s: float,
+        longest_s: float,
+        code: str,
+        clock: Clock,
+        part: str = "",
+    ) -> None:
         """Prepare the page.
 
         Args:
             text: Markdown.
             shortest_s: the participant cannot go on before, seconds.
             longest_s: the participant is asked to come back after, seconds.
+            clock: by which the break is measured.
             code: of the participant.
             part: where in the sitting this is, in words.
         """
         super().__init__(words.BREAK_HEADING, code=code, part=part)
         self._text = text
-        self._shortest_s = shortest_s
+        self.shortest_s = shortest_s
         self._longest_s = longest_s
-        self._since = time.monotonic()
+        self._clock = clock
+        self._since_ns = clock.now_ns()
 
     def contents(self) -> Iterable[Static | Markdown]:
         """Return the text."""
@@ -294,18 +306,18 @@ class BreakPage(StudyPage):
     @property
     def waited_s(self) -> float:
         """How long the break has been, seconds."""
-        return time.monotonic() - self._since
+        return seconds(self._clock.now_ns() - self._since_ns)
 
     def call(self) -> str:
         """Return how long the break still is, or that it is over."""
-        left = self._shortest_s - self.waited_s
+        left = self.shortest_s - self.waited_s
         if left > 0:
             return words.BREAK_WAIT.format(seconds=int(left) + 1)
         return words.BREAK_OVER if self.waited_s > self._longest_s else super().call()
 
     def done(self) -> None:
         """Leave the page, not before the shortest time."""
-        if self.waited_s >= self._shortest_s:
+        if self.waited_s >= self.shortest_s:
             super().done()
 
 

@@ -149,6 +149,7 @@ def run_sitting(
     software: Mapping[str, str],
     simulated: bool = False,
     clock: Clock | None = None,
+    any_time: bool = False,
 ) -> SittingResult:
     """Lead a participant through their next sitting.
 
@@ -160,6 +161,7 @@ def run_sitting(
         software: versions, for the record.
         simulated: the participant is simulated.
         clock: of the times in the record.
+        any_time: do not ask how long ago the sitting before was.
 
     Raises:
         NotNow: the participant cannot begin or go on now.
@@ -175,7 +177,7 @@ def run_sitting(
                 ledger.append(Declined())
             return SittingResult(before, code)
         enrol(loaded.study, ledger, code, simulated=simulated)
-    attempt = begin_sitting(loaded.study, ledger, code)
+    attempt = begin_sitting(loaded.study, ledger, code, any_time=any_time)
     return _Sitting(loaded, ledger, attempt, presenter, time, software, simulated=simulated).run(lines)
 
 
@@ -318,7 +320,12 @@ class _Sitting:
                 self._pages(
                     [
                         lambda: BreakPage(
-                            text, shortest_s=shortest_s, longest_s=longest_s, code=code, part=part
+                            text,
+                            shortest_s=shortest_s,
+                            longest_s=longest_s,
+                            code=code,
+                            clock=self._clock,
+                            part=part,
                         )
                     ]
                 )

@@ -42,15 +42,22 @@ class Attempt:
         return self.order[block] if len(self.order) > 1 else self.order[0]
 
 
-def drawn_code(study: Study, ledger: Ledger) -> str:
+def drawn_code(study: Study, ledger: Ledger, *, prefix: str | None = None) -> str:
     """Return a code that nobody has, and claim it.
 
     The codes follow from the study's seed in an order that says nothing about the condition.
+
+    Args:
+        study: whose codes are drawn.
+        ledger: of the study.
+        prefix: of the code; the study's by default.
     """
     draws = stream(study.seed, "codes")
     while True:
         letters = draws.integers(len(ALPHABET), size=study.codes.length)
-        code = study.codes.prefix + "".join(ALPHABET[letter] for letter in letters)
+        code = (study.codes.prefix if prefix is None else prefix) + "".join(
+            ALPHABET[letter] for letter in letters
+        )
         if ledger.claim("code", code):
             return code
 
@@ -87,8 +94,17 @@ def enrol(
     return written
 
 
-def begin_sitting(study: Study, ledger: Ledger, code: str, *, now: datetime | None = None) -> Attempt:
+def begin_sitting(
+    study: Study, ledger: Ledger, code: str, *, now: datetime | None = None, any_time: bool = False
+) -> Attempt:
     """Begin the participant's next sitting, or go on with one that broke off, and write that to the ledger.
+
+    Args:
+        study: whose timeline it is.
+        ledger: of the study.
+        code: of the participant.
+        now: with a time zone; the present time by default.
+        any_time: do not ask how long ago the sitting before was (simulated participants).
 
     Raises:
         NotNow: there is nothing to do, it is too early or too late, or the study's rule refuses to go on.
@@ -97,7 +113,7 @@ def begin_sitting(study: Study, ledger: Ledger, code: str, *, now: datetime | No
     chosen: list[Attempt] = []
 
     def choose(lines: tuple[Line, ...]) -> Line:
-        attempt = _next_attempt(study, _known(progress(lines).participants, code), at)
+        attempt = _next_attempt(study, _known(progress(lines).participants, code), at, any_time=any_time)
         chosen.append(attempt)
         return SittingStarted(
             at_utc=at.isoformat(timespec="seconds"),
@@ -126,7 +142,7 @@ def _known(people: dict[str, Participant], code: str) -> Participant:
     return people[code]
 
 
-def _next_attempt(study: Study, person: Participant, now: datetime) -> Attempt:
+def _next_attempt(study: Study, person: Participant, now: datetime, *, any_time: bool) -> Attempt:
     if person.withdrawn:
         raise NotNow(f"{person.code} has withdrawn")
     if person.dropped_out is not None:
@@ -136,7 +152,8 @@ def _next_attempt(study: Study, person: Participant, now: datetime) -> Attempt:
         raise NotNow(f"{person.code} has finished: there is nothing left to do")
     before = person.sittings.get(number)
     if before is None:
-        _check_interval(study, person, number, now)
+        if not any_time:
+            _check_interval(study, person, number, now)
         return Attempt(person.code, person.place, person.order, number, 0, 0, 0)
     return _again(study, person, number, before, now)
 

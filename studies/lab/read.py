@@ -10,7 +10,7 @@ from typing import Any
 import msgspec
 
 from core.protocol import Protocol, protocol_from
-from studies.lab.config import Break, Consent, Debriefing, Questionnaire, Study, TextPage
+from studies.lab.config import Block, Break, Consent, Debriefing, Questionnaire, Study, TextPage
 from studies.lab.questions import QuestionList, QuestionsError, read_questions
 
 
@@ -32,6 +32,14 @@ class LoadedStudy:
     """By the name that steps use."""
     protocols: Mapping[str, Protocol]
     """By condition."""
+
+    def block_protocol(self, condition: str, step: Block) -> Protocol:
+        """Return the protocol of a block. Its name is the study's, so that it says nothing about the condition."""
+        protocol = self.protocols[condition]
+        session = protocol.session
+        if step.games is not None:
+            session = msgspec.structs.replace(session, episodes=step.games)
+        return msgspec.structs.replace(protocol, name=self.study.name, session=session)
 
 
 def load_study(path: Path) -> LoadedStudy:

@@ -5,7 +5,7 @@ import pytest
 from arl_tui.study.page_app import PageApp
 from arl_tui.study.pages import BreakPage, ConsentPage, NoticePage, TextPage
 from arl_tui.study.question_pages import QuestionPage
-from core.clock import ManualClock
+from core.clock import ManualClock, MonotonicClock
 from studies.lab.questions import Choice, FreeText, Likert, Number, Scale
 
 LONG = "\n\n".join(f"Paragraph {number}." for number in range(40))
@@ -59,8 +59,8 @@ async def test_not_agreeing_to_what_is_needed_declines_after_a_question():
 
 
 async def test_a_break_cannot_be_left_before_its_shortest_time():
-    assert await results_of([lambda: BreakPage("", shortest_s=60, longest_s=90, code="P1")], ["enter"]) == []
-    assert await results_of([lambda: BreakPage("", shortest_s=0, longest_s=90, code="P1")], ["enter"]) == [
+    assert await results_of([lambda: BreakPage("", shortest_s=60, longest_s=90, code="P1", clock=MonotonicClock())], ["enter"]) == []
+    assert await results_of([lambda: BreakPage("", shortest_s=0, longest_s=90, code="P1", clock=MonotonicClock())], ["enter"]) == [
         True
     ]
 
