@@ -1,6 +1,7 @@
 """`arl study`: a whole study from one file, from consent to thanks, for many participants."""
 
 import contextlib
+import shlex
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -28,6 +29,27 @@ home_option = click.option(
 @click.group(short_help="Run a whole study from one file.")
 def study() -> None:
     """Run a whole study from one file: consent, blocks in balanced order, breaks, questions, thanks."""
+
+
+@study.command(short_help="Copy a ready study to start from.")
+@click.argument("folder", type=click.Path(file_okay=False, path_type=Path), default=Path())
+@click.option(
+    "--from",
+    "name",
+    type=click.Choice(["demo", "fig5", "fig6", "fig7"]),
+    default="demo",
+    show_default=True,
+    help="Which: two conditions in ten minutes, or one of the paper's figures with people.",
+)
+def new(folder: Path, name: str) -> None:
+    """Copy a ready study, complete with texts, to FOLDER."""
+    from studies.lab.ready_studies import copy_ready_study
+
+    with _plain_errors():
+        files = copy_ready_study(name, folder)
+    for file in files:
+        click.echo(str(file))
+    click.echo(f"Next: arl study check {shlex.quote(str(files[0]))}")
 
 
 @study.command(short_help="Lead a participant through their next sitting.")
