@@ -52,6 +52,42 @@ def new(folder: Path, name: str) -> None:
     click.echo(f"Next: arl study check {shlex.quote(str(files[0]))}")
 
 
+@study.command(short_help="Say what the study will do, and what is missing.")
+@study_argument
+@click.option("--pages", is_flag=True, help="Print every text that participants will read.")
+def check(file: Path, pages: bool) -> None:
+    """Say what STUDY asks of participants, which orders there are, and what is missing. Status 1 if something is."""
+    from studies.lab.check import forecast
+    from studies.lab.read import load_study
+
+    with _plain_errors():
+        loaded = load_study(file)
+        click.echo("Playing simulated sessions of every condition ...", err=True)
+        found = forecast(loaded)
+    for number, sitting in enumerate(loaded.study.sittings):
+        click.echo(f"\n{sitting.name}: about {found.minutes(number):.0f} minutes")
+        for step in found.steps:
+            if step.sitting == number:
+                remark = f"  ({step.remark})" if step.remark else ""
+                click.echo(f"  {step.step + 1:2}  {step.kind:14} {step.minutes:5.1f} min{remark}")
+    click.echo("\nConditions, from simulated sessions:")
+    for block in found.blocks:
+        click.echo(
+            f"  {block.condition:20} {block.games} games, {block.minutes:.1f} min, {block.presses:.0f} presses that count"
+        )
+    click.echo("\nOrders, by place:")
+    for place, order in enumerate(found.orders, 1):
+        click.echo(f"  {place:3}  {', '.join(order)}")
+    if pages:
+        for name, text in loaded.texts.items():
+            click.echo(f"\n--- {name} ---\n{text.strip()}")
+    for sentence in found.missing:
+        click.echo(f"\nMissing: {sentence}")
+    if found.missing:
+        raise click.exceptions.Exit(1)
+    click.echo("\nNothing is missing.")
+
+
 @study.command(short_help="Lead a participant through their next sitting.")
 @study_argument
 @click.option("--participant", "code", help="Code of the participant; a new one is drawn by default.")

@@ -145,7 +145,7 @@ class SimulatedPresenter:
 
     def _play_block(self, call: BlockCall) -> Played:
         assert isinstance(call.step, Block), "a block"
-        protocol = self._loaded.block_protocol(call.condition, call.step)
+        protocol = self._loaded.simulated_protocol(call.condition, call.step)
         trainer = persons()[self._habits.kind]
         protocol = msgspec.structs.replace(
             protocol, trainer=msgspec.structs.replace(trainer, delay=protocol.trainer.delay)

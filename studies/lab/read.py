@@ -9,6 +9,7 @@ from typing import Any
 
 import msgspec
 
+from core.feedback.delays import GammaDelay
 from core.protocol import Protocol, protocol_from
 from studies.lab.config import Block, Break, Consent, Debriefing, Questionnaire, Study, TextPage
 from studies.lab.questions import QuestionList, QuestionsError, read_questions
@@ -40,6 +41,16 @@ class LoadedStudy:
         if step.games is not None:
             session = msgspec.structs.replace(session, episodes=step.games)
         return msgspec.structs.replace(protocol, name=self.study.name, session=session)
+
+    def simulated_protocol(self, condition: str, step: Block) -> Protocol:
+        """Return the protocol of a block for a simulated participant, whose own delay is known without a calibration."""
+        protocol = self.block_protocol(condition, step)
+        if protocol.delay_of == "rule":
+            return protocol
+        own = GammaDelay() if protocol.delay_of == "paper" else protocol.trainer.delay
+        credit = msgspec.structs.replace(protocol.agent.credit, delay=own)
+        agent = msgspec.structs.replace(protocol.agent, credit=credit)
+        return msgspec.structs.replace(protocol, agent=agent, delay_of="rule")
 
 
 def load_study(path: Path) -> LoadedStudy:

@@ -59,10 +59,15 @@ async def test_not_agreeing_to_what_is_needed_declines_after_a_question():
 
 
 async def test_a_break_cannot_be_left_before_its_shortest_time():
-    assert await results_of([lambda: BreakPage("", shortest_s=60, longest_s=90, code="P1", clock=MonotonicClock())], ["enter"]) == []
-    assert await results_of([lambda: BreakPage("", shortest_s=0, longest_s=90, code="P1", clock=MonotonicClock())], ["enter"]) == [
-        True
-    ]
+    assert (
+        await results_of(
+            [lambda: BreakPage("", shortest_s=60, longest_s=90, code="P1", clock=MonotonicClock())], ["enter"]
+        )
+        == []
+    )
+    assert await results_of(
+        [lambda: BreakPage("", shortest_s=0, longest_s=90, code="P1", clock=MonotonicClock())], ["enter"]
+    ) == [True]
 
 
 async def test_thanks_can_be_left_by_any_of_its_keys():
