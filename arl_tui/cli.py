@@ -8,6 +8,7 @@ import click
 from arl_tui.command_line import Arl, ToWrite, recordings_option
 from arl_tui.commands.experiment import experiment
 from arl_tui.commands.fit import fit
+from arl_tui.commands.study import study
 from arl_tui.commands.timing import timing
 from arl_tui.commands.train import train
 from arl_tui.commands.watch import watch
@@ -311,6 +312,7 @@ def list_recordings(recordings: Path, csv_path: Path | None, publish: Path | Non
 
 main.add_command(experiment)
 main.add_command(fit)
+main.add_command(study)
 main.add_command(timing)
 main.add_command(train)
 main.add_command(watch)

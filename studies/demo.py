@@ -1,5 +1,6 @@
 """A simulated session from start to end: played, recorded, replayed, summarised. What `arl demo` does without a terminal."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
@@ -23,7 +24,15 @@ from core.session import build_session
 from core.streams import stream_seed
 
 
-def simulate_session(protocol: Protocol, root_seed: int, target: Path, *, software: dict[str, str]) -> Path:
+def simulate_session(
+    protocol: Protocol,
+    root_seed: int,
+    target: Path,
+    *,
+    software: dict[str, str],
+    participant: str = "simulated",
+    source: Mapping[str, str] | None = None,
+) -> Path:
     """Play a session with a simulated participant, as fast as the machine can, and record it.
 
     Args:
@@ -31,6 +40,8 @@ def simulate_session(protocol: Protocol, root_seed: int, target: Path, *, softwa
         root_seed: of the session.
         target: the recording to write; must not exist.
         software: versions for the header.
+        participant: code for the header.
+        source: where the session belongs, for the header.
     """
     clock = ManualClock()
     session = build_session(protocol, root_seed)
@@ -43,7 +54,7 @@ def simulate_session(protocol: Protocol, root_seed: int, target: Path, *, softwa
         )
         for person, other in enumerate(protocol.others, 1)
     ]
-    participant = SimulatedParticipant[Any](
+    simulated = SimulatedParticipant[Any](
         session.domain,
         game.oracle(protocol),
         SimulatedTrainer(protocol.trainer, root_seed=root_seed),
@@ -58,16 +69,17 @@ def simulate_session(protocol: Protocol, root_seed: int, target: Path, *, softwa
         clock="simulated",
         clock_resolution_ns=1,
         started_ns=clock.now_ns(),
-        participant="simulated",
+        participant=participant,
         root_seed=root_seed,
         protocol=to_plain(protocol),
         software=software,
         departures=protocol.departures(),
+        source=dict(source or {}),
     )
     writer = LineWriter(target, header)
-    for output in session.run(participant, clock):
+    for output in session.run(simulated, clock):
         writer.write(output)
-        for item in participant.watch(output):
+        for item in simulated.watch(output):
             writer.write(item)
     writer.close()
     return target

@@ -1,0 +1,256 @@
+"""`arl study`: a whole study from one file, from consent to thanks, for many participants."""
+
+import contextlib
+import shlex
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from arl_tui.recordings import DEFAULT_FOLDER
+
+if TYPE_CHECKING:
+    from studies.lab.ledger import Ledger
+    from studies.lab.read import LoadedStudy
+
+STUDY = click.Path(exists=True, dir_okay=False, path_type=Path)
+study_argument = click.argument("file", metavar="STUDY", type=STUDY, default="study.toml")
+home_option = click.option(
+    "--recordings",
+    "home",
+    type=click.Path(file_okay=False, path_type=Path),
+    default=DEFAULT_FOLDER,
+    show_default=True,
+    help="Where the data of studies are kept.",
+)
+
+
+@click.group(short_help="Run a whole study from one file.")
+def study() -> None:
+    """Run a whole study from one file: consent, blocks in balanced order, breaks, questions, thanks."""
+
+
+@study.command(short_help="Copy a ready study to start from.")
+@click.argument("folder", type=click.Path(file_okay=False, path_type=Path), default=Path())
+@click.option(
+    "--from",
+    "name",
+    type=click.Choice(["demo", "fig5", "fig6", "fig7"]),
+    default="demo",
+    show_default=True,
+    help="Which: two conditions in ten minutes, or one of the paper's figures with people.",
+)
+def new(folder: Path, name: str) -> None:
+    """Copy a ready study, complete with texts, to FOLDER."""
+    from studies.lab.ready_studies import copy_ready_study
+
+    with _plain_errors():
+        files = copy_ready_study(name, folder)
+    for file in files:
+        click.echo(str(file))
+    click.echo(f"Next: arl study check {shlex.quote(str(files[0]))}")
+
+
+@study.command(short_help="Say what the study will do, and what is missing.")
+@study_argument
+@click.option("--pages", is_flag=True, help="Print every text that participants will read.")
+def check(file: Path, pages: bool) -> None:
+    """Say what STUDY asks of participants, which orders there are, and what is missing. Status 1 if something is."""
+    from studies.lab.check import forecast
+    from studies.lab.read import load_study
+
+    with _plain_errors():
+        loaded = load_study(file)
+        click.echo("Playing simulated sessions of every condition ...", err=True)
+        found = forecast(loaded)
+    for number, sitting in enumerate(loaded.study.sittings):
+        click.echo(f"\n{sitting.name}: about {found.minutes(number):.0f} minutes")
+        for step in found.steps:
+            if step.sitting == number:
+                remark = f"  ({step.remark})" if step.remark else ""
+                click.echo(f"  {step.step + 1:2}  {step.kind:14} {step.minutes:5.1f} min{remark}")
+    click.echo("\nConditions, from simulated sessions:")
+    for block in found.blocks:
+        click.echo(
+            f"  {block.condition:20} {block.games} games, {block.minutes:.1f} min, {block.presses:.0f} presses that count"
+        )
+    click.echo("\nOrders, by place:")
+    for place, order in enumerate(found.orders, 1):
+        click.echo(f"  {place:3}  {', '.join(order)}")
+    if pages:
+        for name, text in loaded.texts.items():
+            click.echo(f"\n--- {name} ---\n{text.strip()}")
+    for sentence in found.missing:
+        click.echo(f"\nMissing: {sentence}")
+    if found.missing:
+        raise click.exceptions.Exit(1)
+    click.echo("\nNothing is missing.")
+
+
+@study.command(short_help="Lead a participant through their next sitting.")
+@study_argument
+@click.option("--participant", "code", help="Code of the participant; a new one is drawn by default.")
+@home_option
+def run(file: Path, code: str | None, home: Path) -> None:
+    """Lead a participant through their next sitting of STUDY, or go on with one that broke off."""
+    from arl_tui.commands.play import need_terminal
+    from arl_tui.commands.study_blocks import player
+    from arl_tui.facts import software
+    from arl_tui.study.run import Terminal, run_sitting
+    from studies.lab.enrolment import drawn_code
+
+    need_terminal("arl study run", instead="arl study simulate")
+    with _plain_errors():
+        loaded, ledger = _open(file, home)
+        code = code or drawn_code(loaded.study, ledger)
+        result = run_sitting(loaded, ledger, code, Terminal(player(loaded, home)), software=software())
+    said = {
+        "finished": "finished the sitting",
+        "stopped": "stopped the sitting",
+        "window-closed": "left: the window was closed",
+        "failed": "could not go on",
+        "declined": "did not consent; nothing was kept",
+        "nothing": "left before consent; nothing was kept",
+    }[result.how]
+    who = "The participant" if result.how in ("declined", "nothing") else result.code
+    click.echo(f"{who} {said}.")
+    if result.trouble:
+        raise click.ClickException(result.trouble)
+
+
+@study.command(short_help="Send simulated participants through the whole study.")
+@study_argument
+@click.option(
+    "--participants", type=click.IntRange(1), default=12, show_default=True, help="How many are simulated."
+)
+@home_option
+def simulate(file: Path, participants: int, home: Path) -> None:
+    """Send simulated participants of all kinds through the real pages of STUDY.
+
+    Their data lie in a folder of their own, whose name ends in "-simulated", and every file says that it is simulated.
+    """
+    from arl_tui.facts import software
+    from arl_tui.study.run import run_sitting
+    from arl_tui.study.simulated import SimulatedPresenter, habits_of
+    from core.clock import ManualClock
+    from core.streams import stream_seed
+    from studies.lab.enrolment import drawn_code
+    from studies.lab.progress import progress
+
+    with _plain_errors():
+        loaded, ledger = _open(file, home, simulated=True)
+        first = len(progress(ledger.lines()).participants)
+        for number in range(first, first + participants):
+            clock, code, habits = (
+                ManualClock(),
+                drawn_code(loaded.study, ledger, prefix="SIM"),
+                habits_of(number),
+            )
+            seed = stream_seed(loaded.study.seed, "simulated", number)
+            for _ in loaded.study.sittings:
+                presenter = SimulatedPresenter(loaded, habits, seed=seed, clock=clock, software=software())
+                result = run_sitting(
+                    loaded,
+                    ledger,
+                    code,
+                    presenter,
+                    software=software(),
+                    simulated=True,
+                    clock=clock,
+                    any_time=True,
+                )
+                click.echo(f"{code} ({habits.kind}): {result.how}, {clock.now_ns() / 60e9:.0f} min")
+    click.echo(f"Data: {ledger.folder}")
+
+
+@study.command(short_help="Show who is where, and whose data are worth a look.")
+@study_argument
+@click.option("--simulated", is_flag=True, help="Of the simulated participants.")
+@home_option
+def status(file: Path, simulated: bool, home: Path) -> None:
+    """Show how far STUDY is: participants, orders, drop-outs, presses, and what looks wrong."""
+    from core.clock import wall_time_utc
+    from studies.lab.folder import data_folder
+    from studies.lab.progress import moment
+    from studies.lab.read import load_study
+    from studies.lab.status import status as status_of
+
+    with _plain_errors():
+        loaded = load_study(file)
+        folder = data_folder(home, loaded.study.name, simulated=simulated)
+        if not (folder / "ledger.jsonl").exists():
+            click.echo(f"Nobody has taken part yet: there is no {folder / 'ledger.jsonl'}")
+            return
+        found = status_of(loaded.study, folder, moment(wall_time_utc()))
+    click.echo(f"{found.finished} of {found.planned} have finished; {found.declined} did not consent.\n")
+    for row in found.rows:
+        presses = "-" if row.presses_per_game is None else f"{row.presses_per_game:.1f}"
+        click.echo(
+            f"{row.code:14} place {row.place + 1:<4} {row.state:12} {row.where}; {row.minutes:.0f} min, "
+            f"{row.games} games, {presses} presses a game"
+        )
+        for flag in row.flags:
+            click.echo(f"{'':14} ! {flag}")
+    click.echo("\nFinished with each order:")
+    for order, count in found.orders:
+        click.echo(f"  {count:3}  {', '.join(order)}")
+
+
+@study.command(short_help="Remove everything of a participant who withdraws.")
+@study_argument
+@click.argument("code")
+@click.option("--yes", is_flag=True, help="Do not ask.")
+@home_option
+def withdraw(file: Path, code: str, yes: bool, home: Path) -> None:
+    """Remove everything of the participant CODE from STUDY, exports included."""
+    from studies.lab.withdraw import withdraw as remove
+
+    if not yes:
+        click.confirm(f"Remove all data of {code} for ever?", abort=True)
+    with _plain_errors():
+        _, ledger = _open(file, home)
+        tombstone = remove(ledger, code)
+    click.echo(
+        f"{tombstone.files_removed} files removed. The ledger holds {tombstone.code} in place of the code."
+    )
+
+
+@study.command(short_help="Count a participant as dropped out.")
+@study_argument
+@click.argument("code")
+@click.option("--reason", default="the experimenter's decision", show_default=True, help="For the ledger.")
+@home_option
+def drop(file: Path, code: str, reason: str, home: Path) -> None:
+    """Count the participant CODE of STUDY as dropped out; what was recorded is kept."""
+    from studies.lab.ledger import DroppedOut
+    from studies.lab.progress import progress
+
+    with _plain_errors():
+        loaded, ledger = _open(file, home)
+        if code not in progress(ledger.lines()).participants:
+            raise click.ClickException(
+                f"nobody with the code {code} takes part in this study: check the code"
+            )
+        ledger.append(DroppedOut(code=code, reason=reason))
+    rule = "is given to the next participant" if loaded.study.dropouts.replace else "stays empty"
+    click.echo(f"{code} counts as dropped out. The place {rule} ([dropouts] replace).")
+
+
+def _open(file: Path, home: Path, *, simulated: bool = False) -> "tuple[LoadedStudy, Ledger]":
+    from studies.lab.folder import data_folder
+    from studies.lab.ledger import Ledger
+    from studies.lab.read import load_study
+
+    loaded = load_study(file)
+    folder = data_folder(home, loaded.study.name, simulated=simulated)
+    return loaded, Ledger(folder, study=loaded.study.name, seed=loaded.study.seed)
+
+
+@contextlib.contextmanager
+def _plain_errors() -> Iterator[None]:
+    """Turn documented errors into a message without a stack trace."""
+    try:
+        yield
+    except (ValueError, OSError) as error:
+        raise click.ClickException(str(error)) from error

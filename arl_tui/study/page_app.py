@@ -1,0 +1,63 @@
+"""Shows pages of a study one after the other, in an app of their own."""
+
+import asyncio
+import signal
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from textual.screen import Screen
+
+from arl_tui.plain_app import PlainApp
+
+Results = list[object]
+"""One result per page that was left; see `arl_tui.study.pages`."""
+
+
+class PageApp(PlainApp[Results]):
+    """Shows each page until it is left; ends early where a page is left with None (stop) or False (decline)."""
+
+    CSS_PATH = Path(__file__).parent.parent / "app.tcss"
+    TITLE = "arl"
+
+    def __init__(
+        self,
+        pages: Sequence[Callable[[], Screen[object]]],
+        on_result: Callable[[int, object], None] = lambda number, result: None,
+    ) -> None:
+        """Prepare.
+
+        Args:
+            pages: each is made when its turn comes.
+            on_result: called with the number of a page, from 0, and its result before the next page is shown.
+        """
+        super().__init__()
+        self._pages = list(pages)
+        self._on_result = on_result
+        self.results: Results = []
+        self.closed_by: signal.Signals | None = None
+        """The signal that ended the app: the window was closed, or somebody ended the program."""
+
+    def on_mount(self) -> None:
+        """Show the first page."""
+        loop = asyncio.get_running_loop()
+        for number in (signal.SIGTERM, signal.SIGHUP):
+            loop.add_signal_handler(number, self._close, number)
+        self._show_next()
+
+    def _close(self, number: signal.Signals) -> None:
+        self.closed_by = number
+        self.exit(self.results)
+
+    def _show_next(self) -> None:
+        if len(self.results) == len(self._pages):
+            self.exit(self.results)
+        else:
+            self.push_screen(self._pages[len(self.results)](), self._page_left)
+
+    def _page_left(self, result: object) -> None:
+        self._on_result(len(self.results), result)
+        self.results.append(result)
+        if result is None or result is False:
+            self.exit(self.results)
+        else:
+            self._show_next()

@@ -1,0 +1,450 @@
+"""Leads a participant through a sitting: every step in turn, everything recorded, from consent to thanks."""
+
+import hashlib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal, Protocol, assert_never
+
+from textual.screen import Screen
+
+from arl_tui.study import words
+from arl_tui.study.page_app import PageApp, Results
+from arl_tui.study.pages import BreakPage, ConsentPage, NoticePage, TextPage
+from arl_tui.study.question_pages import Answered, QuestionPage
+from core.clock import Clock, MonotonicClock, wall_time_utc
+from studies.lab.config import (
+    ASSIGNED,
+    Block,
+    Break,
+    Calibration,
+    Consent,
+    Debriefing,
+    Practice,
+    Questionnaire,
+    Step,
+    kind_of,
+)
+from studies.lab.config import TextPage as TextStep
+from studies.lab.enrolment import Attempt, begin_sitting, enrol, session_seed
+from studies.lab.folder import participant_folder, sitting_path
+from studies.lab.ledger import Declined, Ledger, SittingEnded, StepDone
+from studies.lab.progress import progress
+from studies.lab.questions import passed
+from studies.lab.read import LoadedStudy
+from studies.lab.sitting_log import (
+    ConsentAnswered,
+    FileRecorded,
+    QuestionAnswered,
+    SittingHeader,
+    SittingLine,
+    SittingLog,
+    StepBegun,
+    StepEnded,
+)
+
+How = Literal["finished", "stopped", "window-closed", "failed"]
+Pages = Sequence[Callable[[], Screen[object]]]
+OnResult = Callable[[int, object], None]
+
+
+def ignore_result(number: int, result: object) -> None:
+    """Take a page's result and do nothing."""
+
+
+@dataclass(frozen=True, slots=True)
+class Played:
+    """What is left of a session, a practice or a calibration."""
+
+    how: How
+    file: str = ""
+    """Name of the recording in the participant's folder; empty where nothing was recorded."""
+    games: tuple[float, ...] = ()
+    """Performance of each watched game."""
+    presses: int = 0
+    """Accepted presses that were not taken back."""
+    unit: str = ""
+    """Of the performances."""
+    trouble: str = ""
+    """For the experimenter, where it failed."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BlockCall:
+    """A session that a study asks for."""
+
+    step: Block | Practice | Calibration
+    condition: str
+    code: str
+    folder: Path
+    seed: int
+    resume: Path | None
+    """The recording that this session goes on with."""
+    facts: Mapping[str, str]
+    """Study, place, sitting and condition, for the recording's header."""
+
+
+class Presenter(Protocol):
+    """What shows pages and plays sessions: a terminal, or a simulated participant's headless screens."""
+
+    def pages(self, pages: Pages, on_result: OnResult = ignore_result) -> tuple[Results, bool]:
+        """Show pages; return their results, and whether the window was closed.
+
+        `on_result` is called with each page's number and result before the next page is shown.
+        """
+        ...
+
+    def play(self, call: BlockCall) -> Played:
+        """Run a session, a practice or a calibration."""
+        ...
+
+
+class Terminal:
+    """Pages in this terminal; `play` is handed in, because it belongs to the commands."""
+
+    def __init__(self, play: Callable[[BlockCall], Played]) -> None:
+        self.play = play
+
+    def pages(self, pages: Pages, on_result: OnResult = ignore_result) -> tuple[Results, bool]:
+        """Show pages in an app of their own."""
+        app = PageApp(pages, on_result)
+        results = app.run()
+        return (app.results if results is None else results), app.closed_by is not None or results is None
+
+
+@dataclass(slots=True)
+class Numbers:
+    """What a participant did in this sitting, for the last page."""
+
+    games: list[float] = field(default_factory=list)
+    presses: int = 0
+    unit: str = ""
+
+
+class _LeftEarly(Exception):
+    """The participant, or the window, ended the sitting."""
+
+    def __init__(self, how: How, trouble: str = "") -> None:
+        super().__init__(how)
+        self.how = how
+        self.trouble = trouble
+
+
+@dataclass(frozen=True, slots=True)
+class SittingResult:
+    """How a sitting went, for the experimenter."""
+
+    how: Literal["finished", "stopped", "window-closed", "failed", "declined", "nothing"]
+    """nothing: left before consent was given."""
+    code: str
+    trouble: str = ""
+
+
+def run_sitting(
+    loaded: LoadedStudy,
+    ledger: Ledger,
+    code: str,
+    presenter: Presenter,
+    *,
+    software: Mapping[str, str],
+    simulated: bool = False,
+    clock: Clock | None = None,
+    any_time: bool = False,
+) -> SittingResult:
+    """Lead a participant through their next sitting.
+
+    Args:
+        loaded: the study.
+        ledger: of the study.
+        code: of the participant; a new one is enrolled after consent.
+        presenter: shows pages and plays sessions.
+        software: versions, for the record.
+        simulated: the participant is simulated.
+        clock: of the times in the record.
+        any_time: do not ask how long ago the sitting before was.
+
+    Raises:
+        NotNow: the participant cannot begin or go on now.
+        LedgerError: the ledger cannot be used.
+        OSError: the disk takes nothing.
+    """
+    time = clock or MonotonicClock()
+    lines: list[SittingLine] = []
+    if code not in progress(ledger.lines()).participants:
+        before = _ask_consent(loaded, code, presenter, time, lines)
+        if before is not None:
+            if before == "declined":
+                ledger.append(Declined())
+            return SittingResult(before, code)
+        enrol(loaded.study, ledger, code, simulated=simulated)
+    attempt = begin_sitting(loaded.study, ledger, code, any_time=any_time)
+    return _Sitting(loaded, ledger, attempt, presenter, time, software, simulated=simulated).run(lines)
+
+
+def _ask_consent(
+    loaded: LoadedStudy, code: str, presenter: Presenter, clock: Clock, lines: list[SittingLine]
+) -> Literal["declined", "nothing"] | None:
+    """Show everything up to the first consent; fill `lines` where it was given. Nothing is written."""
+    for number, step in enumerate(loaded.study.sittings[0].steps):
+        assert isinstance(step, TextStep | Consent), "a study file records nothing before consent"
+        lines.append(StepBegun(step=number, kind=kind_of(step), time_ns=clock.now_ns()))
+        results, closed = presenter.pages([_page_of(loaded, step, code)])
+        if closed or not results or results[-1] is None:
+            return "nothing"
+        if results[-1] is False:
+            return "declined"
+        if isinstance(step, Consent):
+            lines.append(_consent_line(loaded, step, number, results[-1], clock))
+        lines.append(StepEnded(step=number, time_ns=clock.now_ns(), how="finished"))
+        if isinstance(step, Consent):
+            return None
+    raise AssertionError("a study file has a consent before anything that records")
+
+
+def _page_of(
+    loaded: LoadedStudy, step: TextStep | Consent, code: str, part: str = ""
+) -> Callable[[], Screen[object]]:
+    text = loaded.texts[step.text]
+    if isinstance(step, Consent):
+        return lambda: ConsentPage(text, step.statements, step.optional, code=code, part=part)
+    return lambda: TextPage(text, code=code, part=part, heading=loaded.study.title)
+
+
+def _consent_line(
+    loaded: LoadedStudy, step: Consent, number: int, answers: object, clock: Clock
+) -> ConsentAnswered:
+    assert isinstance(answers, dict), "a consent page is left with answers, or not at all"
+    text = loaded.texts[step.text]
+    return ConsentAnswered(
+        step=number,
+        text=text,
+        text_version=step.version,
+        text_sha256=hashlib.sha256(text.encode()).hexdigest(),
+        answers=answers,
+        at_utc=wall_time_utc(),
+        time_ns=clock.now_ns(),
+    )
+
+
+class _Sitting:
+    """One attempt at one sitting of an enrolled participant."""
+
+    def __init__(
+        self,
+        loaded: LoadedStudy,
+        ledger: Ledger,
+        attempt: Attempt,
+        presenter: Presenter,
+        clock: Clock,
+        software: Mapping[str, str],
+        *,
+        simulated: bool,
+    ) -> None:
+        self._loaded = loaded
+        self._study = loaded.study
+        self._ledger = ledger
+        self._attempt = attempt
+        self._presenter = presenter
+        self._clock = clock
+        self._software = software
+        self._simulated = simulated
+        self._numbers = Numbers()
+        self._folder = participant_folder(ledger.folder, attempt.code)
+
+    def run(self, lines_before: Sequence[SittingLine]) -> SittingResult:
+        """Do the steps that are left; `lines_before` were earned before the participant had a place."""
+        attempt, steps = self._attempt, self._study.sittings[self._attempt.sitting].steps
+        path = sitting_path(self._ledger.folder, attempt.code, attempt.sitting, attempt.number)
+        how: How = "finished"
+        trouble = ""
+        with SittingLog(path, self._header(), clock=self._clock) as log:
+            done = -1
+            for line in lines_before:
+                log.write(line)
+                if isinstance(line, StepEnded):
+                    self._ledger.append(StepDone(code=attempt.code, sitting=attempt.sitting, step=line.step))
+                    done = line.step
+            try:
+                for number in range(max(attempt.first_step, done + 1), len(steps)):
+                    self._do(log, number, steps[number])
+            except _LeftEarly as left:
+                how, trouble = left.how, left.trouble
+            log.close(how)
+        self._ledger.append(SittingEnded(code=attempt.code, sitting=attempt.sitting, how=how))
+        if how == "stopped":
+            self._say(words.STOPPED.format(code=attempt.code))
+        return SittingResult(how, attempt.code, trouble)
+
+    def _header(self) -> SittingHeader:
+        attempt = self._attempt
+        return SittingHeader(
+            study=self._study.name,
+            study_version=self._study.version,
+            study_sha256=self._loaded.sha256,
+            participant=attempt.code,
+            simulated=self._simulated,
+            place=attempt.place,
+            order=attempt.order,
+            sitting=attempt.sitting,
+            attempt=attempt.number,
+            at_utc=wall_time_utc(),
+            started_ns=self._clock.now_ns(),
+            software=dict(self._software),
+        )
+
+    def _do(self, log: SittingLog, number: int, step: Step) -> None:
+        """Do one step, and write that it is over.
+
+        Raises:
+            _LeftEarly: the participant stopped, the window was closed, or the step failed.
+        """
+        log.write(StepBegun(step=number, kind=kind_of(step), time_ns=self._clock.now_ns()))
+        try:
+            self._show(log, number, step)
+        except _LeftEarly as left:
+            log.write(StepEnded(step=number, time_ns=self._clock.now_ns(), how=left.how))
+            raise
+        log.write(StepEnded(step=number, time_ns=self._clock.now_ns(), how="finished"))
+        self._ledger.append(StepDone(code=self._attempt.code, sitting=self._attempt.sitting, step=number))
+
+    def _show(self, log: SittingLog, number: int, step: Step) -> None:
+        code, part = self._attempt.code, self._part(number)
+        match step:
+            case TextStep():
+                self._pages([_page_of(self._loaded, step, code, part)])
+            case Consent():
+                answers = self._pages([_page_of(self._loaded, step, code, part)])[-1]
+                log.write(_consent_line(self._loaded, step, number, answers, self._clock))
+            case Break(text=name, shortest_s=shortest_s, longest_s=longest_s):
+                text = self._loaded.texts.get(name, "")
+                self._pages(
+                    [
+                        lambda: BreakPage(
+                            text,
+                            shortest_s=shortest_s,
+                            longest_s=longest_s,
+                            code=code,
+                            clock=self._clock,
+                            part=part,
+                        )
+                    ]
+                )
+            case Questionnaire():
+                self._ask(log, number, step)
+            case Debriefing():
+                text = self._loaded.texts[step.text]
+                remarks = self._remarks(step)
+                self._pages([lambda: NoticePage(words.THANKS, text, remarks, code=code)])
+            case Practice() | Calibration() | Block():
+                self._play(log, number, step)
+            case other:
+                assert_never(other)
+
+    def _part(self, number: int) -> str:
+        count = len(self._study.sittings[self._attempt.sitting].steps)
+        return words.PART.format(number=number + 1, count=count)
+
+    def _pages(self, pages: Pages, on_result: OnResult = ignore_result) -> Results:
+        results, closed = self._presenter.pages(pages, on_result)
+        if closed:
+            raise _LeftEarly("window-closed")
+        if len(results) < len(pages) or results[-1] is None or results[-1] is False:
+            raise _LeftEarly("stopped")
+        return results
+
+    def _say(self, text: str) -> None:
+        """Show a last page; nothing hangs on how it is left."""
+        self._presenter.pages([lambda: NoticePage(words.THANKS, "", [text], code=self._attempt.code)])
+
+    def _ask(self, log: SittingLog, number: int, step: Questionnaire) -> None:
+        """Ask every question in turn; each answer is on the disk before the next question comes."""
+        asked = self._loaded.questionnaires[step.questions]
+        code, clock, count = self._attempt.code, self._clock, len(asked.questions)
+        if asked.introduction or asked.title:
+            intro = f"# {asked.title}\n\n{asked.introduction}"
+            self._pages([lambda: TextPage(intro, code=code, part=self._part(number))])
+
+        def page(place: int) -> Callable[[], Screen[object]]:
+            question = asked.questions[place]
+            return lambda: QuestionPage(question, number=place + 1, count=count, code=code, clock=clock)
+
+        def write(place: int, result: object) -> None:
+            if isinstance(result, Answered):
+                question = asked.questions[place]
+                log.write(
+                    QuestionAnswered(
+                        step=number,
+                        questionnaire=asked.name,
+                        question=question.id,
+                        answer=result.answer,
+                        shown_ns=result.shown_ns,
+                        answered_ns=result.answered_ns,
+                        passed=passed(question, result.answer),
+                    )
+                )
+
+        self._pages([page(place) for place in range(count)], write)
+
+    def _play(self, log: SittingLog, number: int, step: Block | Practice | Calibration) -> None:
+        condition = self._condition(number, step)
+        kind = kind_of(step)
+        played = self._presenter.play(
+            BlockCall(
+                step=step,
+                condition=condition,
+                code=self._attempt.code,
+                folder=self._folder,
+                seed=session_seed(self._study, self._attempt, number),
+                resume=None,
+                facts={
+                    "study": self._study.name,
+                    "study_version": self._study.version,
+                    "study_sha256": self._loaded.sha256,
+                    "place": str(self._attempt.place),
+                    "order": " ".join(self._attempt.order),
+                    "sitting": str(self._attempt.sitting),
+                    "step": str(number),
+                    "condition": condition,
+                },
+            )
+        )
+        if played.file:
+            log.write(
+                FileRecorded(step=number, kind=kind, file=played.file, condition=condition, ended=played.how)  # type: ignore[arg-type]
+            )
+        if isinstance(step, Block):
+            self._numbers.games += played.games
+            self._numbers.presses += played.presses
+            self._numbers.unit = played.unit or self._numbers.unit
+        if played.how != "finished":
+            raise _LeftEarly(played.how, played.trouble)
+
+    def _condition(self, number: int, step: Step) -> str:
+        if not isinstance(step, Block):
+            return ""
+        if step.condition != ASSIGNED:
+            return step.condition
+        here = (self._attempt.sitting, number)
+        earlier = [
+            other
+            for sitting, place, other in self._study.steps
+            if isinstance(other, Block) and other.condition == ASSIGNED and (sitting, place) < here
+        ]
+        return self._attempt.condition(len(earlier))
+
+    def _remarks(self, step: Debriefing) -> list[str]:
+        remarks = []
+        numbers = self._numbers
+        if step.own_numbers and numbers.games:
+            remarks.append(
+                words.NUMBERS.format(
+                    games=len(numbers.games),
+                    presses=numbers.presses,
+                    unit=numbers.unit.capitalize(),
+                    first=f"{numbers.games[0]:.3g}",
+                    last=f"{numbers.games[-1]:.3g}",
+                )
+            )
+        if step.show_condition:
+            remarks.append(words.ORDER.format(order=", ".join(self._attempt.order)))
+        return [*remarks, words.CODE.format(code=self._attempt.code)]

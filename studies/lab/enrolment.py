@@ -1,0 +1,208 @@
+"""Who gets which place, code and order: decided while the ledger is locked, so that no two participants share one."""
+
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+
+from core.clock import wall_time_utc
+from core.streams import stream, stream_seed
+from studies.lab.config import Study
+from studies.lab.ledger import Enrolled, Ledger, LedgerError, Line, SittingStarted
+from studies.lab.orders import order_of
+from studies.lab.progress import Participant, SittingProgress, moment, progress
+
+ALPHABET = "23456789ABCDEFGHJKMNPQRSTUVWXYZ"
+"""Of drawn codes: nothing that looks like something else (0 and O, 1 and I and L)."""
+
+
+class NotNow(ValueError):
+    """A participant cannot begin or go on now; the message says why and what the experimenter can do."""
+
+
+@dataclass(frozen=True, slots=True)
+class Attempt:
+    """What is to be done now: which sitting, from which step on."""
+
+    code: str
+    place: int
+    order: tuple[str, ...]
+    sitting: int
+    number: int
+    """Number of the attempt at this sitting, from 0."""
+    run: int
+    """How often the sitting was begun anew, from 0."""
+    first_step: int
+
+    @property
+    def resumed(self) -> bool:
+        """Whether the attempt before broke off and this one goes on with it."""
+        return self.number > self.run
+
+    def condition(self, block: int) -> str:
+        """Return the condition of the participant's `block`-th block with an assigned condition, from 0."""
+        return self.order[block] if len(self.order) > 1 else self.order[0]
+
+
+def drawn_code(study: Study, ledger: Ledger, *, prefix: str | None = None) -> str:
+    """Return a code that nobody has, and claim it.
+
+    The codes follow from the study's seed in an order that says nothing about the condition.
+
+    Args:
+        study: whose codes are drawn.
+        ledger: of the study.
+        prefix: of the code; the study's by default.
+    """
+    draws = stream(study.seed, "codes")
+    while True:
+        letters = draws.integers(len(ALPHABET), size=study.codes.length)
+        code = (study.codes.prefix if prefix is None else prefix) + "".join(
+            ALPHABET[letter] for letter in letters
+        )
+        if ledger.claim("code", code):
+            return code
+
+
+def enrol(
+    study: Study, ledger: Ledger, code: str, *, simulated: bool = False, now: datetime | None = None
+) -> Enrolled:
+    """Give a participant the lowest free place, and its order.
+
+    Raises:
+        NotNow: the code belongs to a participant already.
+        LedgerError: the ledger cannot be used.
+    """
+    at = now or moment(wall_time_utc())
+
+    def choose(lines: tuple[Line, ...]) -> Line:
+        so_far = progress(lines)
+        if code in so_far.participants:
+            raise NotNow(f"{code} takes part already: leave the code out, and another one is drawn")
+        place = so_far.free_place(study, at)
+        # A claimed place without a line: another computer was killed in between, or its lock does not work.
+        while not ledger.claim("place", f"{place}-{so_far.holders(place)}"):
+            place += 1
+        return Enrolled(
+            at_utc=at.isoformat(timespec="seconds"),
+            code=code,
+            place=place,
+            order=order_of(study, place),
+            simulated=simulated,
+        )
+
+    written = ledger.decide(choose)
+    assert isinstance(written, Enrolled), "what was chosen"
+    return written
+
+
+def begin_sitting(
+    study: Study, ledger: Ledger, code: str, *, now: datetime | None = None, any_time: bool = False
+) -> Attempt:
+    """Begin the participant's next sitting, or go on with one that broke off, and write that to the ledger.
+
+    Args:
+        study: whose timeline it is.
+        ledger: of the study.
+        code: of the participant.
+        now: with a time zone; the present time by default.
+        any_time: do not ask how long ago the sitting before was (simulated participants).
+
+    Raises:
+        NotNow: there is nothing to do, it is too early or too late, or the study's rule refuses to go on.
+    """
+    at = now or moment(wall_time_utc())
+    chosen: list[Attempt] = []
+
+    def choose(lines: tuple[Line, ...]) -> Line:
+        attempt = _next_attempt(study, _known(progress(lines).participants, code), at, any_time=any_time)
+        chosen.append(attempt)
+        return SittingStarted(
+            at_utc=at.isoformat(timespec="seconds"),
+            code=code,
+            sitting=attempt.sitting,
+            attempt=attempt.number,
+            run=attempt.run,
+            first_step=attempt.first_step,
+        )
+
+    ledger.decide(choose)
+    return chosen[0]
+
+
+def session_seed(study: Study, attempt: Attempt, step: int) -> int:
+    """Return the root seed of a session: it follows from study, place, sitting, step and run.
+
+    A resumed attempt keeps the seed of the attempt that it goes on with.
+    """
+    return stream_seed(study.seed, "session", attempt.place, attempt.sitting, step, attempt.run)
+
+
+def _known(people: dict[str, Participant], code: str) -> Participant:
+    if code not in people:
+        raise NotNow(f"nobody with the code {code} takes part in this study: check the code")
+    return people[code]
+
+
+def _next_attempt(study: Study, person: Participant, now: datetime, *, any_time: bool) -> Attempt:
+    if person.withdrawn:
+        raise NotNow(f"{person.code} has withdrawn")
+    if person.dropped_out is not None:
+        raise NotNow(f"{person.code} counts as dropped out ({person.dropped_out})")
+    number = person.next_sitting(study)
+    if number == len(study.sittings):
+        raise NotNow(f"{person.code} has finished: there is nothing left to do")
+    before = person.sittings.get(number)
+    if before is None:
+        if not any_time:
+            _check_interval(study, person, number, now)
+        return Attempt(person.code, person.place, person.order, number, 0, 0, 0)
+    return _again(study, person, number, before, now)
+
+
+def _check_interval(study: Study, person: Participant, number: int, now: datetime) -> None:
+    if number == 0:
+        return
+    sitting, ended = study.sittings[number], person.sittings[number - 1].last_sign
+    assert ended is not None, "a finished sitting has lines"
+    earliest = ended + timedelta(hours=sitting.after_hours)
+    if now < earliest:
+        raise NotNow(
+            f"{person.code}: the sitting {sitting.name!r} may begin {_when(earliest)}, {sitting.after_hours:g} h after the one before"
+        )
+    if sitting.within_hours is not None and now > ended + timedelta(hours=sitting.within_hours):
+        raise NotNow(
+            f"{person.code} comes too late: the sitting {sitting.name!r} had to begin within {sitting.within_hours:g} h, by "
+            f"{_when(ended + timedelta(hours=sitting.within_hours))}. `arl study drop {person.code}` gives the place to another participant"
+        )
+
+
+def _again(study: Study, person: Participant, number: int, before: SittingProgress, now: datetime) -> Attempt:
+    rule, last = study.resuming, before.last_sign
+    assert last is not None, "a sitting that was begun has lines"
+    age = now - last
+    begun = f"{person.code} began the sitting {study.sittings[number].name!r}, and it ended early"
+    if rule.rule == "refuse":
+        raise NotNow(f'{begun}; [resuming] rule = "refuse" leaves it to you')
+    if age > timedelta(hours=rule.within_hours):
+        raise NotNow(
+            f"{begun} {age.total_seconds() / 3600:.1f} h ago; [resuming] within_hours allows {rule.within_hours:g} h. "
+            f"`arl study drop {person.code}` gives the place to another participant"
+        )
+    anew = rule.rule == "restart"
+    first = 0 if anew else before.next_step(len(study.sittings[number].steps))
+    return Attempt(person.code, person.place, person.order, number, before.attempts, before.run + anew, first)
+
+
+def _when(at: datetime) -> str:
+    return at.astimezone(UTC).strftime("on %Y-%m-%d at %H:%M UTC")
+
+
+__all__ = [
+    "ALPHABET",
+    "Attempt",
+    "LedgerError",
+    "NotNow",
+    "begin_sitting",
+    "drawn_code",
+    "enrol",
+    "session_seed",
+]

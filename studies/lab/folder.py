@@ -1,0 +1,33 @@
+"""Where a study's data lie: one folder per study, one folder per participant in it."""
+
+from pathlib import Path
+
+SIMULATED = "-simulated"
+"""Ends the name of the folder of simulated participants, so that their data are never among people's."""
+
+
+def data_folder(home: Path, study: str, *, simulated: bool = False) -> Path:
+    """Return the folder of a study's data.
+
+    Args:
+        home: where all data are kept.
+        study: name of the study.
+        simulated: of simulated participants.
+    """
+    return home / "studies" / (study + (SIMULATED if simulated else ""))
+
+
+def participant_folder(data: Path, code: str) -> Path:
+    """Return the folder of one participant's files."""
+    return data / "participants" / code
+
+
+def sitting_path(data: Path, code: str, sitting: int, attempt: int) -> Path:
+    """Return the file of one attempt at a sitting, both from 0."""
+    again = f"-attempt-{attempt + 1}" if attempt else ""
+    return participant_folder(data, code) / f"sitting-{sitting + 1}{again}.jsonl"
+
+
+def exports_folder(data: Path) -> Path:
+    """Return the folder of exported tables, with a folder per participant where a table belongs to one."""
+    return data / "exports"

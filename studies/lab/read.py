@@ -1,0 +1,149 @@
+"""Read a study file with all that it names: texts, questionnaires, and the protocol of every condition."""
+
+import hashlib
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from core.feedback.delays import GammaDelay
+from core.protocol import Protocol, protocol_from
+from studies.lab.config import Block, Break, Consent, Debriefing, Questionnaire, Study, TextPage
+from studies.lab.questions import QuestionList, QuestionsError, read_questions
+
+
+class StudyError(ValueError):
+    """A study cannot be used; each line of the message says where, what is wrong, and what to do."""
+
+
+@dataclass(frozen=True, slots=True)
+class LoadedStudy:
+    """A study with everything that its file names."""
+
+    path: Path
+    study: Study
+    sha256: str
+    """Of the file's bytes, hex."""
+    texts: Mapping[str, str]
+    """Markdown by file name."""
+    questionnaires: Mapping[str, QuestionList]
+    """By the name that steps use."""
+    protocols: Mapping[str, Protocol]
+    """By condition."""
+
+    def block_protocol(self, condition: str, step: Block) -> Protocol:
+        """Return the protocol of a block. Its name is the study's, so that it says nothing about the condition."""
+        protocol = self.protocols[condition]
+        session = protocol.session
+        if step.games is not None:
+            session = msgspec.structs.replace(session, episodes=step.games)
+        return msgspec.structs.replace(protocol, name=self.study.name, session=session)
+
+    def simulated_protocol(self, condition: str, step: Block) -> Protocol:
+        """Return the protocol of a block for a simulated participant, whose own delay is known without a calibration."""
+        protocol = self.block_protocol(condition, step)
+        if protocol.delay_of == "rule":
+            return protocol
+        own = GammaDelay() if protocol.delay_of == "paper" else protocol.trainer.delay
+        credit = msgspec.structs.replace(protocol.agent.credit, delay=own)
+        agent = msgspec.structs.replace(protocol.agent, credit=credit)
+        return msgspec.structs.replace(protocol, agent=agent, delay_of="rule")
+
+
+def load_study(path: Path) -> LoadedStudy:
+    """Read a study file and everything beside it.
+
+    Raises:
+        StudyError: something is missing or wrong; all that is found is named, a line each.
+        OSError: the file cannot be read.
+    """
+    content = path.read_bytes()
+    try:
+        study = msgspec.convert(tomllib.loads(content.decode("utf-8-sig")), Study)
+    except UnicodeDecodeError as error:
+        raise StudyError(
+            f"{path}: not UTF-8 at byte {error.start}: save the file as UTF-8 in your editor"
+        ) from error
+    except (tomllib.TOMLDecodeError, ValueError) as error:
+        raise StudyError(f"{path}: {error}") from error
+    trouble: list[str] = []
+    texts = _texts(study, path.parent, trouble)
+    questionnaires = _questionnaires(study, path.parent, trouble)
+    protocols = _protocols(study, path, trouble)
+    if trouble:
+        raise StudyError("\n".join(trouble))
+    return LoadedStudy(path, study, hashlib.sha256(content).hexdigest(), texts, questionnaires, protocols)
+
+
+def combined(base: Mapping[str, Any], differences: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the base with the differences written over it, table by table.
+
+    A table that names another `type` than the base's replaces the base's table as a whole.
+    """
+    result = dict(base)
+    for name, value in differences.items():
+        below = base.get(name)
+        if isinstance(below, Mapping) and isinstance(value, Mapping) and _of_one_type(below, value):
+            result[name] = combined(below, value)
+        else:
+            result[name] = value
+    return result
+
+
+def _of_one_type(base: Mapping[str, Any], differences: Mapping[str, Any]) -> bool:
+    kind = base.get("type")
+    return bool(differences.get("type", kind) == kind)
+
+
+def _texts(study: Study, folder: Path, trouble: list[str]) -> dict[str, str]:
+    texts: dict[str, str] = {}
+    for sitting, place, step in study.steps:
+        if isinstance(step, Consent | TextPage | Debriefing | Break) and step.text:
+            try:
+                texts[step.text] = (folder / step.text).read_text(encoding="utf-8-sig")
+            except (OSError, UnicodeDecodeError) as error:
+                trouble.append(
+                    f"{folder / step.text}: needed by step {place + 1} of sitting {sitting + 1}: {_reason(error)}"
+                )
+    return texts
+
+
+def _questionnaires(study: Study, folder: Path, trouble: list[str]) -> dict[str, QuestionList]:
+    found: dict[str, QuestionList] = {}
+    for _, _, step in study.steps:
+        if isinstance(step, Questionnaire) and step.questions not in found:
+            try:
+                found[step.questions] = read_questions(step.questions, folder)
+            except QuestionsError as error:
+                trouble.append(str(error))
+    return found
+
+
+def _protocols(study: Study, path: Path, trouble: list[str]) -> dict[str, Protocol]:
+    base: Mapping[str, Any] = study.protocol
+    if study.protocol_file:
+        file = path.parent / study.protocol_file
+        try:
+            base = tomllib.loads(file.read_text(encoding="utf-8-sig"))
+        except (OSError, ValueError) as error:
+            trouble.append(f"{file}: {_reason(error)}")
+            return {}
+    protocols: dict[str, Protocol] = {}
+    for name, differences in study.conditions.items():
+        try:
+            protocols[name] = protocol_from(combined(base, differences))
+        except ValueError as error:
+            trouble.append(f"{path}: condition {name}: {error}")
+    games = {protocol.game for protocol in protocols.values()}
+    if len(games) > 1:
+        trouble.append(f"{path}: the conditions are about different games: {', '.join(sorted(games))}")
+    return protocols
+
+
+def _reason(error: Exception) -> str:
+    if isinstance(error, FileNotFoundError):
+        return "there is no such file"
+    return error.strerror or str(error) if isinstance(error, OSError) else str(error)

@@ -1,0 +1,182 @@
+"""What an experimenter sees of a running study: who is where, how balanced it is, and whose data look wrong.
+
+Everything is read from the append-only files; nothing is written and no running session is disturbed.
+"""
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+
+from core.episode import EpisodeEnded, KeyPressed, PressRetracted
+from core.recording.reader import RecordingError, read_recording
+from studies.lab.config import Study, kind_of
+from studies.lab.folder import participant_folder
+from studies.lab.ledger import read_ledger
+from studies.lab.orders import order_of
+from studies.lab.progress import Participant, progress
+from studies.lab.sealed import SealedFileError
+from studies.lab.sitting_log import FileRecorded, QuestionAnswered, read_sitting
+
+FEW_PRESSES_PER_GAME = 0.5
+"""Fewer accepted presses per game than this are pointed out."""
+ALWAYS_THE_SAME = 0.98
+"""A share of one key among at least `ENOUGH_PRESSES` above this is pointed out."""
+ENOUGH_PRESSES = 20
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One participant, as a table shows them."""
+
+    code: str
+    place: int
+    order: tuple[str, ...]
+    state: str
+    where: str
+    """Sitting and step, in words."""
+    minutes: float
+    """From the first to the last sign of life, summed over sittings."""
+    games: int
+    presses_per_game: float | None
+    """Accepted presses that were not taken back; None before the first game."""
+    flags: tuple[str, ...]
+    """What is worth a look, in words."""
+
+
+@dataclass(frozen=True, slots=True)
+class Status:
+    """A study as far as it is."""
+
+    rows: tuple[Row, ...]
+    declined: int
+    planned: int
+    finished: int
+    orders: tuple[tuple[tuple[str, ...], int], ...]
+    """Each order, and how many have finished with it."""
+
+
+def status(study: Study, data: Path, now: datetime) -> Status:
+    """Return how far a study is.
+
+    Args:
+        study: from its file.
+        data: folder of its data.
+        now: with a time zone.
+
+    Raises:
+        SealedFileError: the ledger was changed.
+        OSError: the ledger cannot be read.
+    """
+    so_far = progress(read_ledger(data / "ledger.jsonl"))
+    rows = tuple(_row(study, data, person, now) for person in so_far.participants.values())
+    finished = Counter(row.order for row in rows if row.state == "finished")
+    orders = dict.fromkeys(order_of(study, place) for place in range(study.participants))
+    return Status(
+        rows,
+        so_far.declined,
+        study.participants,
+        sum(finished.values()),
+        tuple((order, finished[order]) for order in orders),
+    )
+
+
+def _row(study: Study, data: Path, person: Participant, now: datetime) -> Row:
+    flags: list[str] = []
+    games = presses = 0
+    if not person.withdrawn:
+        looked_at = _Recordings(participant_folder(data, person.code))
+        flags = list(looked_at.flags())
+        games, presses = looked_at.games, looked_at.presses
+    return Row(
+        person.code,
+        person.place,
+        person.order,
+        person.state(study, now),
+        _where(study, person),
+        sum(_minutes(person, number) for number in person.sittings),
+        games,
+        presses / games if games else None,
+        tuple(flags),
+    )
+
+
+def _minutes(person: Participant, number: int) -> float:
+    sitting = person.sittings[number]
+    if sitting.begun_at is None or sitting.last_sign is None:
+        return 0.0
+    return (sitting.last_sign - sitting.begun_at).total_seconds() / 60
+
+
+def _where(study: Study, person: Participant) -> str:
+    if person.withdrawn:
+        return "withdrawn"
+    number = person.next_sitting(study)
+    if number == len(study.sittings):
+        return "finished"
+    sitting = study.sittings[number]
+    if number not in person.sittings:
+        return f"before {sitting.name}"
+    steps = sitting.steps
+    place = person.sittings[number].next_step(len(steps))
+    if place == len(steps):
+        return f"{sitting.name}: all steps done"
+    return f"{sitting.name}: step {place + 1} of {len(steps)} ({kind_of(steps[place])})"
+
+
+class _Recordings:
+    """What the files of one participant say."""
+
+    def __init__(self, folder: Path) -> None:
+        self.games = 0
+        self.presses = 0
+        self.damaged: list[str] = []
+        self.failed_checks = 0
+        self._keys: Counter[str] = Counter()
+        for path in sorted(folder.glob("sitting-*.jsonl")):
+            self._read_sitting(path)
+
+    def flags(self) -> Iterator[str]:
+        """Yield what is worth a look."""
+        for name in self.damaged:
+            yield f"damaged file: {name}"
+        if self.games and self.presses < FEW_PRESSES_PER_GAME * self.games:
+            yield f"few presses: {self.presses} in {self.games} games"
+        total = sum(self._keys.values())
+        if total >= ENOUGH_PRESSES:
+            key, count = self._keys.most_common(1)[0]
+            if count > ALWAYS_THE_SAME * total:
+                yield f"always the same key: {key} in {count} of {total} presses"
+        if self.failed_checks:
+            yield f"failed attention checks: {self.failed_checks}"
+
+    def _read_sitting(self, path: Path) -> None:
+        try:
+            _, lines = read_sitting(path)
+        except (SealedFileError, OSError) as error:
+            self.damaged.append(f"{path.name} ({error})")
+            return
+        for line in lines:
+            if isinstance(line, QuestionAnswered):
+                self.failed_checks += line.passed is False
+            elif isinstance(line, FileRecorded) and line.kind == "block":
+                self._read_block(path.parent / line.file)
+
+    def _read_block(self, path: Path) -> None:
+        try:
+            recording = read_recording(path)
+        except (RecordingError, OSError) as error:
+            self.damaged.append(f"{path.name} ({error})")
+            return
+        taken_back = {event.press for event in recording.events if isinstance(event, PressRetracted)}
+        for event in recording.events:
+            if isinstance(event, EpisodeEnded):
+                self.games += 1
+            elif (
+                isinstance(event, KeyPressed)
+                and event.verdict == "accepted"
+                and event.press not in taken_back
+            ):
+                self.presses += 1
+                self._keys[event.key] += 1

@@ -1,0 +1,45 @@
+"""Withdrawal: everything of one participant is removed, and a tombstone without identity is left."""
+
+import shutil
+from pathlib import Path
+
+from studies.lab.enrolment import NotNow
+from studies.lab.folder import exports_folder, participant_folder
+from studies.lab.ledger import Ledger, Withdrawn
+from studies.lab.progress import progress
+
+
+def withdraw(ledger: Ledger, code: str) -> Withdrawn:
+    """Remove a participant's files, and replace the code in the ledger by a number.
+
+    The order of work makes a kill harmless: while the code stands in the ledger, withdrawing again finishes
+    the work. Tables that mix participants are removed as a whole; `arl export` makes them anew.
+
+    Args:
+        ledger: of the study.
+        code: of the participant.
+
+    Returns:
+        The tombstone.
+
+    Raises:
+        NotNow: nobody with this code takes part.
+        OSError: a file cannot be removed; the ledger still holds the code.
+    """
+    known = progress(ledger.lines()).participants
+    if code not in known or known[code].withdrawn:
+        raise NotNow(f"nobody with the code {code} takes part in this study: check the code")
+    removed = _remove(participant_folder(ledger.folder, code)) + _remove(exports_folder(ledger.folder))
+    number = 1 + sum(person.withdrawn for person in known.values())
+    tombstone = Withdrawn(code=f"withdrawn-{number}", files_removed=removed)
+    ledger.replace_code(code, tombstone.code, last=tombstone)
+    return tombstone
+
+
+def _remove(folder: Path) -> int:
+    """Remove a folder; return how many files it held."""
+    if not folder.exists():
+        return 0
+    count = sum(path.is_file() for path in folder.rglob("*"))
+    shutil.rmtree(folder)
+    return count

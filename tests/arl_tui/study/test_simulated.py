@@ -1,0 +1,85 @@
+"""Simulated participants of a study: they finish it by keys alone, and nobody takes their files for people's."""
+
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from arl_tui.cli import main
+from core.protocol import protocol_from
+from core.recording.reader import read_recording
+from core.replay import replay_exactly
+from core.session import build_session
+from studies.lab.sitting_log import read_sitting
+
+STUDY = """
+name = "small"
+seed = 5
+participants = 4
+[protocol.session]
+episodes = 1
+watched_steps = 3
+[conditions.linear.agent.scheme]
+type = "linear"
+[conditions.annealed.agent.scheme]
+type = "annealed"
+[assignment]
+type = "latin-square"
+[[sittings]]
+name = "day 1"
+steps = [
+  { type = "consent", text = "consent.md" },
+  { type = "block" },
+  { type = "break", shortest_s = 30 },
+  { type = "block" },
+  { type = "questionnaire", questions = "taught" },
+  { type = "debriefing", text = "consent.md" },
+]
+"""
+
+
+@pytest.fixture(scope="module")
+def home(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("study")
+    (folder / "consent.md").write_text("# Consent\n" + "\nA paragraph.\n" * 30)
+    (folder / "study.toml").write_text(STUDY)
+    result = CliRunner().invoke(
+        main,
+        ["study", "simulate", str(folder / "study.toml"), "--participants", "2", "--recordings", str(folder)],
+    )
+    assert result.exit_code == 0, result.output
+    return folder
+
+
+def sittings(home):
+    return [read_sitting(path) for path in sorted(home.rglob("sitting-1.jsonl"))]
+
+
+def test_every_simulated_participant_finishes(home):
+    assert [lines[-1].how for _, lines in sittings(home)] == ["finished", "finished"]
+
+
+def test_every_file_says_that_it_is_simulated(home):
+    data = home / "studies" / "small-simulated"
+    assert {header.simulated for header, _ in sittings(home)} == {True}
+    recordings = sorted(data.rglob("*-step-*.jsonl"))
+    assert len(recordings) == 4
+    assert {read_recording(path).header.origin for path in recordings} == {"simulated"}
+    assert [path for path in (home / "studies").iterdir() if not path.name.endswith("-simulated")] == []
+
+
+def test_their_recordings_name_condition_and_place_and_replay_exactly(home):
+    for path in sorted(Path(home).rglob("*-step-*.jsonl")):
+        recording = read_recording(path)
+        source = recording.header.source
+        assert (source["study.study"], source["study.condition"] in ("linear", "annealed")) == ("small", True)
+        protocol = protocol_from(recording.header.protocol)
+        assert (
+            replay_exactly(recording, build_session(protocol, recording.header.root_seed)).difference is None
+        )
+
+
+def test_status_of_simulated_participants_is_shown_apart(home):
+    arguments = ["study", "status", str(home / "study.toml"), "--recordings", str(home)]
+    assert "Nobody has taken part yet" in CliRunner().invoke(main, arguments).output
+    assert "2 of 4 have finished" in CliRunner().invoke(main, [*arguments, "--simulated"]).output

@@ -1,0 +1,124 @@
+"""What an experimenter sees, and what withdrawing removes."""
+
+import shutil
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import pytest
+
+from core.clock import ManualClock
+from studies.lab.enrolment import NotNow, begin_sitting, enrol
+from studies.lab.folder import exports_folder, participant_folder, sitting_path
+from studies.lab.ledger import Declined, Ledger, SittingEnded, StepDone
+from studies.lab.sitting_log import FileRecorded, QuestionAnswered, SittingLog
+from studies.lab.status import status
+from studies.lab.withdraw import withdraw
+from tests.studies.lab.examples import study_of
+from tests.studies.lab.test_sitting_log import HEADER
+
+MORNING = datetime(2026, 11, 28, 9, 0, tzinfo=UTC)
+GOLDEN = Path(__file__).parents[3] / "recordings" / "reference" / "tetris-linear-equation-4.jsonl"
+
+
+@pytest.fixture
+def study():
+    return study_of()
+
+
+@pytest.fixture
+def ledger(tmp_path, study):
+    return Ledger(tmp_path / "data", study=study.name, seed=study.seed)
+
+
+def begin(study, ledger, code="A", minutes=0):
+    enrol(study, ledger, code, now=MORNING)
+    begin_sitting(study, ledger, code, now=MORNING)
+    later = (MORNING + timedelta(minutes=minutes)).isoformat()
+    ledger.append(StepDone(code=code, sitting=0, step=0, at_utc=later))
+
+
+def sitting_file(ledger, *lines, code="A"):
+    with SittingLog(sitting_path(ledger.folder, code, 0, 0), HEADER, clock=ManualClock()) as log:
+        for line in lines:
+            log.write(line)
+
+
+def row_of(study, ledger):
+    return status(study, ledger.folder, MORNING).rows[0]
+
+
+def test_a_running_participant_is_shown_with_step_and_minutes(study, ledger):
+    begin(study, ledger, minutes=7)
+    row = row_of(study, ledger)
+    assert (row.state, row.where, row.minutes) == ("active", "day 1: step 2 of 4 (block)", 7.0)
+
+
+def test_finishers_are_counted_by_order_and_decliners_only_counted(study, ledger):
+    begin(study, ledger)
+    ledger.append(SittingEnded(code="A", sitting=0, how="finished", at_utc=MORNING.isoformat()))
+    ledger.append(Declined())
+    found = status(study, ledger.folder, MORNING)
+    assert (found.finished, found.declined) == (1, 1)
+    assert dict(found.orders)[found.rows[0].order] == 1
+    assert sum(count for _, count in found.orders) == 1
+
+
+def test_presses_are_counted_from_the_recordings(study, ledger):
+    begin(study, ledger)
+    sitting_file(
+        ledger, FileRecorded(step=1, kind="block", file=GOLDEN.name, condition="c0", ended="finished")
+    )
+    shutil.copy(GOLDEN, participant_folder(ledger.folder, "A"))
+    row = row_of(study, ledger)
+    assert row.games > 0
+    assert row.presses_per_game > 0
+    assert row.flags == ()
+
+
+def test_a_damaged_file_and_a_failed_attention_check_are_pointed_out(study, ledger):
+    begin(study, ledger)
+    failed = QuestionAnswered(
+        step=2, questionnaire="q", question="check", answer=1, shown_ns=0, answered_ns=1, passed=False
+    )
+    sitting_file(
+        ledger,
+        failed,
+        FileRecorded(step=1, kind="block", file="gone.jsonl", condition="c0", ended="finished"),
+    )
+    flags = row_of(study, ledger).flags
+    assert any(flag.startswith("damaged file: gone.jsonl") for flag in flags)
+    assert "failed attention checks: 1" in flags
+
+
+def test_withdrawing_removes_every_file_and_leaves_a_number(study, ledger):
+    begin(study, ledger, "SECRET")
+    begin(study, ledger, "B")
+    sitting_file(ledger, code="SECRET")
+    sitting_file(ledger, code="B")
+    exports_folder(ledger.folder).mkdir()
+    (exports_folder(ledger.folder) / "presses.csv").write_text("participant\nSECRET\nB\n")
+    tombstone = withdraw(ledger, "SECRET")
+    assert (tombstone.code, tombstone.files_removed) == ("withdrawn-1", 2)
+    left = [path for path in ledger.folder.rglob("*") if path.is_file()]
+    assert not any("SECRET" in str(path) or b"SECRET" in path.read_bytes() for path in left)
+    assert participant_folder(ledger.folder, "B").exists()
+    assert [row.state for row in status(study, ledger.folder, MORNING).rows] == ["withdrawn", "active"]
+
+
+def test_a_withdrawal_that_was_interrupted_can_be_finished(study, ledger, monkeypatch):
+    begin(study, ledger, "SECRET")
+    sitting_file(ledger, code="SECRET")
+    with monkeypatch.context() as patch:
+        patch.setattr(
+            Ledger, "replace_code", lambda *args, **kwargs: (_ for _ in ()).throw(KeyboardInterrupt)
+        )
+        with pytest.raises(KeyboardInterrupt):
+            withdraw(ledger, "SECRET")
+    assert withdraw(ledger, "SECRET").code == "withdrawn-1"
+
+
+def test_nobody_withdraws_twice(study, ledger):
+    begin(study, ledger)
+    withdraw(ledger, "A")
+    with pytest.raises(NotNow, match="nobody with the code A"):
+        withdraw(ledger, "A")
