@@ -1,0 +1,51 @@
+"""Text that came from a file, made safe to show: on a terminal, on a page, in a plot, in an error message.
+
+A terminal obeys escape sequences wherever they come from: a participant code in somebody else's table can clear the
+screen or set the window's title. Bidirectional overrides change the order in which a line is read. Every text that
+this program did not write itself goes through `printable` or `printable_lines` before a person sees it.
+"""
+
+import unicodedata
+
+LONGEST = 200
+"""Characters of one foreign text that are shown; more of them hide what matters."""
+LONGEST_LINE = 4000
+"""Characters of one line of a message that are shown."""
+
+_UNSAFE = frozenset({"Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp"})
+"""Unicode categories that are written as escapes: controls, format characters (all bidirectional controls are
+among them), surrogates, private and unassigned code points, line and paragraph separators."""
+_HARMLESS = frozenset("\u00ad\u200c\u200d")
+"""Format characters that scripts and emoji need; they neither move the cursor nor reorder text."""
+
+
+def printable(text: str, *, longest: int | None = LONGEST) -> str:
+    r"""Return a text in one line: control, format and separator characters as escapes, e.g. `\x1b` or `\u202e`.
+
+    Args:
+        text: any text, whatever it holds.
+        longest: characters that are kept; the rest is replaced by `...` and how many there were. None keeps all.
+
+    Returns:
+        Text without any character that a terminal obeys. A text of plain characters is returned as it is.
+    """
+    shown = text if longest is None else text[:longest]
+    if not (shown.isascii() and shown.isprintable()):
+        shown = "".join(_one(sign) for sign in shown)
+    if longest is not None and len(text) > longest:
+        return f"{shown}... ({len(text):,} characters)"
+    return shown
+
+
+def printable_lines(text: str) -> str:
+    """Return a text of several lines with each line made `printable`; line feeds stay, and nothing else that moves."""
+    return "\n".join(printable(line, longest=LONGEST_LINE) for line in text.split("\n"))
+
+
+def _one(sign: str) -> str:
+    if sign in _HARMLESS or unicodedata.category(sign) not in _UNSAFE:
+        return sign
+    number = ord(sign)
+    if number <= 0xFF:
+        return f"\\x{number:02x}"
+    return f"\\u{number:04x}" if number <= 0xFFFF else f"\\U{number:08x}"
