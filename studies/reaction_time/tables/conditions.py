@@ -41,7 +41,7 @@ def unused_conditions(
             continue
         if people is not None and _one_value_per_person(lines, at, people):
             continue  # age group, site and the like
-        shown = ", ".join(printable(value, longest=40) or "(empty)" for value in list(values)[:_SHOWN])
+        shown = ", ".join(printable(value, longest=40) or "(empty)" for value in sorted(values)[:_SHOWN])
         found.append(f"{printable(name)} ({shown}{', ...' if len(values) > _SHOWN else ''})")
     if not found:
         return None

@@ -65,14 +65,16 @@ def _candidates(table: Table) -> dict[str, int]:
 
 
 def _n_times(table: Table, name: str) -> int:
-    """Count the rows with a new response of this column's item."""
-    count = table.getter(f"count_{name.removeprefix(_PREFIX)}")
-    get = table.getter(name)
+    """Count the rows with a new response of this column's item: by its count, else by its time's being another."""
+    ending = name.removeprefix("response_time")
+    get, tell = (
+        table.getter(name),
+        table.getter(f"count{ending}" if f"count{ending}" in table.header else name),
+    )
     n, last = 0, None
     for _, cells in table.lines:
-        if not is_missing(get(cells)) and (count(cells) == "" or count(cells) != last):
-            n += 1
-        last = count(cells)
+        n += not is_missing(get(cells)) and tell(cells) != last
+        last = tell(cells)
     return n
 
 
