@@ -25,6 +25,11 @@ def read_or_stop(path: Path, *, allow_truncated: bool) -> Recording:
 
 def protocol_of(recording: Recording) -> Protocol:
     """Return the protocol in a recording's header."""
+    if recording.header.origin == "imported" and not recording.header.protocol:
+        raise click.ClickException(
+            f"{recording.path}: imported presses without the states and actions that they judge: nothing can be replayed. "
+            "`arl presses` reports them, `arl fit` fits their delays"
+        )
     try:
         return protocol_from(recording.header.protocol)
     except msgspec.ValidationError as error:

@@ -236,11 +236,15 @@ def task_of(files: Sequence[Path]) -> str:
     Raises:
         InputError: they measured different things, which no single density describes.
     """
+    from studies.reaction_time.read import is_evaluations
     from studies.reaction_time.trial_log import TrialFileError, read_trials
 
     tasks: dict[str, str] = {}
     for path in files:
         if path.name.endswith(".jsonl"):
+            if is_evaluations(path):
+                tasks.setdefault("evaluation", path.name)
+                continue
             try:
                 tasks.setdefault(read_trials(path).header.schedule.config.task, path.name)
             except TrialFileError as error:

@@ -10,6 +10,9 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from core.foreign_text import printable
+from core.recording.reader import RecordingError, read_recording
+from studies.evaluations.importer import FORMAT as EVALUATIONS
+from studies.evaluations.presses import presses_of
 from studies.reaction_time.exclusion import Row
 from studies.reaction_time.tables.contract import BIDS, MISSING, SECONDS, Columns, ReadError, Reading, Unit
 from studies.reaction_time.tables.registry import PLAIN, read_file
@@ -25,6 +28,7 @@ __all__ = [
     "ReadError",
     "Reading",
     "Unit",
+    "is_evaluations",
     "read_files",
     "read_rows",
     "read_table",
@@ -76,27 +80,46 @@ def write_rows(path: Path, rows: Sequence[Row], verdicts: Sequence[str]) -> None
             writer.writerow([row.participant, row.source, rt, row.status, verdict])
 
 
-def _read_recording(path: Path) -> list[Row]:
+def is_evaluations(path: Path) -> bool:
+    """Return whether a `.jsonl` file is a recording of sessions rather than of reaction trials."""
+    with path.open("rb") as file:
+        return b'"arl-recording"' in file.read(400)
+
+
+def _read_evaluations(path: Path) -> Reading:
+    """Read the delays of imported evaluations; live sessions are refused, because nobody knows what a press judged."""
     try:
-        session = read_trials(path)
-    except TrialFileError as error:
+        recording = read_recording(path)
+    except RecordingError as error:
         raise ReadError(str(error)) from error
-    return [
-        Row(
-            participant=session.header.participant,
-            source=f"{path.name}:{number}",
-            rt_s=trial.rt_s,
-            status=trial.status,
-            practice=trial.practice,
-            response_asked=bool(trial.expected_keys),
-            waited_s=trial.time_out_s if trial.status == "time-out" else None,
-            abandoned=trial.comment.startswith("abandoned"),
+    header = recording.header
+    if header.source.get("format") != EVALUATIONS:
+        raise ReadError(
+            f"{path}: a recorded session: what each press judged is not known, so its delay is not measured. `arl presses` "
+            "reports the presses, `arl calibrate` measures delays"
         )
-        for number, trial in enumerate(session.trials, start=2)
+    presses = presses_of(recording)
+    rows = [
+        Row(
+            participant=header.participant,
+            source=f"{printable(path.name)}: press {number}",
+            rt_s=press.delay_s,
+            status="anticipation" if press.delay_s is not None and press.delay_s < 0 else "ok",
+        )
+        for number, press in enumerate(presses)
     ]
+    return Reading(
+        path=path,
+        recognised="imported evaluations",
+        mapping="delays since the event judged",
+        rows=rows,
+        taken=Counter({"evaluations": len(rows)}),
+    )
 
 
 def _read_recording(path: Path) -> Reading:
+    if is_evaluations(path):
+        return _read_evaluations(path)
     try:
         session = read_trials(path)
     except TrialFileError as error:

@@ -42,7 +42,7 @@ class EPrime:
             return "'*** Header Start ***'"
         header = source.header
         times = any(name.endswith(".RT") for name in header)
-        found = [name for name in ("ExperimentName", "Subject", "Session") if name in header]
+        found: list[str] = [name for name in ("ExperimentName", "Subject", "Session") if name in header]
         found += [name for name in header if re.match(r"(Procedure|Running)\[", name)][:1]
         return ", ".join(map(shown, found)) if times and len(found) >= 2 and "Subject" in found else None
 
