@@ -90,10 +90,9 @@ def steps_of_time(samples: Mapping[str, Sample]) -> Iterator[str]:
     for step_s, names in found.items():
         ms = 1000.0 * step_s
         yield (
-            f"the times of {_some(names)} stand in steps of {ms:.4g} ms ({STEPS_S[step_s]}). Each time is known to a step "
-            f"only. If presses were noticed at the end of a step, means and offsets are {ms / 2:.2g} ms too long; the "
-            "offset and the shape of a shifted gamma, AIC differences and the goodness-of-fit p-value follow the steps "
-            "as much as the person (docs/trusting-a-fit.md)"
+            f"the times of {_some(names)} stand in steps of {ms:.4g} ms ({STEPS_S[step_s]}): each is known to a step only. If "
+            f"presses were noticed at the end of a step, means and offsets are {ms / 2:.2g} ms too long; shapes change "
+            "little; with many trials the goodness-of-fit test rejects every density (docs/trusting-a-fit.md)"
         )
 
 

@@ -20,6 +20,10 @@ Line = tuple[int, list[str]]
 _PREAMBLE = 30
 """A header stands within so many rows."""
 _SAMPLE = 200
+MOST_CELLS = 10_000_000
+"""Cells of one table, each row counting for three more: below 1 GB of memory."""
+_MEMO = 50_000
+"""Different cells of which one copy is kept: codes, conditions and answers come again and again."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,11 +104,19 @@ def _rows(path: Path, text: str, delimiter: str) -> list[Line]:
         io.StringIO(text, newline=""), delimiter=delimiter, skipinitialspace=delimiter != "\t"
     )
     rows: list[Line] = []
-    begin = 1
+    begin, last, size = 1, 1, 0
+    memo: dict[str, str] = {}
     try:
         for cells in reader:
             if any(cell.strip() for cell in cells):
-                rows.append((begin, cells))
+                known = memo.get if len(memo) >= _MEMO else memo.setdefault
+                rows.append((begin, [known(cell, cell) for cell in cells]))
+                size += len(cells) + 3
+                if size > MOST_CELLS:
+                    raise ReadError(
+                        f"{path}:{begin}: more than {MOST_CELLS / 1e6:g} million cells up to this line; write the columns "
+                        "that are needed to a smaller table, or split it by participants (several files may be named)"
+                    )
             last, begin = begin, reader.line_num + 1
     except csv.Error as error:
         raise ReadError(
