@@ -8,6 +8,8 @@ import click
 from arl_tui.command_line import Arl, ToWrite, recordings_option
 from arl_tui.commands.experiment import experiment
 from arl_tui.commands.fit import fit
+from arl_tui.commands.import_log import ImportGroup
+from arl_tui.commands.presses import presses
 from arl_tui.commands.study import study
 from arl_tui.commands.timing import timing
 from arl_tui.commands.train import train
@@ -175,9 +177,9 @@ def replay(
     )
 
 
-@main.group(name="import", short_help="Turn other programs' logs into recordings.")
+@main.group(name="import", cls=ImportGroup, short_help="Turn other programs' logs into recordings.")
 def import_group() -> None:
-    """Turn other programs' logs into recordings."""
+    """Turn other programs' logs into recordings. Other packages may add importers: docs/importers.md."""
 
 
 @import_group.command(name="tamer-log")
@@ -193,6 +195,52 @@ def import_tamer_log(log: Path, out: Path | None, recordings: Path) -> None:
     from arl_tui.commands.import_log import import_log
 
     import_log(log, out=out or recordings / "imported" / f"{log.stem}.jsonl")
+
+
+@import_group.command(name="evaluations")
+@click.argument("table", type=FILE)
+@click.option(
+    "--column",
+    multiple=True,
+    metavar="WHAT=NAME",
+    help="Which column holds what: participant=NAME (participant_id), time=NAME (time_s), value=NAME (value), "
+    "delay=NAME (delay_s, if there is one).",
+)
+@click.option(
+    "--by", multiple=True, metavar="COLUMN", help="Make a recording of each value (a task, a session)."
+)
+@click.option(
+    "--unit",
+    type=click.Choice(["s", "ms", "us", "ns"]),
+    help="Unit of the times, unless their columns' names end in one. Never guessed.",
+)
+@click.option("--encoding", metavar="NAME", help="Code page of the table, as in `arl fit`.")
+@click.option(
+    "--out",
+    type=ToWrite(folder=True),
+    help="Folder for the recordings; in the recordings folder by default.",
+)
+@recordings_option(to_write=True)
+def import_evaluations(
+    table: Path,
+    column: tuple[str, ...],
+    by: tuple[str, ...],
+    unit: str | None,
+    encoding: str | None,
+    out: Path | None,
+    recordings: Path,
+) -> None:
+    """Import TABLE, evaluations of an agent: who pressed when, what value, how long after the event judged.
+
+    The recordings give delays (`arl fit`), bursts and reports (`arl presses`); without states they cannot be replayed.
+    """
+    from arl_tui.commands.import_log import import_with, pairs
+
+    settings = pairs(column, "--column")
+    for name, value in (("by", ",".join(by)), ("unit", unit), ("encoding", encoding)):
+        if value:
+            settings[name] = value
+    import_with("evaluations", table, out or recordings / "imported" / table.stem, settings)
 
 
 @main.command(short_help="Measure how long a participant takes to react and to judge.")
@@ -313,6 +361,7 @@ def list_recordings(recordings: Path, csv_path: Path | None, publish: Path | Non
 main.add_command(experiment)
 main.add_command(fit)
 main.add_command(study)
+main.add_command(presses)
 main.add_command(timing)
 main.add_command(train)
 main.add_command(watch)

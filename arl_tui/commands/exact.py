@@ -39,6 +39,11 @@ def need_outputs(recording: Recording) -> None:
 
 def protocol_of(recording: Recording) -> Protocol:
     """Return the protocol in a recording's header."""
+    if recording.header.origin == "imported" and not recording.header.protocol:
+        raise click.ClickException(
+            f"{recording.path}: imported presses without the states and actions that they judge: nothing can be replayed. "
+            "`arl presses` reports them, `arl fit` fits their delays"
+        )
     try:
         return protocol_from(recording.header.protocol)
     except msgspec.ValidationError as error:

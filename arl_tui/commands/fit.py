@@ -4,17 +4,16 @@ import os
 import shlex
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import click
 
 from arl_tui.command_line import ToWrite, file_or_dash
+from arl_tui.commands.fit_request import InputError, Request, say
 
 if TYPE_CHECKING:
     from studies.reaction_time.fit import GroupFit
-    from studies.reaction_time.read import Unit
     from studies.reaction_time.report import Result
     from studies.reaction_time.sample import Sample
 
@@ -22,38 +21,6 @@ IN_FULL = 3
 """Up to this many participants are shown in full, more of them in a line each."""
 WORTH_A_PROCESS = 8
 """Fewer participants are fitted sooner here than in processes that have to start first."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Request:
-    """Everything asked of the command. See its options."""
-
-    column: tuple[str, ...]
-    unit: "Unit | None"
-    keep: tuple[str, ...]
-    by: tuple[str, ...]
-    decimal: Literal[".", ","]
-    waited: float | None
-    trust_magnitudes: bool
-    allow_faults: bool
-    task: str | None
-    only: tuple[str, ...]
-    as_one: bool
-    anticipation_below: float
-    slow_above: float
-    absurd_above: float
-    keep_practice: bool
-    time_outs: Literal["censor", "exclude"]
-    pooled: bool
-    level: float
-    resamples: int
-    goodness: int | None
-    seed: int
-    workers: int | None
-    figure: Path | None
-    json_path: str | None
-    html: Path | None
-    out: Path | None
 
 
 _PATH = ToWrite()
@@ -64,11 +31,18 @@ _PATH = ToWrite()
     "files", nargs=-1, required=True, type=click.Path(exists=True, dir_okay=False, path_type=Path)
 )
 @click.option(
+    "--from",
+    "preset",
+    metavar="PROGRAM",
+    help="Whose files they are: psychopy, jspsych, eprime, gorilla, opensesame, dmdx, qualtrics; or table. Recognised "
+    "by default; a file without that program's marks is an error.",
+)
+@click.option(
     "--column",
     multiple=True,
     metavar="WHAT=NAME",
-    help="Which column of a table holds what: rt=NAME (response_time by default), participant=NAME "
-    "(participant_id; without such a column the file's name tells).",
+    help="Which column of a table holds what: rt=NAME (response_time, or the program's), participant=NAME "
+    "(participant_id, or the program's; without such a column the file's name tells).",
 )
 @click.option(
     "--unit",
@@ -95,7 +69,18 @@ _PATH = ToWrite()
     "--waited",
     type=float,
     metavar="SECONDS",
-    help="The task's time-out: rows without a response are censored there.",
+    help="The task's time-out: rows without a response, and times equal to it, are censored there.",
+)
+@click.option(
+    "--list",
+    "of_list",
+    type=click.Choice(["first", "last"]),
+    help="Which time counts in a cell that holds a list of times; by default such cells are refused.",
+)
+@click.option(
+    "--encoding",
+    metavar="NAME",
+    help="Code page of the tables, e.g. cp1250; UTF-8, UTF-16 or else Windows-1252 by default.",
 )
 @click.option("--trust-magnitudes", is_flag=True, help="Take medians that no person has in the stated unit.")
 @click.option(
@@ -103,7 +88,12 @@ _PATH = ToWrite()
     is_flag=True,
     help="Leave out any number of negative and absurd times; by default more than 5 % in a file are refused.",
 )
-@click.option("--task", metavar="TEXT", help="What was measured, for the report; our recordings say it.")
+@click.option(
+    "--task",
+    metavar="TEXT",
+    help="What was measured; our recordings say it. Evaluations (evaluation, feedback lag) have other limits than "
+    "reactions.",
+)
 @click.option(
     "--only", multiple=True, metavar="CODE", help="Fit only this participant. May be given several times."
 )
@@ -116,7 +106,9 @@ _PATH = ToWrite()
     help="Seconds; faster is not a reaction.",
 )
 @click.option(
-    "--slow-above", type=float, default=3.0, show_default=True, help="Seconds; slower is something else."
+    "--slow-above",
+    type=float,
+    help="Seconds; slower is something else. 3 for reactions, 10 for evaluations by default.",
 )
 @click.option(
     "--absurd-above",
@@ -126,6 +118,7 @@ _PATH = ToWrite()
     help="Seconds; slower is a fault of the file.",
 )
 @click.option("--keep-practice", is_flag=True, help="Use practice trials, too.")
+@click.option("--keep-wrong", is_flag=True, help="Use the times of wrong answers, too.")
 @click.option(
     "--time-outs",
     type=click.Choice(["censor", "exclude"]),
@@ -178,7 +171,7 @@ _PATH = ToWrite()
     help="Write JSON, report, the verdict on each row and all figures into a new folder.",
 )
 def fit(files: tuple[Path, ...], **options: object) -> None:
-    """Fit delay densities to the reaction times in FILES: our recordings, BIDS _beh.tsv and _events.tsv, CSV.
+    """Fit delay densities to the reaction times in FILES: our recordings, BIDS, CSV, or a program's own data files.
 
     Gamma and seven other families by maximum likelihood, with intervals. Status 2 and a message if a file cannot be
     used. When to trust the numbers: docs/trusting-a-fit.md.
@@ -189,26 +182,34 @@ def fit(files: tuple[Path, ...], **options: object) -> None:
 
 def fit_files(files: Sequence[Path], request: Request) -> None:
     """Read, select, fit, print and write."""
-    from arl_tui.commands.fit_input import InputError, oddity_lines, read_and_select, task_of
+    from arl_tui.commands.fit_input import limit_lines, oddity_lines, read, select_from, source_lines, task_of
     from arl_tui.commands.fit_tables import fault_lines, not_fitted_lines, reading_lines
     from core.clock import wall_time_utc
+    from core.foreign_text import printable
     from studies.reaction_time.report import Result, write_report
 
     if request.out is not None and request.out.exists():
         raise InputError(f"{request.out} exists: reports are never overwritten; name a new folder")
     task = request.task or task_of(files)
-    rows, samples, selection = read_and_select(files, request)
-    for line in (*fault_lines(rows, selection), *oddity_lines(files, request, rows, samples)):
-        click.echo(line, err=True)
+    readings = read(files, request)
+    for line in source_lines(readings):
+        say(line, err=True)
+    rows, samples, selection = select_from(readings, request, task)
+    for line in (
+        *limit_lines(rows, selection, request, task),
+        *fault_lines(rows, selection),
+        *oddity_lines(request, rows, samples),
+    ):
+        say(line, err=True)
     group = fit_with_bar(samples, request)
-    names = tuple(path.name for path in files)
+    names = tuple(printable(path.name, longest=None) for path in files)
     result = Result(created_utc=wall_time_utc(), task=task, files=names, selection=selection, group=group)
     if request.json_path != "-":
         for line in reading_lines(rows, selection):
-            click.echo(line)
+            say(line)
         show(group, samples, request)
         for line in not_fitted_lines(selection, group, request.only):
-            click.echo(line)
+            say(line)
     write(result, samples, request)
     if request.out is not None:
         write_report(
@@ -219,7 +220,6 @@ def fit_files(files: Sequence[Path], request: Request) -> None:
 
 def fit_with_bar(samples: "Mapping[str, Sample]", request: Request) -> "GroupFit":
     """Fit everybody with a bar that shows how far it is; stop where nobody can be fitted."""
-    from arl_tui.commands.fit_input import InputError
     from studies.reaction_time.fit import FitSettings, fit_group
     from studies.reaction_time.pooling import FEWEST_PEOPLE
 
@@ -256,14 +256,14 @@ def show(group: "GroupFit", samples: "Mapping[str, Sample]", request: Request) -
     if len(people) <= IN_FULL:
         for one in people:
             click.echo()
-            click.echo("\n".join(participant_lines(one, samples[one.participant])))
+            say("\n".join(participant_lines(one, samples[one.participant])))
     else:
         click.echo()
-        click.echo("\n".join(group_lines(group)))
-        click.echo(f"One participant in full, with plots: --only {shlex.quote(people[0].participant)}")
+        say("\n".join(group_lines(group)))
+        say(f"One participant in full, with plots: --only {shlex.quote(people[0].participant)}")
     if request.pooled:
         click.echo()
-        click.echo("\n".join(pooled_lines(group)))
+        say("\n".join(pooled_lines(group)))
 
 
 def write(result: "Result", samples: "Mapping[str, Sample]", request: Request) -> None:

@@ -8,49 +8,67 @@ from typing import TYPE_CHECKING
 import click
 import msgspec
 
+from arl_tui.commands.fit_request import FAULTS, InputError, Request
+
 if TYPE_CHECKING:
-    from arl_tui.commands.fit import Request
     from studies.reaction_time.exclusion import Row, Selection
-    from studies.reaction_time.read import Columns
+    from studies.reaction_time.read import Columns, Reading
     from studies.reaction_time.sample import Sample
 
 MOST_FAULTS = 0.05
 """A larger share of negative or absurd times is a wrong column or unit, not an accident."""
-FAULTS = ("negative", "absurd")
-"""Verdicts that no participant can cause."""
+WORTH_A_WARNING = 0.02
+"""Limits that leave out a larger share of the responses are those of another task, or of another unit."""
+FILES_IN_FULL = 4
+"""So many files are described one by one, more of them together."""
 
 
-class InputError(click.ClickException):
-    """The files cannot be used: status 2, as for any wrong use of the command."""
+def read(files: Sequence[Path], request: Request) -> "list[Reading]":
+    """Return what stands in the files.
 
-    exit_code = 2
+    Raises:
+        InputError: where a file cannot be used.
+    """
+    from studies.reaction_time.read import ReadError, read_files
+    from studies.reaction_time.tables.registry import preset_of
+
+    try:
+        if request.preset is not None:
+            preset_of(request.preset)
+        return read_files(files, columns_of(request), request.preset)
+    except ReadError as error:
+        hint = (
+            "Options that may help: --from PROGRAM, --column rt=NAME, --unit s|ms|us|ns, --keep COLUMN=VALUE, "
+            "--trust-magnitudes."
+        )
+        raise InputError(f"{error}\n{hint}") from error
+    except OSError as error:
+        raise InputError(str(error)) from error
 
 
-def read_and_select(
-    files: Sequence[Path], request: "Request"
+def select_from(
+    readings: "Sequence[Reading]", request: Request, task: str
 ) -> "tuple[list[Row], dict[str, Sample], Selection]":
     """Return all rows, the samples to fit by participant, and what happened to each row.
 
     Raises:
-        InputError: where a file cannot be used, too many rows are faulty, or nobody is left to fit.
+        InputError: too many rows are faulty, or nobody is left to fit.
     """
-    from studies.reaction_time.exclusion import ExclusionPolicy, select
-    from studies.reaction_time.read import ReadError, read_rows
+    from studies.reaction_time.exclusion import SLOW_ABOVE_S, ExclusionPolicy, kind_of_task, select
 
+    slow_above = SLOW_ABOVE_S[kind_of_task(task)] if request.slow_above is None else request.slow_above
     try:
         policy = ExclusionPolicy(
             anticipation_below_s=request.anticipation_below,
-            slow_above_s=request.slow_above,
+            slow_above_s=slow_above,
             absurd_above_s=request.absurd_above,
             keep_practice=request.keep_practice,
+            keep_wrong=request.keep_wrong,
             time_outs=request.time_outs,
         )
-        rows = read_rows(files, columns_of(request))
-    except ReadError as error:
-        hint = "Options that may help: --column rt=NAME, --unit s|ms|us|ns, --keep COLUMN=VALUE, --trust-magnitudes."
-        raise InputError(f"{error}\n{hint}") from error
-    except (ValueError, OSError) as error:
+    except ValueError as error:
         raise InputError(str(error)) from error
+    rows = [row for reading in readings for row in reading.rows]
     if request.as_one:
         rows = [msgspec.structs.replace(row, participant="everybody") for row in rows]
     samples, selection = select(rows, policy)
@@ -67,9 +85,76 @@ def read_and_select(
     return rows, samples, selection
 
 
-def columns_of(request: "Request") -> "Columns":
+def source_lines(readings: "Sequence[Reading]") -> Iterator[str]:
+    """Yield what each file was recognised as, which rows were taken and left out, and what was odd about it."""
+    groups: dict[tuple[str, str, str], list[Reading]] = {}
+    for reading in readings:
+        alone = "" if len(readings) > FILES_IN_FULL else str(reading.path)
+        key = (reading.recognised, reading.mapping, alone)
+        groups.setdefault(key, []).append(reading)
+    for some in groups.values():
+        first = some[0]
+        name = first.path.name if len(some) == 1 else f"{len(some)} files"
+        yield f"{name}: {first.recognised}" + (f"; {first.mapping}." if first.mapping else ".")
+        taken, left_out = (
+            sum((Counter(counts) for counts in every), Counter[str]())
+            for every in ([one.taken for one in some], [one.left_out for one in some])
+        )
+        yield f"  taken: {', '.join(f'{n} {words}' for words, n in taken.items())}"
+        if left_out:
+            yield f"  left out: {', '.join(f'{n} {words}' for words, n in left_out.items())}"
+        for one in some:
+            where = "" if len(some) == 1 else f"{one.path.name}: "
+            yield from (f"  Note: {where}{words}." for words in one.notes)
+    yield from _condition_lines(readings)
+
+
+def _condition_lines(readings: "Sequence[Reading]") -> Iterator[str]:
+    said: dict[str, list[str]] = {}
+    for reading in readings:
+        if reading.conditions is not None:
+            said.setdefault(reading.conditions, []).append(reading.path.name)
+    for words, names in said.items():
+        where = names[0] if len(names) == 1 else f"{len(names)} files"
+        yield f"Note: {where}: {words}. --keep COLUMN=VALUE takes some of them, --by COLUMN each apart."
+
+
+def limit_lines(rows: "Sequence[Row]", selection: "Selection", request: Request, task: str) -> Iterator[str]:
+    """Yield a warning where a limit by default leaves out many responses."""
+    from studies.reaction_time.exclusion import SLOW_ABOVE_S, kind_of_task
+
+    counts = Counter(selection.verdicts)
+    n = counts["kept"] + counts["slow"] + counts["anticipation"]
+    kind, policy = kind_of_task(task), selection.policy
+    if request.slow_above is None and counts["slow"] > WORTH_A_WARNING * n:
+        longest = max(
+            (row.rt_s for row, v in zip(rows, selection.verdicts, strict=True) if v == "slow" and row.rt_s),
+            default=0.0,
+        )
+        other = (
+            f"Are they evaluations? --task evaluation takes them up to {SLOW_ABOVE_S['evaluation']:g} s. "
+            if kind == "reaction"
+            else ""
+        )
+        yield (
+            f"Warning: the limit for {kind}s of {policy.slow_above_s:g} s leaves out {counts['slow']} of {n} responses "
+            f"({counts['slow'] / n:.1%}, up to {longest:.3g} s): the fits describe the faster ones only. {other}"
+            "--slow-above SECONDS sets the limit."
+        )
+    if (
+        request.anticipation_below == policy.anticipation_below_s
+        and counts["anticipation"] > WORTH_A_WARNING * n
+    ):
+        yield (
+            f"Warning: {counts['anticipation']} of {n} responses ({counts['anticipation'] / n:.1%}) are called "
+            f"anticipations (faster than {policy.anticipation_below_s:g} s, or by the file's own word) and left out. "
+            "--anticipation-below SECONDS sets the limit."
+        )
+
+
+def columns_of(request: Request) -> "Columns":
     """Return the column mapping that the options describe."""
-    from studies.reaction_time.read import BIDS, Columns
+    from studies.reaction_time.read import Columns
 
     named = dict(_pair(text, "--column") for text in request.column)
     unknown = sorted(named.keys() - {"rt", "participant"})
@@ -82,32 +167,29 @@ def columns_of(request: "Request") -> "Columns":
     if request.waited is not None and not request.waited > 0.0:
         raise click.BadParameter(f"{request.waited} s: a time-out is > 0", param_hint="--waited")
     return Columns(
-        rt=named.get("rt", BIDS.rt),
+        rt=named.get("rt", ""),
         unit=request.unit,
-        participant=named.get("participant", BIDS.participant),
+        participant=named.get("participant", Columns().participant),
         keep=keep,
         by=request.by,
         decimal=request.decimal,
         waited_s=request.waited,
         trust_magnitudes=request.trust_magnitudes,
+        of_list=request.of_list,
+        encoding=request.encoding,
     )
 
 
-def oddity_lines(
-    files: Sequence[Path], request: "Request", rows: "Sequence[Row]", samples: "Mapping[str, Sample]"
-) -> Iterator[str]:
-    """Yield what looks wrong, as warnings."""
-    from studies.reaction_time.oddities import alike_names, copied_times, unused_conditions
+def oddity_lines(request: Request, rows: "Sequence[Row]", samples: "Mapping[str, Sample]") -> Iterator[str]:
+    """Yield what looks wrong about codes and times, as warnings."""
+    from studies.reaction_time.oddities import alike_names, copied_times, piles_at_the_maximum, steps_of_time
 
     if not request.as_one:
         names = list(dict.fromkeys(row.participant for row in rows))
         yield from (f"Warning: {words}." for words in alike_names(names))
     yield from (f"Warning: {words}" for words in copied_times(samples))
-    for path in files:
-        if not path.name.endswith(".jsonl"):
-            words = unused_conditions(path, columns_of(request))
-            if words is not None:
-                yield f"Note: {words}. --keep COLUMN=VALUE takes some of them, --by COLUMN each apart."
+    yield from (f"Warning: {words}." for words in piles_at_the_maximum(samples))
+    yield from (f"Note: {words}." for words in steps_of_time(samples))
 
 
 def _pair(text: str, option: str) -> tuple[str, str]:
@@ -154,11 +236,15 @@ def task_of(files: Sequence[Path]) -> str:
     Raises:
         InputError: they measured different things, which no single density describes.
     """
+    from studies.reaction_time.read import is_evaluations
     from studies.reaction_time.trial_log import TrialFileError, read_trials
 
     tasks: dict[str, str] = {}
     for path in files:
         if path.name.endswith(".jsonl"):
+            if is_evaluations(path):
+                tasks.setdefault("evaluation", path.name)
+                continue
             try:
                 tasks.setdefault(read_trials(path).header.schedule.config.task, path.name)
             except TrialFileError as error:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from arl_tui.commands.fit_input import FAULTS
+from arl_tui.commands.fit_request import FAULTS
 from arl_tui.commands.text_plot import beside, histogram, histogram_edges, scatter
 
 if TYPE_CHECKING:

@@ -1,8 +1,11 @@
-"""`arl import tamer-log`: other people's logs as recordings."""
+"""`arl import`: other people's files as recordings, by an importer of the program's own or of another package."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import click
+
+from arl_tui.commands.fit_request import say
 
 
 def import_log(log: Path, *, out: Path) -> None:
@@ -12,11 +15,94 @@ def import_log(log: Path, *, out: Path) -> None:
     try:
         report = import_tamer_log(log, out)
     except (TamerLogError, OSError) as error:
-        raise click.ClickException(str(error)) from error
-    click.echo(f"Recording: {out}")
-    click.echo(
-        f"  {report.episodes} episodes, {report.placements} placements, {report.presses} presses\n"
-        f"  dropped: {report.duplicate_presses} presses that were listed twice\n"
-        f"  sorted: {report.out_of_order} presses that stood behind a later one\n"
-        f"  longest step: {report.longest_step_s:.1f} s (a pause of the session is kept as a long step)"
+        raise _failed(error) from error
+    say(f"Recording: {out}")
+    for line in report.lines():
+        say(f"  {line}")
+
+
+def import_with(name: str, source: Path, folder: Path, settings: Mapping[str, str]) -> None:
+    """Run an importer and say what it made."""
+    from core.recording.importers.contract import ImporterError, checked_settings, load_importer
+
+    try:
+        importer = load_importer(name)
+        imported = importer.run(source, folder, checked_settings(importer, settings))
+    except (ImporterError, OSError) as error:
+        raise _failed(error) from error
+    where = imported.recordings[0] if len(imported.recordings) == 1 else folder
+    say(f"{'Recording' if len(imported.recordings) == 1 else 'Recordings'}: {where}")
+    for line in imported.lines:
+        say(f"  {line}")
+
+
+def _failed(error: Exception) -> click.ClickException:
+    from core.foreign_text import printable_lines
+
+    return click.ClickException(printable_lines(str(error)))
+
+
+def pairs(texts: tuple[str, ...], option: str) -> dict[str, str]:
+    """Return NAME=VALUE texts as a mapping; a name without a value is a wrong use of the option."""
+    found = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        if not (name and equals and value):
+            raise click.BadParameter(f"{text!r}: write NAME=VALUE", param_hint=option)
+        found[name] = value
+    return found
+
+
+class ImportGroup(click.Group):
+    """The program's own importers as commands with options, those of other packages with --set."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Return all importers; those that cannot be told apart are named by `get_command`."""
+        from core.recording.importers.contract import ImporterError, importer_names
+
+        try:
+            others = set(importer_names())
+        except ImporterError:
+            others = set()
+        return sorted({*super().list_commands(ctx), *others})
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Return the command of an importer, made on the spot for those of other packages."""
+        from core.recording.importers.contract import ImporterError, importer_names
+
+        own = super().get_command(ctx, cmd_name)
+        if own is not None:
+            return own
+        try:
+            return _command_of(cmd_name) if cmd_name in importer_names() else None
+        except ImporterError as error:
+            raise _failed(error) from error
+
+
+def _command_of(name: str) -> click.Command:
+    from core.recording.importers.contract import load_importer
+
+    importer = load_importer(name)
+    settings = "; ".join(f"{key}: {meaning}" for key, meaning in importer.settings.items())
+
+    @click.command(
+        name=name, help=f"{importer.summary}\n\nSettings: {settings or 'none'}.", short_help=importer.summary
     )
+    @click.argument("source", type=click.Path(exists=True, path_type=Path))
+    @click.option(
+        "--set", "settings", multiple=True, metavar="NAME=VALUE", help="A setting of this importer."
+    )
+    @click.option(
+        "--out", type=click.Path(file_okay=False, path_type=Path), help="Folder for the recordings."
+    )
+    @click.option(
+        "--recordings",
+        type=click.Path(file_okay=False, path_type=Path),
+        default=Path("recordings"),
+        show_default=True,
+        help="Where recordings are kept.",
+    )
+    def run(source: Path, settings: tuple[str, ...], out: Path | None, recordings: Path) -> None:
+        import_with(name, source, out or recordings / "imported" / source.stem, pairs(settings, "--set"))
+
+    return run

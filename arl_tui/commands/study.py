@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from arl_tui.recordings import DEFAULT_FOLDER
+from arl_tui.command_line import recordings_option
 
 if TYPE_CHECKING:
     from studies.lab.ledger import Ledger
@@ -16,14 +16,6 @@ if TYPE_CHECKING:
 
 STUDY = click.Path(exists=True, dir_okay=False, path_type=Path)
 study_argument = click.argument("file", metavar="STUDY", type=STUDY, default="study.toml")
-home_option = click.option(
-    "--recordings",
-    "home",
-    type=click.Path(file_okay=False, path_type=Path),
-    default=DEFAULT_FOLDER,
-    show_default=True,
-    help="Where the data of studies are kept.",
-)
 
 
 @click.group(short_help="Run a whole study from one file.")
@@ -91,8 +83,8 @@ def check(file: Path, pages: bool) -> None:
 @study.command(short_help="Lead a participant through their next sitting.")
 @study_argument
 @click.option("--participant", "code", help="Code of the participant; a new one is drawn by default.")
-@home_option
-def run(file: Path, code: str | None, home: Path) -> None:
+@recordings_option(to_write=True)
+def run(file: Path, code: str | None, recordings: Path) -> None:
     """Lead a participant through their next sitting of STUDY, or go on with one that broke off."""
     from arl_tui.commands.play import need_terminal
     from arl_tui.commands.study_blocks import player
@@ -102,9 +94,9 @@ def run(file: Path, code: str | None, home: Path) -> None:
 
     need_terminal("arl study run", instead="arl study simulate")
     with _plain_errors():
-        loaded, ledger = _open(file, home)
+        loaded, ledger = _open(file, recordings)
         code = code or drawn_code(loaded.study, ledger)
-        result = run_sitting(loaded, ledger, code, Terminal(player(loaded, home)), software=software())
+        result = run_sitting(loaded, ledger, code, Terminal(player(loaded, recordings)), software=software())
     said = {
         "finished": "finished the sitting",
         "stopped": "stopped the sitting",
@@ -124,8 +116,8 @@ def run(file: Path, code: str | None, home: Path) -> None:
 @click.option(
     "--participants", type=click.IntRange(1), default=12, show_default=True, help="How many are simulated."
 )
-@home_option
-def simulate(file: Path, participants: int, home: Path) -> None:
+@recordings_option(to_write=True)
+def simulate(file: Path, participants: int, recordings: Path) -> None:
     """Send simulated participants of all kinds through the real pages of STUDY.
 
     Their data lie in a folder of their own, whose name ends in "-simulated", and every file says that it is simulated.
@@ -139,7 +131,7 @@ def simulate(file: Path, participants: int, home: Path) -> None:
     from studies.lab.progress import progress
 
     with _plain_errors():
-        loaded, ledger = _open(file, home, simulated=True)
+        loaded, ledger = _open(file, recordings, simulated=True)
         first = len(progress(ledger.lines()).participants)
         for number in range(first, first + participants):
             clock, code, habits = (
@@ -167,8 +159,8 @@ def simulate(file: Path, participants: int, home: Path) -> None:
 @study.command(short_help="Show who is where, and whose data are worth a look.")
 @study_argument
 @click.option("--simulated", is_flag=True, help="Of the simulated participants.")
-@home_option
-def status(file: Path, simulated: bool, home: Path) -> None:
+@recordings_option(to_write=False)
+def status(file: Path, simulated: bool, recordings: Path) -> None:
     """Show how far STUDY is: participants, orders, drop-outs, presses, and what looks wrong."""
     from core.clock import wall_time_utc
     from studies.lab.folder import data_folder
@@ -178,7 +170,7 @@ def status(file: Path, simulated: bool, home: Path) -> None:
 
     with _plain_errors():
         loaded = load_study(file)
-        folder = data_folder(home, loaded.study.name, simulated=simulated)
+        folder = data_folder(recordings, loaded.study.name, simulated=simulated)
         if not (folder / "ledger.jsonl").exists():
             click.echo(f"Nobody has taken part yet: there is no {folder / 'ledger.jsonl'}")
             return
@@ -201,15 +193,15 @@ def status(file: Path, simulated: bool, home: Path) -> None:
 @study_argument
 @click.argument("code")
 @click.option("--yes", is_flag=True, help="Do not ask.")
-@home_option
-def withdraw(file: Path, code: str, yes: bool, home: Path) -> None:
+@recordings_option(to_write=True)
+def withdraw(file: Path, code: str, yes: bool, recordings: Path) -> None:
     """Remove everything of the participant CODE from STUDY, exports included."""
     from studies.lab.withdraw import withdraw as remove
 
     if not yes:
         click.confirm(f"Remove all data of {code} for ever?", abort=True)
     with _plain_errors():
-        _, ledger = _open(file, home)
+        _, ledger = _open(file, recordings)
         tombstone = remove(ledger, code)
     click.echo(
         f"{tombstone.files_removed} files removed. The ledger holds {tombstone.code} in place of the code."
@@ -220,14 +212,14 @@ def withdraw(file: Path, code: str, yes: bool, home: Path) -> None:
 @study_argument
 @click.argument("code")
 @click.option("--reason", default="the experimenter's decision", show_default=True, help="For the ledger.")
-@home_option
-def drop(file: Path, code: str, reason: str, home: Path) -> None:
+@recordings_option(to_write=True)
+def drop(file: Path, code: str, reason: str, recordings: Path) -> None:
     """Count the participant CODE of STUDY as dropped out; what was recorded is kept."""
     from studies.lab.ledger import DroppedOut
     from studies.lab.progress import progress
 
     with _plain_errors():
-        loaded, ledger = _open(file, home)
+        loaded, ledger = _open(file, recordings)
         if code not in progress(ledger.lines()).participants:
             raise click.ClickException(
                 f"nobody with the code {code} takes part in this study: check the code"
@@ -237,13 +229,13 @@ def drop(file: Path, code: str, reason: str, home: Path) -> None:
     click.echo(f"{code} counts as dropped out. The place {rule} ([dropouts] replace).")
 
 
-def _open(file: Path, home: Path, *, simulated: bool = False) -> "tuple[LoadedStudy, Ledger]":
+def _open(file: Path, recordings: Path, *, simulated: bool = False) -> "tuple[LoadedStudy, Ledger]":
     from studies.lab.folder import data_folder
     from studies.lab.ledger import Ledger
     from studies.lab.read import load_study
 
     loaded = load_study(file)
-    folder = data_folder(home, loaded.study.name, simulated=simulated)
+    folder = data_folder(recordings, loaded.study.name, simulated=simulated)
     return loaded, Ledger(folder, study=loaded.study.name, seed=loaded.study.seed)
 
 

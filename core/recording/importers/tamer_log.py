@@ -22,7 +22,7 @@ import itertools
 import json
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -35,6 +35,7 @@ from core.feedback.credit import PreviousStep
 from core.feedback.samples import CreditConfig
 from core.learners.human_config import RidgeModel
 from core.protocol import Protocol, SessionConfig
+from core.recording.importers.contract import Imported, ImporterError
 from core.recording.recorder import LineWriter
 from core.recording.schema import Header, to_plain
 from core.tetris.config import TetrisConfig
@@ -52,7 +53,7 @@ _PRESSES = re.compile(rf"\[({_ONE_PRESS}(, {_ONE_PRESS})*)?\]")
 _PRESS = re.compile(r"\{(\S+) @ (\S+?)\}")
 
 
-class TamerLogError(ValueError):
+class TamerLogError(ImporterError):
     """A line of a TAMER log cannot be understood; the message names file and line."""
 
 
@@ -91,6 +92,15 @@ class ImportReport:
     """Presses that stood behind a later one in the file."""
     longest_step_s: float
     """The longest time a step was on screen: a pause in the session shows here."""
+
+    def lines(self) -> tuple[str, ...]:
+        """Return the report in words."""
+        return (
+            f"{self.episodes} episodes, {self.placements} placements, {self.presses} presses",
+            f"dropped: {self.duplicate_presses} presses that were listed twice",
+            f"sorted: {self.out_of_order} presses that stood behind a later one",
+            f"longest step: {self.longest_step_s:.1f} s (a pause of the session is kept as a long step)",
+        )
 
 
 def tamer_protocol() -> Protocol:
@@ -160,6 +170,23 @@ def import_tamer_log(source: Path, target: Path, *, participant: str | None = No
         out_of_order=sum(a > b for a, b in itertools.pairwise(listed)),
         longest_step_s=max(steps, default=0) / NS_PER_S,
     )
+
+
+class TamerLog:
+    """The importer of these logs (`core.recording.importers.contract`)."""
+
+    name = "tamer-log"
+    summary = "A log of TAMER's Tetris (Knox)."
+    settings: Mapping[str, str] = {"participant": "pseudonym for the header; the log's name without it"}
+
+    def run(self, source: Path, folder: Path, settings: Mapping[str, str]) -> Imported:
+        """Write one recording, called as the log."""
+        target = folder / f"{source.stem}.jsonl"
+        report = import_tamer_log(source, target, participant=settings.get("participant"))
+        return Imported(recordings=(target,), lines=report.lines())
+
+
+IMPORTER = TamerLog()
 
 
 def read_tamer_log(path: Path) -> tuple[str, list[list[Row]]]:

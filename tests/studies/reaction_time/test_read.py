@@ -200,7 +200,7 @@ def test_a_policy_whose_limits_cross_is_refused():
         (["participant_id;rt_s", "p;0,4"], r"'0,4', not a number; if that is a decimal comma"),
         (["participant_id,rt_s", "p,fast"], r":2: column 'rt_s' holds 'fast'"),
         (["participant_id,time", "p,0.4"], r"no column 'rt_s'; the columns are 'participant_id', 'time'"),
-        (["participant_id,rt_s,rt_s", "p,1,1"], "same name"),
+        (["participant_id,rt_s,rt_s", "p,1,2"], "same name"),
         (["participant_id,rt_s", ",0.4"], r":2: no participant"),
         (["participant_id,rt_s"], "no row left"),
         ([""], "empty"),
