@@ -110,7 +110,8 @@ class ArlAgent:
     def trust(self) -> float:
         """What the rule of trust says of the human (Eq. 4, 5); 0 while the human model knows nothing.
 
-        Of several sources the mean; each one's is in `trust_of_sources`. An episode's weight is the scheme's affair.
+        Of several sources the mean; each one's is in `trust_of_sources`. Which weight an episode is played with is up to
+        the scheme: `EpisodePolicy.weights`.
         """
         return sum(self.trust_of_sources) / len(self.trust_of_sources)
 
@@ -139,7 +140,7 @@ class ArlAgent:
         return policy
 
     def next_policy(self, *, exploring: bool) -> EpisodePolicy:
-        """Return the policy of the next episode without counting it; `exploring` as in `begin_episode`."""
+        """Return the policy of the next episode without counting that episode; `exploring` as in `begin_episode`."""
         episode = self.next_episode.number
         self._watched = (0, 0, 0)
         self._asker.begin_episode()
@@ -217,7 +218,8 @@ class ArlAgent:
     ) -> None:
         """Take in what was done in the decision last made, whoever chose it, and the reward of its step.
 
-        `watched_step` is the step's number among the session's watched ones, by which presses name it; else -1.
+        `watched_step` is the step's number among all watched ones of the session, by which presses name it; -1 of a step
+        that nobody watches.
         Reward shaping adds beta H(s, a) to the reward, H without its constant; Q augmentation tells the learner beta H.
         """
         weights, human_values = self._decided
@@ -311,8 +313,8 @@ class ArlAgent:
     def final_policy(self) -> EpisodePolicy:
         """Return what the agent would play to be judged, as its next episode (`next_episode`).
 
-        That is its best policy, what it has heard, and the weights its scheme gives them in that episode. Without
-        any policy the environment has no say (theta = 0).
+        That is its best policy, what it has heard, and the weights its scheme gives them in that episode. Without any
+        policy the environment has no say (theta = 0).
         """
         episode = self.next_episode.number
         ranked = self.bootstrap.ranked

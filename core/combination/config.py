@@ -67,7 +67,7 @@ __all__ = [
 
 Scale = Literal["standardised", "raw"]
 Per = Literal["watched-game", "episode"]
-"""What a weight that falls is counted by: k of an episode is the number of watched games, or of episodes, before."""
+"""What a weight that falls is counted by; k of an episode is the number of watched games, or of episodes, before it."""
 
 LINEAR = 0
 """Form: argmax w_r R + w_h H, both standardised over the actions of the decision (Eq. 3)."""
