@@ -141,15 +141,14 @@ class Exponential(msgspec.Struct, frozen=True, tag="exponential"):
 
 
 class Annealed(msgspec.Struct, frozen=True, tag="annealed"):
-    """Eq. 3 with w_h = beta_0 decay^k, k by `per`: the paper's baseline (section 4; Knox & Stone 2010)."""
+    """Eq. 3 with w_h = beta_0 decay^k, k counted by `per`: the paper's baseline (section 4; Knox & Stone 2010)."""
 
     beta_0: float = 1.0
     """w_h of the first episode. 1: as much say as the environment, both being standardised. (Our choice.)"""
     decay: float = 0.98
     """Factor per watched game or per episode, in (0, 1] (TAMER's code documents 0.98 for AAMAS 2010)."""
     per: Per = "watched-game"
-    """What the weight falls with: each watched game, or each episode, unseen ones included
-    (`docs/decisions/annealing.md`)."""
+    """What the weight falls with: each watched game, or each episode, unseen ones included (`docs/decisions/annealing.md`)."""
     scale: Scale = "standardised"
     """As in `Linear`."""
 
@@ -202,8 +201,7 @@ class ActionBiasing(msgspec.Struct, frozen=True, tag="action-biasing"):
     decay: float = 0.98
     """Factor per watched game or per episode, in (0, 1] (TAMER's code documents 0.98 for AAMAS 2010)."""
     per: Per = "watched-game"
-    """What the weight falls with: each watched game, or each episode, unseen ones included
-    (`docs/decisions/annealing.md`)."""
+    """What the weight falls with: each watched game, or each episode, unseen ones included (`docs/decisions/annealing.md`)."""
     scale: Scale = "raw"
     """As in `Linear`; the source adds raw values."""
 
@@ -223,8 +221,7 @@ class ControlSharing(msgspec.Struct, frozen=True, tag="control-sharing"):
     decay: float = 0.98
     """Factor per watched game or per episode, in (0, 1] (TAMER's code documents 0.98 for AAMAS 2010)."""
     per: Per = "watched-game"
-    """What the weight falls with: each watched game, or each episode, unseen ones included
-    (`docs/decisions/annealing.md`)."""
+    """What the weight falls with: each watched game, or each episode, unseen ones included (`docs/decisions/annealing.md`)."""
 
     def __post_init__(self) -> None:
         _check_annealing(self.beta_0, self.decay)
@@ -267,8 +264,7 @@ class RewardShaping(msgspec.Struct, frozen=True, tag="reward-shaping"):
     decay: float = 0.98
     """Factor per watched game or per episode, in (0, 1] (TAMER's code documents 0.98 for AAMAS 2010)."""
     per: Per = "watched-game"
-    """What the weight falls with: each watched game, or each episode, unseen ones included
-    (`docs/decisions/annealing.md`)."""
+    """What the weight falls with: each watched game, or each episode, unseen ones included (`docs/decisions/annealing.md`)."""
 
     def __post_init__(self) -> None:
         _check_annealing(self.beta_0, self.decay)
