@@ -221,7 +221,7 @@ class _Reading:
                 f"behind the end line stands {tail[:40]!r}; was something appended? Take it away",
             )
         self._notes.append(
-            f"the file ends within a line (the last {len(tail):,} of its bytes are no whole line): a power cut, or a copy that is not whole. "
+            f"the file ends within a line, {len(tail):,} bytes behind the last whole one: a power cut, or a copy that is not whole. "
             "Compare its size with the original's"
         )
         return tail
