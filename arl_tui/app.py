@@ -1,9 +1,9 @@
 """The app of a live session: routes keys to the session and the session's events to the screens."""
 
 import asyncio
-import os
 import signal
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -17,20 +17,34 @@ from arl_tui.live import LiveSession, Occurrence, Tally
 from arl_tui.once import after
 from arl_tui.palette import palette_for
 from arl_tui.plain_app import PlainApp
-from arl_tui.recordings import new_path, rescue
+from arl_tui.recordings import create_new, rescue, rescue_whole
 from arl_tui.screens.closing import ClosingScreen
 from arl_tui.screens.play import PlayScreen
 from arl_tui.screens.welcome import WelcomeScreen
 from arl_tui.words import words_of
 from core.clock import NS_PER_S, Clock, MonotonicClock, wall_time_utc
-from core.episode import EpisodeEnded, EpisodeStarted
+from core.episode import EpisodeEnded, EpisodeStarted, Event, StopReason
 from core.keys import nanoseconds
 from core.protocol import Protocol
-from core.recording.recorder import Recorder
+from core.recording.recorder import Kept, Recorder
 from core.recording.schema import Header, to_plain
 
 PATIENCE_S = 20.0
-"""The worker gets this long to say its last word."""
+"""The worker gets this long to say its last word, seconds."""
+SILENT_PATIENCE_S = 5.0
+"""The same for a worker that had been silent for `SILENCE_S` when the end was asked for."""
+SIGNAL_PATIENCE_S = 1.0
+"""The same where a signal or a closed terminal ends the session: all must be over within 2 s."""
+SILENCE_S = 2.0
+"""After so many seconds without a word of the worker the screen says so."""
+LOOK_S = 0.25
+"""How often the disk and the worker are looked at, seconds."""
+SAVING_S = 0.15
+"""A press that is not in the file after this time is shown as being saved, seconds."""
+BEHIND_S = 1.0
+"""A disk that has not confirmed a press after this time is said to be behind, seconds."""
+CLOSING_S = 10.0
+"""The disk gets this long to take the rest of the recording, seconds."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -57,6 +71,8 @@ class Outcome:
     tally: Tally
     trouble: str | None = None
     """Why the session ended early, if something failed."""
+    kept: Kept | None = None
+    """How much of the session is in the file, and how much of that the disk has confirmed."""
 
 
 class ArlApp(PlainApp[Outcome]):
@@ -94,7 +110,7 @@ class ArlApp(PlainApp[Outcome]):
         self._recorder: Recorder | None = None
         self._stamps_without_driver: list[tuple[int, int]] = []
         self._simulated_keys: set[int] = set()
-        self._ended_by: signal.Signals | None = None
+        self._outcome: Outcome | None = None
 
     # --- life ---------------------------------------------------------------------------------------------------
 
@@ -103,10 +119,9 @@ class ArlApp(PlainApp[Outcome]):
         loop = asyncio.get_running_loop()
         self._flush_clock.on_stamp = lambda: _call_soon(loop, self.live.collect_frames)
         loop.set_exception_handler(self._on_loop_error)
-        for number in (signal.SIGTERM, signal.SIGHUP):
-            loop.add_signal_handler(number, self._end_by_signal, number)
         self.push_screen(self.welcome)
         self._link.listen(self.live.take_in, self.live.worker_lost)
+        self.set_interval(LOOK_S, self._look)
 
     def on_unmount(self) -> None:
         """Leave the process as it was found."""
@@ -117,9 +132,18 @@ class ArlApp(PlainApp[Outcome]):
     def begin(self) -> None:
         """Start the session: the participant has pressed the start key."""
         created_utc = wall_time_utc()
-        path = new_path(self.sitting.recordings, self.sitting.participant, created_utc)
+        header = self._header(created_utc)
+        loop = asyncio.get_running_loop()
+
+        def create(path: Path) -> Recorder:
+            return Recorder(
+                path, header, on_news=lambda: _call_soon(loop, self._on_disk_news), clock=self._clock
+            )
+
         try:
-            self._recorder = Recorder(path, self._header(created_utc))
+            self._recorder = create_new(
+                self.sitting.recordings, self.sitting.participant, created_utc, create
+            )
         except OSError as error:
             self._on_over(
                 f"The recording cannot be written: {error}\nChoose another folder: --recordings DIR"
@@ -129,21 +153,21 @@ class ArlApp(PlainApp[Outcome]):
         self.switch_screen(self.play)
         self.live.begin(self._recorder)
 
-    def _end_by_signal(self, number: signal.Signals) -> None:
-        """Save what there is and go: nobody will press a key on a closing screen."""
-        self._ended_by = number
+    def end_by_signal(self, number: signal.Signals) -> None:
+        """Save what there is and go: no participant will press a key on a closing screen."""
         if self.live.phase in ("running", "stopping"):
-            self.ask_to_stop()
-        else:
-            self._link.close()
-            self._go(Outcome(None, self.live.tally))
+            gone = number == getattr(signal, "SIGHUP", None)
+            self.ask_to_stop("window-closed" if gone else "signal", SIGNAL_PATIENCE_S)
+        elif self._recorder is None or self._outcome is not None:
+            self._link.close(SIGNAL_PATIENCE_S)
+            self._go(self._outcome or Outcome(None, self.live.tally))
+        # Else the recording is being closed, and `_close_up` goes when that is done.
 
     def _go(self, outcome: Outcome) -> None:
         """Leave after a signal."""
-        if self._ended_by == signal.SIGHUP:
-            # The terminal is gone: writing to it fails, and Textual's reader would wait for it for ever.
-            os._exit(128 + signal.SIGHUP)
-        self.exit(outcome)
+        if self.ended_by == getattr(signal, "SIGHUP", None):
+            self.leave_at_once()
+        self.exit(outcome, return_code=128 + (self.ended_by or 0))
 
     def leave(self) -> None:
         """Close without having started."""
@@ -221,17 +245,39 @@ class ArlApp(PlainApp[Outcome]):
                 delay_s = max(0, time_ns - self._clock.now_ns()) / NS_PER_S
                 after(self, delay_s, lambda: self._press_simulated(key))
         self.play.show(occurrence)
-        if self._recorder is not None and self._recorder.failure is not None and self.live.phase == "running":
-            # Nobody shall go on for minutes for a recording that is not written.
-            self.ask_to_stop()
 
-    def ask_to_stop(self) -> None:
-        """End the session; the closing screen comes when the worker has said its last word."""
-        self.live.stop()
+    def _on_disk_news(self) -> None:
+        """Confirm the presses that are in the file by now; end the session where the disk has failed."""
+        self.live.confirm()
+        if self._recorder is not None and self._recorder.failure is not None and self.live.phase == "running":
+            # A participant must not go on for minutes for a recording that is not written.
+            self.ask_to_stop("disk-failed")
+            self.play.show_disk_failure()
+
+    def _look(self) -> None:
+        """Say on the screen what the disk and the worker are late with."""
+        if self._recorder is None or self.live.phase not in ("running", "stopping"):
+            return
+        self._on_disk_news()
+        late = self.live.unconfirmed_s() > SAVING_S or self._recorder.unsynced_s() > BEHIND_S
+        self.play.feedback.show_saving(late and self._recorder.failure is None)
+        silent_s = self.live.silent_s()
+        self.play.show_silence(silent_s if silent_s > SILENCE_S and self.live.phase == "running" else None)
+
+    def ask_to_stop(self, reason: StopReason = "participant", patience_s: float | None = None) -> None:
+        """End the session; the closing screen comes when the worker has said its last word.
+
+        Args:
+            reason: for the recording.
+            patience_s: how long to wait for that word, seconds; None decides by whether the worker answers.
+        """
+        if patience_s is None:
+            patience_s = SILENT_PATIENCE_S if self.live.silent_s() > SILENCE_S else PATIENCE_S
+        self.live.stop(reason)
         after(
             self,
-            PATIENCE_S,
-            lambda: self.live.give_up(f"The learner did not answer within {PATIENCE_S:.0f} s."),
+            patience_s,
+            lambda: self.live.give_up(f"The learner did not answer within {patience_s:.0f} s."),
         )
 
     def _on_over(self, trouble: str | None) -> None:
@@ -241,14 +287,16 @@ class ArlApp(PlainApp[Outcome]):
     async def _close_up(self, trouble: str | None) -> None:
         """Close worker and recording without blocking the screen, then show how it ended."""
         self._garbage.collect()
-        await asyncio.to_thread(self._link.close)
-        path = None
+        gone = self.ended_by == getattr(signal, "SIGHUP", signal.SIGTERM)
+        await asyncio.to_thread(self._link.close, SIGNAL_PATIENCE_S / 4 if gone else 2.0)
+        path = kept = None
         if self._recorder is not None:
-            path = self._recorder.path
-            problem = await asyncio.to_thread(close_recorder, self._recorder)
+            closing_s = SIGNAL_PATIENCE_S / 2 if gone else CLOSING_S
+            problem, path = await asyncio.to_thread(close_recorder, self._recorder, closing_s)
+            kept = self._recorder.kept
             trouble = "\n\n".join(part for part in (problem, trouble) if part) or None
-        outcome = Outcome(path, self.live.tally, trouble)
-        if self._ended_by is not None:
+        outcome = self._outcome = Outcome(path, self.live.tally, trouble, kept)
+        if self.ended_by is not None:
             self._go(outcome)
             return
         while len(self.screen_stack) > 1:
@@ -264,19 +312,47 @@ class ArlApp(PlainApp[Outcome]):
             loop.default_exception_handler(context)
 
 
-def close_recorder(recorder: Recorder) -> str | None:
-    """Close a recording; return what is wrong with it, and where the rest of it is."""
+def close_recorder(recorder: Recorder, timeout_s: float = CLOSING_S) -> tuple[str | None, Path | None]:
+    """Close a recording; return what is wrong with it in words, and where the recording is.
+
+    Args:
+        recorder: of the session.
+        timeout_s: how long the disk may take, seconds.
+    """
     try:
-        recorder.close()
-    except TimeoutError as error:
-        return str(error)
-    except OSError as error:
+        recorder.close(timeout_s)
+    except OSError as error:  # a TimeoutError is one
+        problem = f"The recording is not complete: {error}"
+        if isinstance(error, TimeoutError) and not recorder.unwritten:
+            kept = recorder.kept
+            problem = (
+                f"The disk is too slow: all is written, but of {kept.recorded} events only {kept.synced} are known to "
+                "be on the disk. Do not switch the computer off yet"
+            )
+            return problem, recorder.path
         try:
-            rest = str(rescue(recorder.unwritten, recorder.path.stem))
-        except OSError:
-            rest = "nowhere: that failed, too"
-        return f"The recording is not complete: {error}\nWhat could not be written to it is in {rest}"
-    return None
+            return _rescue(recorder, problem)
+        except OSError as second:
+            return f"{problem}\nWhat is missing from it could not be saved elsewhere: {second}", None
+    return None, recorder.path
+
+
+def _rescue(recorder: Recorder, problem: str) -> tuple[str, Path | None]:
+    """Save elsewhere what is not where it should be; return where, in words, and where the recording is."""
+    path: Path | None = recorder.path
+    if isinstance(recorder.failure, FileNotFoundError):
+        path = rescue_whole(recorder.content(), recorder.path.stem)
+        problem += f"\nWhat it held has been saved: move {path} to where you keep recordings"
+    if recorder.unwritten:
+        rest = rescue(recorder.unwritten, recorder.path.stem)
+        problem += f"\nWhat could not be written to it is in {rest}\n({count_events(recorder.unwritten)})"
+    return problem, path
+
+
+def count_events(events: Iterable[Event]) -> str:
+    """Return how many events there are of each kind, in words: "3 KeyPressed, 1 FrameShown"."""
+    counts = Counter(type(event).__name__ for event in events)
+    return ", ".join(f"{count} {name}" for name, count in counts.most_common())
 
 
 def _raise(error: Exception) -> None:

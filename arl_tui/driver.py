@@ -128,17 +128,26 @@ class WatchedFile:
         return getattr(self._file, name)
 
 
+def own_driver() -> "type[Driver] | None":
+    """Return the driver of all apps; None where Textual's own choice must stand (Windows, a browser)."""
+    if sys.platform == "win32" or os.environ.get("TEXTUAL_DRIVER"):
+        return None
+    from arl_tui.steady_driver import SteadyDriver
+
+    return SteadyDriver
+
+
 def stamped_driver(flush_clock: FlushClock) -> "type[Driver] | None":
     """Return a driver class that tells `flush_clock` of every flush.
 
     None where Textual's own choice must stand (Windows, a browser): frames are then stamped when they are queued.
     """
-    if sys.platform == "win32" or os.environ.get("TEXTUAL_DRIVER"):
+    if own_driver() is None:
         return None
-    from textual.drivers.linux_driver import LinuxDriver
+    from arl_tui.steady_driver import SteadyDriver
 
-    class StampedDriver(LinuxDriver):
-        """Textual's driver for Linux and macOS, with the time of every flush."""
+    class StampedDriver(SteadyDriver):
+        """The driver of all apps, with the time of every flush."""
 
         def __init__(self, *args: Any, **kwargs: Any) -> None:
             super().__init__(*args, **kwargs)

@@ -6,6 +6,7 @@ records below are those that only the two processes need, and that no recording 
 
 import asyncio
 import contextlib
+import math
 import queue
 import threading
 from collections.abc import Callable
@@ -65,8 +66,15 @@ class Crashed(Record, frozen=True, kw_only=True, tag="crashed"):
     """Traceback, many lines."""
 
 
+class Alive(Record, frozen=True, kw_only=True, tag="alive"):
+    """From the worker: it waits, and has nothing to say."""
+
+
+ALIVE_EVERY_S = 0.5
+"""How often a waiting worker says so, seconds."""
+
 ToWorker = Begin | Input
-FromWorker = Ready | Picture | PressSuggested | Crashed | Output
+FromWorker = Ready | Alive | Picture | PressSuggested | Crashed | Output
 
 _encoder = msgspec.msgpack.Encoder()
 _to_worker = msgspec.msgpack.Decoder(ToWorker)
@@ -88,8 +96,8 @@ class Link(Protocol):
         """Send without ever waiting."""
         ...
 
-    def close(self) -> None:
-        """End the worker and wait until it is gone. In any thread."""
+    def close(self, patience_s: float = 2.0) -> None:
+        """End the worker and wait until it is gone; kill it after `patience_s` seconds. In any thread."""
         ...
 
 
@@ -187,10 +195,18 @@ class WorkerLine:
     def receive(self, timeout_s: float | None = 0.0) -> list[ToWorker]:
         """Return all messages that are there, waiting up to `timeout_s` for the first (None: for ever).
 
+        A wait of more than `ALIVE_EVERY_S` says so to the screen: a worker that is silent for longer hangs.
+
         Raises:
             EOFError: the screen's process has gone.
         """
         messages: list[ToWorker] = []
-        while self._connection.poll(0.0 if messages else timeout_s):
+        left_s = math.inf if timeout_s is None else timeout_s
+        while not self._connection.poll(min(left_s, ALIVE_EVERY_S)):
+            left_s -= ALIVE_EVERY_S
+            if left_s <= 0:
+                return messages
+            self.send(Alive())
+        while self._connection.poll(0.0):
             messages.append(_to_worker.decode(self._connection.recv_bytes()))
         return messages

@@ -9,8 +9,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Literal, Protocol
 
-from arl_tui.link import Begin, Crashed, FromWorker, Link, Picture, PressSuggested, Ready
-from core.clock import Clock
+from arl_tui.link import Alive, Begin, Crashed, FromWorker, Link, Picture, PressSuggested, Ready
+from core.clock import NS_PER_S, Clock
 from core.episode import (
     EpisodeEnded,
     EpisodeStarted,
@@ -41,9 +41,35 @@ Occurrence = Event | Picture | PressSuggested | Ready
 class EventSink(Protocol):
     """Where events are recorded (`core.recording.recorder.Recorder`)."""
 
+    failure: OSError | None
+    """Why nothing more can be kept; None while all is well."""
+
+    @property
+    def recorded(self) -> int:
+        """How many events have been taken."""
+        ...
+
+    @property
+    def written(self) -> int:
+        """How many of them are in the file: they survive the end of this program."""
+        ...
+
     def record(self, event: Event) -> None:
         """Take one event; never wait."""
         ...
+
+
+@dataclass(frozen=True, slots=True)
+class Unconfirmed:
+    """A press, or a press taken back, that is not known to be in the file yet."""
+
+    number: int
+    """How many events must be in the file for this one to be."""
+    event: KeyPressed | PressRetracted
+    presses_left: int
+    """Of the budget, after it."""
+    episode: int
+    since_ns: int
 
 
 class FrameLedger:
@@ -152,6 +178,11 @@ class LiveSession:
         self._draws: Iterator[float] | None = None
         self._wrong_next = self._draw_wrong()
         self._worker_error: str | None = None
+        self._unconfirmed: deque[Unconfirmed] = deque()
+        self._episodes_begun = 0
+        self._heard_ns = clock.now_ns()
+        self.presses_left = self.gate.presses_left
+        """Presses that are left of the budget, as far as presses have been confirmed."""
 
     # --- from the screens ---------------------------------------------------------------------------------------
 
@@ -160,6 +191,7 @@ class LiveSession:
         if self.phase == "waiting":
             self._sink = sink
             self.phase = "running"
+            self._heard_ns = self._clock.now_ns()
             self._link.send(Begin())
 
     def press(
@@ -203,6 +235,30 @@ class LiveSession:
             self.gate.covered = False
             self._enter(Resumed(time_ns=self._clock.now_ns()))
 
+    def confirm(self) -> None:
+        """Pass on to the screens the presses that are in the file by now; none once the disk has failed."""
+        sink = self._sink
+        while (
+            self._unconfirmed
+            and sink is not None
+            and sink.failure is None
+            and self._unconfirmed[0].number <= sink.written
+        ):
+            waiting = self._unconfirmed.popleft()
+            same = waiting.episode == self._episodes_begun
+            self.presses_left = waiting.presses_left if same else self.gate.presses_left
+            self._listener(waiting.event)
+
+    def unconfirmed_s(self) -> float:
+        """Return for how long the oldest press has waited to be in the file, seconds; 0.0 where none waits."""
+        if not self._unconfirmed:
+            return 0.0
+        return (self._clock.now_ns() - self._unconfirmed[0].since_ns) / NS_PER_S
+
+    def silent_s(self) -> float:
+        """Return for how long the worker has sent nothing, seconds."""
+        return (self._clock.now_ns() - self._heard_ns) / NS_PER_S
+
     def stop(self, reason: StopReason = "participant") -> None:
         """End the session: the worker truncates the episode and says its last word."""
         if self.phase == "running":
@@ -222,6 +278,9 @@ class LiveSession:
 
     def take_in(self, message: FromWorker) -> None:
         """Act on a message of the worker."""
+        self._heard_ns = self._clock.now_ns()
+        if isinstance(message, Alive):
+            return
         if isinstance(message, Crashed):
             self._worker_error = f"{message.error}\n\n{message.trace}"
         elif isinstance(message, Picture | PressSuggested):
@@ -245,6 +304,8 @@ class LiveSession:
         match output:
             case EpisodeStarted():
                 self.gate.episode_started()
+                self._episodes_begun += 1
+                self.presses_left = self.gate.presses_left
             case StepTaken():
                 self.tally.steps += 1
                 self._ask_wrong_press(output.step)
@@ -293,8 +354,19 @@ class LiveSession:
         return next(self._draws) < rate
 
     def _enter(self, event: Input) -> None:
-        """Record an input, send it to the worker, tell the screens."""
+        """Record an input, send it to the worker, tell the screens: of a press only when it is in the file."""
         assert self._sink is not None, "inputs are taken in only between begin and the end"
         self._sink.record(event)
         self._link.send(event)
-        self._listener(event)
+        if not isinstance(event, KeyPressed | PressRetracted):
+            self._listener(event)
+            return
+        waiting = Unconfirmed(
+            number=self._sink.recorded,
+            event=event,
+            presses_left=self.gate.presses_left,
+            episode=self._episodes_begun,
+            since_ns=self._clock.now_ns(),
+        )
+        self._unconfirmed.append(waiting)
+        self.confirm()

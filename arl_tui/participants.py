@@ -4,12 +4,12 @@
 out again from the trial files that it names.
 """
 
-import os
 from pathlib import Path
 
 import msgspec
 
 from core.feedback.delays import Delay, GammaDelay, describe, parse_delay
+from core.private_files import make_private_folder, write_private
 from studies.reaction_time.protocol import Task
 
 FORMAT = "arl-participant-delays"
@@ -154,13 +154,8 @@ def keep_delay(recordings: Path, participant: str, delay: TaskDelay) -> Path:
     known = read_delays(recordings, participant) or ParticipantDelays(participant=participant)
     updated = msgspec.structs.replace(known, tasks={**known.tasks, delay.key: delay})
     path = delays_path(recordings, participant)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    new = path.with_suffix(".new")
-    with new.open("wb") as file:
-        file.write(msgspec.json.format(msgspec.json.encode(updated), indent=1) + b"\n")
-        file.flush()
-        os.fsync(file.fileno())
-    new.replace(path)
+    make_private_folder(path.parent)
+    write_private(path, msgspec.json.format(msgspec.json.encode(updated), indent=1) + b"\n")
     return path
 
 

@@ -1,14 +1,26 @@
-"""What all apps have in common: no palette of commands, no selection, no animation, and a size that is always right."""
+"""What all apps have in common: no palette of commands, no selection, no animation, and a size that is always right.
 
+They also end in the same way when the terminal goes away or a signal asks for it.
+"""
+
+import asyncio
 import os
+import signal
 import sys
-from typing import TypeVar
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any, NoReturn, TypeVar
 
 from textual import events
 from textual.app import App
 from textual.driver import Driver
 
+from arl_tui.driver import own_driver
+from arl_tui.terminal_guard import QUIET, TerminalGuard
+
 Result = TypeVar("Result")
+ENDING_SIGNALS = ("SIGHUP", "SIGINT", "SIGTERM")
+"""Signals that ask an app to end; the terminal sends SIGHUP when it closes."""
 
 
 class PlainApp(App[Result], inherit_bindings=False):
@@ -19,10 +31,76 @@ class PlainApp(App[Result], inherit_bindings=False):
     AUTO_FOCUS = None
 
     def __init__(self, driver_class: type[Driver] | None = None) -> None:
-        """Prepare; `driver_class` is Textual's own choice by default."""
+        """Prepare; `driver_class` is that of all apps by default."""
         trust_the_terminal()
-        super().__init__(driver_class=driver_class)
+        super().__init__(driver_class=driver_class or own_driver())
         self.animation_level = "none"
+        self.ended_by: signal.Signals | None = None
+        """The signal that has ended this app; SIGHUP also where the terminal was found to be gone."""
+        self._guard = TerminalGuard()
+        self._event_loop: asyncio.AbstractEventLoop | None = None
+
+    # --- life and its end ---------------------------------------------------------------------------------------
+
+    def run_in_terminal(self) -> Result | None:
+        """Run in this terminal; however that ends, the terminal is left as it was found.
+
+        Returns:
+            The app's result; None also where a signal has ended it (`ended_by`).
+        """
+        with self._guard, self._signals_taken():
+            result = self.run(mouse=False)
+            if getattr(self._driver, "gone", False):
+                # A thread may be blocked in a write for ever, which Python would wait for.
+                self.leave_at_once()
+        return result
+
+    @contextmanager
+    def _signals_taken(self) -> Iterator[None]:
+        before = {}
+        for name in ENDING_SIGNALS:
+            if (number := getattr(signal, name, None)) is not None:
+                before[number] = signal.signal(number, self._on_signal)
+        try:
+            yield
+        finally:
+            for number, handler in before.items():
+                signal.signal(number, handler)
+
+    def _on_signal(self, number: int, _frame: object) -> None:
+        # Python runs this between two instructions of the main thread, also while that waits for the terminal.
+        driver: Any = self._driver
+        if getattr(signal, "SIGHUP", None) == number and hasattr(driver, "gone"):
+            driver.gone = True
+        if self.ended_by is None:
+            self.ended_by = signal.Signals(number)
+            if hasattr(driver, "end_soon"):
+                driver.end_soon()
+            if self._event_loop is not None and not self._event_loop.is_closed():
+                self._event_loop.call_soon_threadsafe(self.end_by_signal, self.ended_by)
+
+    def terminal_gone(self) -> None:
+        """Act on a terminal that can no longer be read, or no longer be written to."""
+        self._on_signal(signal.SIGHUP, None)
+
+    def on_mount(self) -> None:
+        """Act on a signal that came before the app ran."""
+        self._event_loop = asyncio.get_running_loop()
+        if self.ended_by is not None:
+            self.call_later(self.end_by_signal, self.ended_by)
+
+    def end_by_signal(self, number: signal.Signals) -> None:
+        """End, because a signal asks for it or the terminal is gone. An app that has to save something does so first."""
+        if number == getattr(signal, "SIGHUP", None):
+            self.leave_at_once()
+        self.exit(return_code=128 + number)
+
+    def leave_at_once(self) -> NoReturn:
+        """End this process now; the guard restores what there is of the terminal."""
+        self._guard.tell(QUIET)
+        os._exit(128 + (self.ended_by or signal.SIGTERM))
+
+    # --- size ---------------------------------------------------------------------------------------------------
 
     def on_resize(self, event: events.Resize) -> None:
         """Tell the screen of its size.

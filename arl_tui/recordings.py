@@ -1,9 +1,13 @@
 """The folder of recordings: names of new files, and what is there."""
 
+import os
 import tempfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
+
+from core.private_files import make_private_folder
 
 if TYPE_CHECKING:
     from core.episode import Event
@@ -12,9 +16,13 @@ DEFAULT_FOLDER = Path("recordings")
 CALIBRATION_FOLDER = "calibration"
 """Trials of the reaction-time study: files of another format, in a folder of their own."""
 
+Created = TypeVar("Created")
+
 
 def new_path(folder: Path, participant: str, created_utc: str) -> Path:
     """Return a name that no file has: participant and time, e.g. `P01-20261122T071803Z.jsonl`.
+
+    Another program may take the name before it is used; `create_new` goes on to the next one then.
 
     Args:
         folder: where recordings are kept.
@@ -29,6 +37,29 @@ def new_path(folder: Path, participant: str, created_utc: str) -> Path:
         path = folder / f"{stem}-{number}.jsonl"
         number += 1
     return path
+
+
+def create_new(
+    folder: Path, participant: str, created_utc: str, create: Callable[[Path], Created]
+) -> Created:
+    """Create a file under a name that no file has, also where several programs do so at once.
+
+    Args:
+        folder: where the file is to be; made if missing, readable by its owner only.
+        participant: pseudonym.
+        created_utc: ISO 8601 in UTC with seconds.
+        create: creates the file exclusively; raises FileExistsError where the name has been taken meanwhile.
+
+    Returns:
+        What `create` returns.
+
+    Raises:
+        OSError: the folder or the file cannot be created.
+    """
+    make_private_folder(folder)
+    while True:
+        with suppress(FileExistsError):
+            return create(new_path(folder, participant, created_utc))
 
 
 def all_recordings(folder: Path) -> Iterator[Path]:
@@ -48,7 +79,26 @@ def rescue(unwritten: "Iterable[Event]", stem: str) -> Path:
     """
     from core.recording.schema import encode  # Not for `arl --help`.
 
-    with tempfile.NamedTemporaryFile(prefix=f"{stem}-unwritten-", suffix=".jsonl", delete=False) as file:
-        for event in unwritten:
-            file.write(encode(event) + b"\n")
+    return _rescued(b"".join(encode(event) + b"\n" for event in unwritten), f"{stem}-unwritten-")
+
+
+def rescue_whole(content: bytes, stem: str) -> Path:
+    """Save a recording whose own file was removed; return where.
+
+    Args:
+        content: of the file.
+        stem: name of the recording.
+
+    Raises:
+        OSError: the folder for temporary files does not take it.
+    """
+    return _rescued(content, f"{stem}-rescued-")
+
+
+def _rescued(content: bytes, prefix: str) -> Path:
+    # mkstemp: readable by its owner only.
+    with tempfile.NamedTemporaryFile(prefix=prefix, suffix=".jsonl", delete=False) as file:
+        file.write(content)
+        file.flush()
+        os.fsync(file.fileno())
     return Path(file.name)

@@ -6,6 +6,7 @@ ticks, so nothing drifts; it stands still while the screen is covered.
 """
 
 import contextlib
+import faulthandler
 import multiprocessing
 import os
 import signal
@@ -34,11 +35,14 @@ from core.episode import (
     StepTaken,
     StopAsked,
 )
+from core.processes import leave_with
 from core.protocol import Protocol
 
 if TYPE_CHECKING:
     from core.session import Session
 
+LOG_PREFIX = "arl-worker-"
+"""Of the file that takes a worker's error output; the number of the screen's process follows."""
 LAST_WORDS = 4000
 """Characters of a dead worker's error output that are shown."""
 
@@ -53,14 +57,34 @@ def start_worker(protocol: Protocol, root_seed: int, *, simulated: bool = False)
     """
     context = multiprocessing.get_context("spawn")
     ours, theirs = context.Pipe()
-    handle, log_path = tempfile.mkstemp(prefix="arl-worker-", suffix=".log")
+    remove_old_logs()
+    handle, log_path = tempfile.mkstemp(prefix=f"{LOG_PREFIX}{os.getpid()}-", suffix=".log")
     os.close(handle)
     process = context.Process(
-        target=worker_main, args=(theirs, protocol, root_seed, simulated, log_path), daemon=True
+        target=worker_main, args=(theirs, protocol, root_seed, simulated, log_path, os.getpid()), daemon=True
     )
     process.start()
     theirs.close()
     return WorkerLink(ours, process, lambda: _last_words(Path(log_path)))
+
+
+def remove_old_logs() -> None:
+    """Remove what workers of programs that were killed have left in the folder for temporary files."""
+    for path in Path(tempfile.gettempdir()).glob(f"{LOG_PREFIX}*.log"):
+        owner = path.name.removeprefix(LOG_PREFIX).partition("-")[0]
+        with contextlib.suppress(OSError):  # another user's, or removed by another program meanwhile
+            if not (owner.isdigit() and _is_running(int(owner))) and path.stat().st_uid == os.getuid():
+                path.unlink()
+
+
+def _is_running(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:
+        return True  # another user's
+    return True
 
 
 def _last_words(log: Path) -> str:
@@ -72,10 +96,11 @@ def _last_words(log: Path) -> str:
 
 
 def worker_main(
-    connection: Connection, protocol: Protocol, root_seed: int, simulated: bool, log_path: str
+    connection: Connection, protocol: Protocol, root_seed: int, simulated: bool, log_path: str, parent: int
 ) -> None:
     """Run in the worker process until the session is over or the screen's process is gone."""
     _leave_the_terminal(log_path)
+    leave_with(parent, started_by_main_thread=True)
     line = WorkerLine(connection)
     clock = MonotonicClock()
     try:
@@ -96,12 +121,16 @@ def worker_main(
 
 
 def _leave_the_terminal(log_path: str) -> None:
-    """Ignore the terminal's Ctrl+C and write errors to a file: the screen belongs to the other process."""
+    """Ignore the terminal's Ctrl+C and write errors to a file: the screen belongs to the other process.
+
+    Where the worker crashes in native code, Python writes to that file where it was.
+    """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     log = os.open(log_path, os.O_WRONLY | os.O_CREAT | os.O_APPEND)
     os.dup2(log, 1)
     os.dup2(log, 2)
     os.close(log)
+    faulthandler.enable(2)
 
 
 class Rehearsal:

@@ -3,9 +3,7 @@
 import itertools
 import math
 from collections.abc import Callable, Iterable
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
-from multiprocessing import get_context
 from pathlib import Path
 
 import msgspec
@@ -21,6 +19,7 @@ from core.protocol import Protocol
 from core.recording.reader import Recording, read_recording
 from core.streams import stream, stream_seed
 from core.what_if import Relearned, WatchedStep, hear, relearn, watched_steps
+from studies.pools import processes
 from studies.statistics import Interval, mean_interval
 
 HELD_OUT = 0.2
@@ -86,7 +85,7 @@ def what_if(
     ]
     if workers == 1 or len(tasks) == 1:
         return [_noted(_row(*task), on_progress) for task in tasks]
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+    with processes(workers) as pool:
         futures = [pool.submit(_row, *task) for task in tasks]
         return [_noted(future.result(), on_progress) for future in futures]
 

@@ -100,8 +100,6 @@ class CalibrationApp(PlainApp[Outcome]):
                 loop.call_soon_threadsafe(self._take_flushes)
 
         self._flush_clock.on_stamp = tell
-        for number in (signal.SIGTERM, signal.SIGHUP):
-            loop.add_signal_handler(number, self._end_at_once)
         self.run_worker(self._conduct(), exclusive=True, name="conduct")
 
     def on_unmount(self) -> None:
@@ -269,12 +267,18 @@ class CalibrationApp(PlainApp[Outcome]):
             found["hindrances"] = " and ".join(self._sitting.hindrances)
         return found
 
-    def _end_at_once(self) -> None:
+    def end_by_signal(self, number: signal.Signals) -> None:
         """Keep what there is and close: the window is gone, or the system asks for it."""
         self._stopping = True
         if isinstance(self.screen, TrialScreen):
             self.screen.interrupt("window closed")
-        self.call_later(self.exit, Outcome(tuple(self._store.files), False, Fitted()))
+        self.call_later(self._leave_by_signal, number)
+
+    def _leave_by_signal(self, number: signal.Signals) -> None:
+        self._store.close(finished=False)
+        if number == getattr(signal, "SIGHUP", None):
+            self.leave_at_once()
+        self.exit(Outcome(tuple(self._store.files), False, Fitted()), return_code=128 + number)
 
     async def _fit(self) -> Fitted:
         if not self._store.complete:

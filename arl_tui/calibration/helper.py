@@ -1,10 +1,14 @@
 """Work for another process: a module of ours reads JSON from its standard input and writes JSON to its output."""
 
 import asyncio
+import os
+import runpy
 import sys
 from asyncio.subprocess import PIPE
 
 import msgspec
+
+from core.processes import leave_with
 
 
 class HelperError(RuntimeError):
@@ -26,7 +30,7 @@ async def ask_helper(module: str, question: object) -> bytes:
     """
     # All three streams are pipes: Textual has replaced the standard ones by objects without a file.
     process = await asyncio.create_subprocess_exec(
-        sys.executable, "-m", module, stdin=PIPE, stdout=PIPE, stderr=PIPE
+        sys.executable, "-m", __name__, module, str(os.getpid()), stdin=PIPE, stdout=PIPE, stderr=PIPE
     )
     try:
         answer, words = await process.communicate(msgspec.json.encode(question))
@@ -38,3 +42,18 @@ async def ask_helper(module: str, question: object) -> bytes:
         lines = words.decode(errors="replace").strip().splitlines() or ["no message"]
         raise HelperError(f"{module} left with status {process.returncode}: {lines[-1]}")
     return answer
+
+
+def main(module: str, parent: str) -> None:
+    """Run a module in this process, which ends with its parent.
+
+    Args:
+        module: dotted name.
+        parent: process id of the parent.
+    """
+    leave_with(int(parent), started_by_main_thread=True)
+    runpy.run_module(module, run_name="__main__")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

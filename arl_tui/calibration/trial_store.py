@@ -5,7 +5,7 @@ from pathlib import Path
 import msgspec
 
 from arl_tui.calibration.plan import Part, Sitting, slug
-from arl_tui.recordings import CALIBRATION_FOLDER, new_path
+from arl_tui.recordings import CALIBRATION_FOLDER, create_new
 from core.clock import wall_time_utc
 from studies.reaction_time.protocol import TrialRecord
 from studies.reaction_time.trial_log import TrialHeader, TrialWriter
@@ -46,7 +46,6 @@ class TrialStore:
             self._comment = f"resumed ({facts['connection']}, {facts.get('hindrances', 'no hindrance')})"
         else:
             folder = self._sitting.recordings / CALIBRATION_FOLDER
-            folder.mkdir(parents=True, exist_ok=True)
             created_utc = wall_time_utc()
             name = f"{self._sitting.participant}-{slug(part.schedule.config)}"
             header = TrialHeader(
@@ -55,7 +54,9 @@ class TrialStore:
                 schedule=part.schedule,
                 facts=facts,
             )
-            self._writer = TrialWriter.create(new_path(folder, name, created_utc), header)
+            self._writer = create_new(
+                folder, name, created_utc, lambda path: TrialWriter.create(path, header)
+            )
         self.files.append(self._writer.path)
 
     def keep(self, record: TrialRecord, done: set[int]) -> bool:

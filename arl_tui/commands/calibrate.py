@@ -65,7 +65,10 @@ def calibrate(
     check_files(sitting.recordings, participant)
     from arl_tui.calibration.app import CalibrationApp
 
-    outcome = CalibrationApp(sitting).run()
+    app = CalibrationApp(sitting)
+    outcome = app.run_in_terminal()
+    if app.ended_by is not None:
+        raise SystemExit(128 + app.ended_by)
     if outcome is None:
         raise click.ClickException("the app ended without a result; see the message above")
     tell(outcome)

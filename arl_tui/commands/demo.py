@@ -10,7 +10,7 @@ import msgspec
 from arl_tui import facts
 from arl_tui.commands.exact import read_or_stop, run_again
 from arl_tui.commands.play import run_live
-from arl_tui.recordings import new_path
+from arl_tui.recordings import create_new
 from arl_tui.words import words_of
 from core.clock import wall_time_utc
 from core.feedback.config import TrainerConfig
@@ -69,8 +69,12 @@ def run_demo(game: str, *, somebody: str | None, seed: int | None, recordings: P
         from studies.demo import simulate_session
 
         click.echo(f"Playing {protocol.session.episodes} games of {game} with a simulated participant ...")
-        path = new_path(recordings, PARTICIPANT, wall_time_utc())
-        simulate_session(protocol, root_seed, path, software=facts.software())
+        software = facts.software()
+
+        def create(new: Path) -> Path:
+            return simulate_session(protocol, root_seed, new, software=software)
+
+        path = create_new(recordings, PARTICIPANT, wall_time_utc(), create)
     click.echo(f"Recording: {path}")
     recording = read_or_stop(path, allow_truncated=True)
     run_again(recording)

@@ -41,7 +41,13 @@ def experiment() -> None:
 )
 @click.option("--quick", is_flag=True, help="Short trials: to see that everything works.")
 @click.option("--workers", type=click.IntRange(1), help="Processes; one per processor by default.")
-@click.option("--cluster", metavar="ADDRESS", help="Play on a Dask cluster instead, as tcp://host:8786.")
+@click.option(
+    "--cluster",
+    metavar="ADDRESS",
+    help="Play on a Dask cluster instead, as tcp://host:8786. Only a cluster that you trust: its scheduler and workers can "
+    "run any code in this program (Dask exchanges pickles). Without this option nothing is unpickled from elsewhere, and "
+    "the network is not used.",
+)
 @click.option(
     "--only", multiple=True, metavar="CONDITION", help="Only this condition. May be given several times."
 )
@@ -129,7 +135,8 @@ def _loaded(name: str) -> "Experiment":
 def _executor(workers: int | None, cluster: str | None) -> "AbstractContextManager[Executor]":
     import os
 
-    from studies.experiments.run import dask_cluster, processes
+    from studies.experiments.run import dask_cluster
+    from studies.pools import processes
 
     if cluster:
         return dask_cluster(cluster)

@@ -101,9 +101,13 @@ def run_live(
             source=source or {},
         )
         app = build_app(sitting, link)
-        outcome = app.run()
+        outcome = app.run_in_terminal()
     finally:
         link.close()
+    if app.ended_by is not None:
+        if outcome is not None and outcome.recording is not None:
+            click.echo(f"Recording: {outcome.recording}")
+        raise SystemExit(128 + app.ended_by)
     if outcome is None:
         raise click.ClickException("the app ended without a result; see the message above")
     return outcome

@@ -14,6 +14,9 @@ def practise(game: str, *, seed: int | None) -> None:
     os.environ.setdefault("TEXTUAL_FPS", FRAMES_PER_S)
     from arl_tui.screens.practice import PracticeApp
 
-    lines = PracticeApp(seed=secrets.randbits(63) if seed is None else seed).run()
+    app = PracticeApp(seed=secrets.randbits(63) if seed is None else seed)
+    lines = app.run_in_terminal()
+    if app.ended_by is not None:
+        raise SystemExit(128 + app.ended_by)
     if lines is not None:
         click.echo(f"Your last game: {lines} {'line' if lines == 1 else 'lines'}")

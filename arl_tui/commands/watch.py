@@ -115,7 +115,10 @@ def watch(
 
 def run(app: "WatchApp") -> None:
     """Run the app to its end and print what was seen."""
-    told = app.run()
+    told = app.run_in_terminal()
+    if app.ended_by is not None:
+        sys.stdout.flush()
+        os._exit(128 + app.ended_by)  # without waiting for what is being compiled
     if app.trouble is not None:
         raise click.ClickException(str(app.trouble))
     if told is not None:

@@ -54,8 +54,7 @@ class ClosingScreen(Page):
             yield Static(f"\nIn practice, {self._words.units[1]} per game, block by block:")
             yield LearningCurve(outcome.tally.practised)
         if outcome.recording is not None:
-            what = "The session" if outcome.trouble is None else "Everything up to this moment"
-            yield Static(Text(f"{what} is recorded in\n{outcome.recording}"), classes="path")
+            yield Static(Text(where_recorded(outcome)), classes="path")
         yield Static("Press [reverse] Enter [/] to leave", classes="call")
 
     def _what_happened(self) -> str:
@@ -79,3 +78,19 @@ class ClosingScreen(Page):
     def action_leave(self) -> None:
         """Close the program."""
         cast("ArlApp", self.app).exit(self.outcome)
+
+
+def where_recorded(outcome: "Outcome") -> str:
+    """Return where the recording is and how much of it is known to be on the disk, in words."""
+    kept = outcome.kept
+    what = "The session" if outcome.trouble is None else "Everything up to this moment"
+    if kept is not None and kept.written < kept.recorded:
+        what = "What could be written"
+    told = f"{what} is recorded in\n{outcome.recording}"
+    if kept is None:
+        return told
+    if kept.synced >= kept.recorded:
+        return f"{told}\nAll {kept.recorded} events are on the disk."
+    missing = kept.recorded - kept.written
+    lost = f", {missing} could not be written to it" if missing else ""
+    return f"{told}\n{kept.synced} of {kept.recorded} events are known to be on the disk{lost}."

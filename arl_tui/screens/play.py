@@ -71,6 +71,9 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         self._picture: Picture | None = None
         self._watched = 0
         self._human_weights: list[float] = []
+        self._said = ""
+        self._silence_shown = False
+        self._between_games = True
         used = {self._keys.good, self._keys.bad, self._keys.retract}
         self._letters = {letter: action for action, (letter, _) in COMMANDS.items() if letter not in used}
 
@@ -95,8 +98,8 @@ class PlayScreen(Screen[None], inherit_bindings=False):
             case KeyPressed():
                 self._show_press(occurrence)
             case PressRetracted():
-                self.feedback.show_retraction(occurrence, self._live.gate.presses_left)
-                self.scene.presses_left(self._live.gate.presses_left)
+                self.feedback.show_retraction(occurrence, self._live.presses_left)
+                self.scene.presses_left(self._live.presses_left)
             case WrongPressAsked():
                 self.feedback.ask_wrong(True)
             case EpisodeStarted():
@@ -122,19 +125,21 @@ class PlayScreen(Screen[None], inherit_bindings=False):
     def _show_press(self, press: KeyPressed) -> None:
         is_command = any(press.key in (letter, *keys.split(",")) for letter, keys in COMMANDS.values())
         if press.verdict != "other" or not is_command:
-            self.feedback.show_press(press, self._live.gate.presses_left)
+            self.feedback.show_press(press, self._live.presses_left)
         self.feedback.ask_wrong(self._live.gate.wrong_asked)
-        self.scene.presses_left(self._live.gate.presses_left)
+        self.scene.presses_left(self._live.presses_left)
 
     def _begin_episode(self) -> None:
         self._watched += 1
-        self.feedback.begin_episode(self._live.gate.presses_left)
-        self.scene.presses_left(self._live.gate.presses_left)
+        self._between_games = False
+        self.feedback.begin_episode(self._live.presses_left)
+        self.scene.presses_left(self._live.presses_left)
         self.scene.title(f"Game {self._watched}")
         self._say("")
 
     def _end_episode(self, episode: EpisodeEnded) -> None:
         self._human_weights.append(episode.w_h)
+        self._between_games = True
         lines = self._words.told(episode.performance)
         self.scene.title("Game over" if episode.ended == "termination" else "End of this game")
         if self._watched >= self._episodes or self._live.phase != "running":
@@ -147,7 +152,24 @@ class PlayScreen(Screen[None], inherit_bindings=False):
             self._say(f"{lines}. The next game is about to begin.")
 
     def _say(self, text: str) -> None:
+        self._said = text
+        self._silence_shown = False
         self._status.update(text)
+
+    def show_disk_failure(self) -> None:
+        """Say that nothing counts from here on, because it cannot be recorded."""
+        self.feedback.show_not_saved()
+        self._say("[b]The recording cannot be written.[/]\nThe session ends here.")
+
+    def show_silence(self, silent_s: float | None) -> None:
+        """Say for how long the learner has not answered, seconds; None: it does."""
+        if silent_s is not None:
+            self._silence_shown = True
+            waits = "Still practising" if self._between_games else "The computer has not answered"
+            key = "Q" if "q" in self._letters else "Ctrl+Q"
+            self._status.update(f"{waits} for {silent_s:.0f} s.\n{key} ends the session; all is kept.")
+        elif self._silence_shown:
+            self._say(self._said)
 
     # --- what the participant asks for --------------------------------------------------------------------------
 

@@ -27,6 +27,8 @@ WRONG_ASKED = (
     "On purpose: press the WRONG key",
     "press the WRONG key",
 )
+SAVING = "saving ..."
+"""What stands below the presses left while the disk is behind."""
 _REFUSALS = {
     "no-presses-left": "No presses left in this game: not counted",
     "covered": "The game is covered: not counted",
@@ -96,6 +98,8 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
         """What stands in big letters: GOOD, BAD, TAKEN BACK, or nothing."""
         self.note = ""
         """What stands below it."""
+        self.saving = False
+        """Whether the disk is behind with what has been recorded."""
         self._kind = "idle"
         self._hold_s = hold_s
         self._timer: TimerHandle | None = None
@@ -128,6 +132,16 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
         else:
             self._say("TAKEN BACK", "back", "Your last press does not count")
 
+    def show_saving(self, saving: bool) -> None:
+        """Say that the disk is behind, or no longer say so."""
+        if saving != self.saving:
+            self.saving = saving
+            self.refresh()
+
+    def show_not_saved(self) -> None:
+        """Say that nothing counts any more."""
+        self._say("", "idle", "Not saved: nothing counts any more")
+
     def ask_wrong(self, asked: bool) -> None:
         """Ask for one deliberately wrong press, or stop asking."""
         if asked != self.wrong_asked:
@@ -159,6 +173,8 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
             return self._line([("note", parts[line] if line < len(parts) else "")])
         if line == 2:
             return self._line(self._budget())
+        if line == 3 and self.saving:
+            return self._line([("note", SAVING)])
         if line == 4 and self.wrong_asked:
             return self._filled("cue", self._longest(WRONG_ASKED))
         if line == 6:

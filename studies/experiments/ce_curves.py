@@ -7,9 +7,7 @@ docs/decisions/cross-entropy-curves.md for which of ours stand for them and why.
 
 import csv
 from collections.abc import Iterable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Literal
 
@@ -27,6 +25,7 @@ from core.learners.cross_entropy import (
 from core.streams import stream
 from core.tetris.config import TetrisConfig
 from core.tetris.cross_entropy_runner import evaluate, run_iteration
+from studies.pools import processes
 
 NoiseName = Literal["none", "constant", "linear"]
 NOISES: dict[str, Noise] = {
@@ -103,7 +102,7 @@ def run_curves(planned: Sequence[Setting], max_workers: int = 1) -> Iterator[lis
     if max_workers == 1:
         yield from map(run_curve, planned)
         return
-    with ProcessPoolExecutor(max_workers, mp_context=get_context("spawn")) as pool:
+    with processes(max_workers) as pool:
         yield from pool.map(run_curve, planned, chunksize=1)
 
 

@@ -1,13 +1,13 @@
 """Everything we say about one participant's reaction times, and the same for a group on several cores."""
 
-import multiprocessing
 from collections.abc import Callable, Mapping
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 
 import msgspec
 
 from core.feedback.credit import GammaDelay
 from core.streams import stream
+from studies.pools import processes
 from studies.reaction_time.bootstrap import critical_values, percentile_intervals, resample
 from studies.reaction_time.families import FAMILIES, GAMMA, SHIFTED_GAMMA, FamilyFit, compare, fit_all
 from studies.reaction_time.goodness import Goodness, goodness_of_fit
@@ -189,9 +189,7 @@ def fit_group(
         for participant, sample in samples.items():
             note(participant, _fit_or_reason(participant, sample, settings))
     else:
-        # "spawn": the caller may have threads (a terminal app has), which "fork" would copy in mid-air.
-        context = multiprocessing.get_context("spawn")
-        with ProcessPoolExecutor(n_workers, mp_context=context) as workers:
+        with processes(n_workers) as workers:
             futures = {
                 workers.submit(_fit_or_reason, name, sample, settings): name
                 for name, sample in samples.items()

@@ -12,6 +12,7 @@ from typing import BinaryIO, Literal, Self
 import msgspec
 
 from core.clock import wall_time_utc
+from core.private_files import create_private, write_all
 from studies.reaction_time.protocol import Schedule, TrialRecord
 
 FORMAT: Literal["arl-reaction-times"] = "arl-reaction-times"
@@ -65,7 +66,7 @@ class TrialWriter:
     @classmethod
     def create(cls, path: Path, header: TrialHeader) -> Self:
         """Start a new file; refuse to touch an existing one."""
-        writer = cls(path, path.open("xb"))
+        writer = cls(path, create_private(path))
         writer._append(msgspec.json.encode(header))
         return writer
 
@@ -87,7 +88,7 @@ class TrialWriter:
                 f"{path}: this session began {age_h:.0f} hours ago (trial {session.next_trial} is next). Start a new "
                 "one, or say explicitly that the old one goes on."
             )
-        file = path.open("r+b")
+        file = path.open("r+b", buffering=0)
         if session.torn_line:
             content = file.read()
             file.truncate(content.rfind(b"\n") + 1)
@@ -111,8 +112,13 @@ class TrialWriter:
         self.close()
 
     def _append(self, line: bytes) -> None:
-        self._file.write(line + b"\n")
-        self._file.flush()
+        end = self._file.tell()
+        try:
+            write_all(self._file, line + b"\n")
+        except OSError:
+            # A torn line would make the trials behind it unreadable. Cutting needs no room on the disk.
+            self._file.truncate(end)
+            raise
         os.fsync(self._file.fileno())
 
 

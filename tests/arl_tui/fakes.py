@@ -28,7 +28,7 @@ class FakeLink:
     def send(self, message: ToWorker) -> None:
         self.sent.append(msgspec.msgpack.decode(msgspec.msgpack.encode(message), type=ToWorker))
 
-    def close(self) -> None:
+    def close(self, patience_s: float = 2.0) -> None:
         self.closed = True
 
     def say(self, *messages: FromWorker) -> None:
@@ -51,6 +51,17 @@ class ListSink:
 
     def __init__(self) -> None:
         self.events: list[Event] = []
+        self.failure: OSError | None = None
+        self.held_back = 0
+        """So many of the last events are not in the file yet."""
+
+    @property
+    def recorded(self) -> int:
+        return len(self.events)
+
+    @property
+    def written(self) -> int:
+        return len(self.events) - self.held_back
 
     def record(self, event: Event) -> None:
         self.events.append(event)

@@ -62,14 +62,14 @@ async def test_a_worker_that_dies_on_the_welcome_screen_is_reported(app: ArlApp,
 async def test_a_full_disk_stops_the_session_and_the_rest_is_saved_elsewhere(
     app: ArlApp, link: FakeLink, protocol: Protocol, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    write = LineWriter.write
+    append = LineWriter.append
 
     def until_a_press(self: LineWriter, event: Event) -> None:
         if isinstance(event, KeyPressed):
             raise OSError(28, "No space left on device")
-        write(self, event)
+        append(self, event)
 
-    monkeypatch.setattr(LineWriter, "write", until_a_press)
+    monkeypatch.setattr(LineWriter, "append", until_a_press)
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path / ".."))
     async with app.run_test(size=SIZE) as pilot:
         worker = await begin(pilot, link, protocol, steps=1)

@@ -176,7 +176,7 @@ def test_a_full_disk_is_reported_and_no_event_is_lost(tmp_path, monkeypatch):
     def full(event):
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr(recorder._writer, "write", full)
+    monkeypatch.setattr(recorder._writer, "append", full)
     for event in EVENTS:
         recorder.record(event)
     with pytest.raises(OSError, match="No space left"):
