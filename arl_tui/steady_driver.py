@@ -16,6 +16,7 @@ Import this module only where Textual's Linux driver can be imported.
 import asyncio
 import contextlib
 import os
+import select
 import selectors
 import termios
 import tty
@@ -34,7 +35,7 @@ from core.clock import NS_PER_S, MonotonicClock
 LOOK_S = 0.1
 """How often a blocked write and an idle reader look around, seconds."""
 LAST_WRITES_S = 0.5
-"""For so long a terminal may refuse what is written once the app is to end, seconds."""
+"""For so long a terminal may keep an app waiting that is to end, seconds."""
 UNREADABLE = "unreadable-input"
 """Name of a key for input that Textual's parser cannot take in."""
 
@@ -82,7 +83,7 @@ class SteadyDriver(LinuxDriver):
         super().__init__(app, debug=debug, mouse=False, size=size)
         self._file: Any = SteadyFile(self._file, self.lose_terminal)
         self._clock = MonotonicClock()
-        self._write_until_ns: int | None = None
+        self._ending = False
         self._event_loop: asyncio.AbstractEventLoop | None = None
         self.gone = False
         """Whether the terminal is known to be away: nothing more is written."""
@@ -97,8 +98,12 @@ class SteadyDriver(LinuxDriver):
 
     def end_soon(self) -> None:
         """Note that the app is to end: no write waits for long from now on. Also in a signal handler."""
-        if self._write_until_ns is None:
-            self._write_until_ns = self._clock.now_ns() + round(LAST_WRITES_S * NS_PER_S)
+        self._ending = True
+
+    def _give_up_after(self, began_ns: int) -> None:
+        """Take a terminal that has kept the ending app waiting since `began_ns` for one that is gone."""
+        if self._ending and self._clock.now_ns() - began_ns > LAST_WRITES_S * NS_PER_S:
+            self.gone = True
 
     def _in_loop(self, callback: Callable[[], object]) -> None:
         loop = self._event_loop
@@ -112,22 +117,20 @@ class SteadyDriver(LinuxDriver):
         self._put(data)
 
     def _put(self, data: str | None) -> None:
-        thread = self._writer_thread
+        thread, began_ns = self._writer_thread, self._clock.now_ns()
         while thread is not None and not self.gone:
             try:
                 return thread._queue.put(data, timeout=LOOK_S)
             except Full:
-                if self._write_until_ns is not None and self._clock.now_ns() > self._write_until_ns:
-                    self.gone = True
+                self._give_up_after(began_ns)
 
     def close(self) -> None:
         """Wait for what has been written, but not for a terminal that does not take it."""
         self._put(None)
-        thread = self._writer_thread
+        thread, began_ns = self._writer_thread, self._clock.now_ns()
         while thread is not None and thread.is_alive() and not self.gone:
             thread.join(LOOK_S)
-            if self._write_until_ns is not None and self._clock.now_ns() > self._write_until_ns:
-                self.gone = True
+            self._give_up_after(began_ns)
 
     # --- stopping and going on ----------------------------------------------------------------------------------
 
@@ -165,10 +168,16 @@ class SteadyDriver(LinuxDriver):
     def run_input_thread(self) -> None:
         """Read keys until the app or the terminal ends."""
         reader = InputReader(self.process_message, debug=self._debug)
+        output = select.poll()
+        # No event is asked for: that the other end has gone is reported in any case.
+        output.register(self._file.fileno(), 0)
         with selectors.SelectSelector() as selector:
             selector.register(self.fileno, selectors.EVENT_READ)
             while not self.exit_event.is_set():
-                if not selector.select(LOOK_S):
+                ready = selector.select(LOOK_S)
+                if output.poll(0):
+                    return self.lose_terminal()
+                if not ready:
                     reader.idle()
                     continue
                 try:

@@ -43,6 +43,8 @@ class Terminal:
         """Bytes whose arrival is timed."""
         self.mark_ns: list[int] = []
         """When the mark was read, before anything was made of it: ns of the monotonic clock."""
+        self.received = b""
+        """Everything that has been read."""
         self._tail = b""
         self._screen = pyte.Screen(columns, lines)
         self._stream = pyte.ByteStream(self._screen)
@@ -72,6 +74,7 @@ class Terminal:
             except pexpect.EOF:
                 return False
             self._time_mark(read, time.monotonic_ns())
+            self.received += read
             self._stream.feed(read)
         return True
 
@@ -116,6 +119,22 @@ class Terminal:
                 assert self.child.exitstatus is not None, f"ended by signal {self.child.signalstatus}"
                 return self.child.exitstatus
         raise AssertionError(f"the program still runs after {patience_s:.0f} s:\n{self.text}")
+
+    def wait_for_exit_only(self, patience_s: float = 60.0) -> int:
+        """Read until the program has ended, and leave the terminal open; return the exit status (minus a signal's)."""
+        end = time.monotonic() + patience_s
+        while self.child.isalive():
+            assert time.monotonic() < end, f"the program still runs after {patience_s:.0f} s:\n{self.text}"
+            self.pump()
+        self.drain(0.3)
+        status = self.child.exitstatus
+        return -int(self.child.signalstatus) if status is None else int(status)
+
+    def drain(self, duration_s: float = 1.5) -> None:
+        """Read what still arrives, also after the end of the program."""
+        end = time.monotonic() + duration_s
+        while time.monotonic() < end and self.pump(0.1):
+            pass
 
     def blocks_on_board(self) -> int:
         """Count the blocks in the board's frame: settled ones and those of the falling piece, not the ghost."""
