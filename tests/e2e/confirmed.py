@@ -33,7 +33,7 @@ class Confirmed:
 
     def missing_from(self, recording: Recording) -> dict[int, int]:
         """Return game to number of presses that were confirmed and are not in the file; empty where all are."""
-        written = accepted(recording)
+        written = most_at_once(recording)
         return {
             game: count - written.get(game, 0)
             for game, count in self.presses.items()
@@ -42,15 +42,26 @@ class Confirmed:
 
 
 def accepted(recording: Recording) -> dict[int, int]:
-    """Return game (from 1) to its presses in the file that count: accepted, and not taken back."""
-    game, counts, game_of_press = 0, dict[int, int](), dict[int, int]()
+    """Return game (from 1) to its presses in the file that count in the end: accepted, and not taken back."""
+    return {game: counts[-1] for game, counts in _counts(recording).items()}
+
+
+def most_at_once(recording: Recording) -> dict[int, int]:
+    """Return game (from 1) to the most presses that counted at any time: one that was taken back did count before."""
+    return {game: max(counts) for game, counts in _counts(recording).items()}
+
+
+def _counts(recording: Recording) -> dict[int, list[int]]:
+    game, counts, game_of_press = 0, dict[int, list[int]](), dict[int, int]()
     for event in recording.events:
         match event:
             case EpisodeStarted():
                 game += 1
+                counts[game] = [0]
             case KeyPressed(verdict="accepted"):
-                counts[game] = counts.get(game, 0) + 1
+                counts[game].append(counts[game][-1] + 1)
                 game_of_press[event.press] = game
             case PressRetracted():
-                counts[game_of_press[event.press]] -= 1
+                of_press = counts[game_of_press[event.press]]
+                of_press.append(of_press[-1] - 1)
     return counts
