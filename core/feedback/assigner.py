@@ -3,6 +3,7 @@
 import math
 from array import array
 from bisect import bisect_left, bisect_right
+from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Concatenate, ParamSpec, TypeVar
@@ -156,6 +157,8 @@ class _Ledger:
         self._presses: dict[int, list[int]] = {}
         self._n_final = 0
         self._n_looked_at = 0
+        # (when its features are forgotten, step) of final steps near which no press was made.
+        self._untouched: deque[tuple[int, int]] = deque()
         self._last_press: _Press | None = None
         # Intervals on screen before the last interruption, and when that began.
         self._n_before_gap = 0
@@ -288,12 +291,12 @@ class _Ledger:
         """
         if self._config.silence == "zero-label":
             return  # every step becomes a sample, and samples are kept
-        while self._n_looked_at < len(self._steps) and self._is_final(
-            self._n_looked_at, now_ns - FORGET_AFTER_NS
-        ):
+        while self._n_looked_at < len(self._steps) and self._is_final(self._n_looked_at, now_ns):
             if self._n_presses_before[self._n_looked_at] == self._n_presses:
-                self._features.pop(self._steps[self._n_looked_at], None)
+                self._untouched.append((now_ns + FORGET_AFTER_NS, self._steps[self._n_looked_at]))
             self._n_looked_at += 1
+        while self._untouched and self._untouched[0][0] < now_ns:
+            self._features.pop(self._untouched.popleft()[1], None)
 
     def _first_relevant_interval(self, press_ns: int) -> int:
         """Return the first interval that can matter; what lies before it is beyond the delay's reach."""
