@@ -6,7 +6,7 @@ from bisect import bisect_left, bisect_right
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Concatenate, ParamSpec, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +25,6 @@ FORGET_AFTER_NS = 60 * NS_PER_S
 """So long after a step can receive no more credit its features are kept all the same."""
 
 Answer = TypeVar("Answer")
-Facts = ParamSpec("Facts")
 _Entry = tuple[Any, ...]
 """What happened: a method of `_Ledger`, and its arguments."""
 
@@ -118,7 +117,7 @@ class CreditAssigner:
         """Give out the samples of all steps: the session is over, and no press can come any more."""
         self._do(_Ledger.finish, now_ns)
 
-    def _do(self, event: "Callable[Concatenate[_Ledger, Facts], Answer]", *facts: Facts.args) -> Answer:
+    def _do(self, event: Callable[..., Answer], *facts: Any) -> Answer:
         answer = event(self._ledger, *facts)
         self._log.append((event, *facts))  # only what succeeded can be repeated
         return answer
