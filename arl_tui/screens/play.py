@@ -76,6 +76,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         self._said = ""
         self._silence_shown = False
         self._between_games = True
+        self._disk_failed = False
         used = {self._keys.good, self._keys.bad, self._keys.retract}
         self._letters = {letter: action for action, (letter, _) in COMMANDS.items() if letter not in used}
 
@@ -158,6 +159,8 @@ class PlayScreen(Screen[None], inherit_bindings=False):
             self._say(f"{lines}. The next game is about to begin.")
 
     def _say(self, text: str) -> None:
+        if self._disk_failed:
+            return
         self._said = text
         self._silence_shown = False
         self._status.update(text)
@@ -166,6 +169,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         """Say that nothing counts from here on, because it cannot be recorded."""
         self.feedback.show_not_saved()
         self._say("[b]The recording cannot be written.[/]\nThe session ends here.")
+        self._disk_failed = True
 
     def show_silence(self, silent_s: float | None) -> None:
         """Say for how long the learner has not answered, seconds; None: it does."""

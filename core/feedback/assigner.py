@@ -1,10 +1,12 @@
 """From what was on screen and what was pressed to the samples a human reward model learns from."""
 
 import math
+from array import array
 from bisect import bisect_left, bisect_right
+from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +21,12 @@ LATENESS_NS = 200_000_000
 """A report may come this long after what it reports (terminal, queues): a press still finds its step open, and
 frames whose times cross by less are put in order."""
 
+FORGET_AFTER_NS = 60 * NS_PER_S
+"""So long after a step can receive no more credit its features are kept all the same."""
+
 Answer = TypeVar("Answer")
+_Entry = tuple[Any, ...]
+"""What happened: a method of `_Ledger`, and its arguments."""
 
 
 class CreditAssigner:
@@ -31,9 +38,10 @@ class CreditAssigner:
 
     def __init__(self, config: CreditConfig) -> None:
         self.config = config
-        self._ledger = _Ledger(config)
-        # Everything that happened, so that a press can be taken out of the past: (press or None, what to do).
-        self._log: list[tuple[int | None, Callable[[_Ledger], object]]] = []
+        self._features: dict[int, NDArray[np.float64]] = {}
+        self._ledger = _Ledger(config, self._features)
+        # Everything that happened, so that a press can be taken out of the past. Two entries per step for hours: small.
+        self._log: list[_Entry] = []
         self._known: set[int] = set()
         self._taken = 0
 
@@ -61,12 +69,13 @@ class CreditAssigner:
             shown_ns: when; whatever was on screen until then is hidden by it.
             features: psi(s, a) of the step, shape (G,).
         """
-        features = np.array(features, dtype=np.float64)
-        self._do(None, lambda ledger: ledger.step_shown(step, shown_ns, features))
+        if step not in self._features:
+            self._features[step] = np.array(features, dtype=np.float64)
+        self._do(_Ledger.step_shown, step, shown_ns)
 
     def step_hidden(self, step: int, hidden_ns: int) -> None:
         """Note that a step left the screen with nothing in its place: a pause, the end of an episode."""
-        self._do(None, lambda ledger: ledger.step_hidden(step, hidden_ns))
+        self._do(_Ledger.step_hidden, step, hidden_ns)
 
     def interrupted(self, last_ns: int) -> None:
         """Note that the program stood still from `last_ns` on, and has gone on since (`core.episode.TimeGap`).
@@ -74,7 +83,7 @@ class CreditAssigner:
         What was on screen is hidden from `last_ns` on. No later press is credited to what was on screen before: what
         would have fallen there counts as `in_gaps`. A burst of presses ends there.
         """
-        self._do(None, lambda ledger: ledger.interrupted(last_ns))
+        self._do(_Ledger.interrupted, last_ns)
 
     def press(self, press: int, time_ns: int, value: float) -> PressCredit:
         """Share out a press.
@@ -86,7 +95,7 @@ class CreditAssigner:
         """
         if press in self._known:
             raise ValueError(f"press {press} was given already")
-        given = self._do(press, lambda ledger: ledger.press(press, time_ns, value))
+        given = self._do(_Ledger.press, press, time_ns, value)
         self._known.add(press)
         return given
 
@@ -95,22 +104,22 @@ class CreditAssigner:
 
         Afterwards a model has to be fitted to all `samples` again; `take` goes on from their end.
         """
-        kept = [(known, event) for known, event in self._log if known != press]
+        kept = [entry for entry in self._log if entry[0] is not _Ledger.press or entry[1] != press]
         if len(kept) == len(self._log):
             raise ValueError(f"press {press} cannot be retracted: it was never given, or retracted before")
         self._log = kept
-        self._ledger = _Ledger(self.config)
-        for _, event in kept:
-            event(self._ledger)
+        self._ledger = _Ledger(self.config, self._features)
+        for event, *facts in kept:
+            event(self._ledger, *facts)
         self._taken = len(self._ledger.samples)
 
     def finish(self, now_ns: int) -> None:
         """Give out the samples of all steps: the session is over, and no press can come any more."""
-        self._do(None, lambda ledger: ledger.finish(now_ns))
+        self._do(_Ledger.finish, now_ns)
 
-    def _do(self, press: int | None, event: "Callable[[_Ledger], Answer]") -> Answer:
-        answer = event(self._ledger)
-        self._log.append((press, event))  # only what succeeded can be repeated
+    def _do(self, event: Callable[..., Answer], *facts: Any) -> Answer:
+        answer = event(self._ledger, *facts)
+        self._log.append((event, *facts))  # only what succeeded can be repeated
         return answer
 
 
@@ -123,29 +132,39 @@ class _Press:
 
 
 class _Ledger:
-    """The state behind `CreditAssigner`; takes events in order and forgets none of their effects."""
+    """The state behind `CreditAssigner`; takes events in order and forgets none of their effects.
 
-    def __init__(self, config: CreditConfig) -> None:
+    A session of hours has tens of thousands of steps, and few presses: what only a press needs of a step is made by
+    the press, and features are forgotten once no press can need them any more.
+    """
+
+    def __init__(self, config: CreditConfig, features: dict[int, NDArray[np.float64]]) -> None:
         self.samples: list[Sample] = []
         self.account = MassAccount()
         self._config = config
         # One entry per interval on screen; all three ascend.
-        self._shown_ns: list[int] = []
-        self._hidden_ns: list[int] = []
-        self._interval_steps: list[int] = []
-        # One entry per step, in order.
-        self._steps: list[int] = []
-        self._features: dict[int, NDArray[np.float64]] = {}
+        self._shown_ns = array("q")
+        self._hidden_ns = array("q")
+        self._interval_steps = array("q")
+        # One entry per step, in order: its number, and how many presses had come when it was shown.
+        self._steps = array("q")
+        self._features = features
+        self._n_presses_before = array("q")
+        self._n_presses = 0
+        # Of the steps that have received credit.
         self._labels: dict[int, float] = {}
         self._presses: dict[int, list[int]] = {}
         self._n_final = 0
+        self._n_looked_at = 0
+        # (when its features are forgotten, step) of final steps near which no press was made.
+        self._untouched: deque[tuple[int, int]] = deque()
         self._last_press: _Press | None = None
         # Intervals on screen before the last interruption, and when that began.
         self._n_before_gap = 0
         self._gap_ns = 0
         self._finished = False
 
-    def step_shown(self, step: int, shown_ns: int, features: NDArray[np.float64]) -> None:
+    def step_shown(self, step: int, shown_ns: int) -> None:
         self._check_open()
         if self._shown_ns:
             last, still_shown = self._interval_steps[-1], self._hidden_ns[-1] == STILL_SHOWN_NS
@@ -157,19 +176,18 @@ class _Ledger:
             shown_ns = _not_before(earliest_ns, shown_ns, f"step {step} shown")
             if still_shown:
                 self._hidden_ns[-1] = shown_ns
-        if step not in self._features:
+        if not self._steps or step > self._steps[-1]:
             self._steps.append(step)
-            self._features[step] = features
-            self._labels[step] = 0.0
-            self._presses[step] = []
+            self._n_presses_before.append(self._n_presses)
         self._shown_ns.append(shown_ns)
         self._hidden_ns.append(STILL_SHOWN_NS)
         self._interval_steps.append(step)
         self._give_out_final_steps(shown_ns)
+        self._forget_features(shown_ns)
 
     def step_hidden(self, step: int, hidden_ns: int) -> None:
         self._check_open()
-        if step not in self._features:
+        if not self._was_shown(step):
             raise ValueError(f"step {step} was never shown, so it cannot be hidden")
         if self._interval_steps[-1] == step and self._hidden_ns[-1] == STILL_SHOWN_NS:
             hidden_ns = _not_before(self._shown_ns[-1], hidden_ns, f"step {step} hidden")
@@ -188,6 +206,7 @@ class _Ledger:
         if not (math.isfinite(value) and value != 0):
             raise ValueError(f"press {press}: a value is > 0 (good) or < 0 (bad), got {value}")
         opener = self._opener(press, time_ns, value)
+        self._n_presses += 1
         self._last_press = _Press(time_ns, value, opener)
         given = (
             PressCredit(press, merged_into=opener)
@@ -250,11 +269,33 @@ class _Ledger:
         )
 
     def _give(self, press: int, step: int, value: float, share: float) -> None:
+        if step not in self._features:
+            raise ValueError(
+                f"press {press} is for step {step}, which left the screen more than {FORGET_AFTER_NS // NS_PER_S} s ago"
+            )
         if self._config.scheme == "individual":
             self.samples.append(Sample(self._features[step], value, min(share, 1.0), step, (press,)))
         else:
-            self._labels[step] += value * share
-            self._presses[step].append(press)
+            self._labels[step] = self._labels.get(step, 0.0) + value * share
+            self._presses.setdefault(step, []).append(press)
+
+    def _was_shown(self, step: int) -> bool:
+        index = bisect_left(self._steps, step)
+        return index < len(self._steps) and self._steps[index] == step
+
+    def _forget_features(self, now_ns: int) -> None:
+        """Forget the features of steps that no press can reach any more, and near which none was made.
+
+        Steps near a press keep theirs: when the press is taken back, another one of its burst may reach them.
+        """
+        if self._config.silence == "zero-label":
+            return  # every step becomes a sample, and samples are kept
+        while self._n_looked_at < len(self._steps) and self._is_final(self._n_looked_at, now_ns):
+            if self._n_presses_before[self._n_looked_at] == self._n_presses:
+                self._untouched.append((now_ns + FORGET_AFTER_NS, self._steps[self._n_looked_at]))
+            self._n_looked_at += 1
+        while self._untouched and self._untouched[0][0] < now_ns:
+            self._features.pop(self._untouched.popleft()[1], None)
 
     def _first_relevant_interval(self, press_ns: int) -> int:
         """Return the first interval that can matter; what lies before it is beyond the delay's reach."""
@@ -275,9 +316,10 @@ class _Ledger:
             return
         while self._n_final < len(self._steps) and self._is_final(self._n_final, now_ns):
             step = self._steps[self._n_final]
-            presses = tuple(self._presses[step])
+            presses = tuple(self._presses.get(step, ()))
             if presses or self._config.silence == "zero-label":
-                self.samples.append(Sample(self._features[step], self._labels[step], 1.0, step, presses))
+                label = self._labels.get(step, 0.0)
+                self.samples.append(Sample(self._features[step], label, 1.0, step, presses))
             self._n_final += 1
 
     def _is_given_out(self, step: int) -> bool:

@@ -3,7 +3,7 @@
 import pytest
 
 from arl_tui.frames import FRAMES_REMEMBERED, FrameLedger
-from arl_tui.link import Begin, Crashed, Ready
+from arl_tui.link import Alive, Begin, Crashed, Ready
 from arl_tui.live import LiveSession
 from core.clock import ManualClock
 from core.episode import (
@@ -231,3 +231,55 @@ def test_the_ledger_forgets_only_what_is_far_too_old_to_be_asked_for() -> None:
     assert ledger.at(FRAMES_REMEMBERED + 9) == (FRAMES_REMEMBERED + 9, FRAMES_REMEMBERED + 9)
     assert ledger.at(10) == (10, 10)
     assert ledger.at(3) == (-1, -1)
+
+
+def test_a_press_is_confirmed_when_it_is_in_the_file_and_not_before() -> None:
+    bench = Bench()
+    bench.begin()
+    bench.link.say(step_taken(0))
+    bench.show(0, 1_000)
+    bench.sink.held_back = 100
+    bench.live.press("j", 1_100 * MS)
+    bench.live.press("f", 1_900 * MS)
+    assert [event for event in bench.heard if isinstance(event, KeyPressed)] == []
+    assert bench.live.presses_left == 5
+    bench.clock.advance_ns(300 * MS)
+    assert bench.live.unconfirmed_s() == pytest.approx(0.3)
+    bench.sink.held_back = 1
+    bench.live.confirm()
+    assert [event.key for event in bench.heard if isinstance(event, KeyPressed)] == ["j"]
+    assert bench.live.presses_left == 4
+    bench.sink.held_back = 0
+    bench.live.confirm()
+    assert [event.key for event in bench.heard if isinstance(event, KeyPressed)] == ["j", "f"]
+    assert bench.live.unconfirmed_s() == 0.0
+
+
+def test_nothing_is_confirmed_once_the_disk_has_failed() -> None:
+    bench = Bench()
+    bench.begin()
+    bench.sink.failure = OSError(28, "No space left on device")
+    bench.live.press("j", 1_100 * MS)
+    bench.live.confirm()
+    assert [event for event in bench.heard if isinstance(event, KeyPressed)] == []
+
+
+def test_a_press_of_a_game_that_is_over_does_not_change_the_presses_left_of_the_next() -> None:
+    bench = Bench()
+    bench.begin()
+    bench.sink.held_back = 100
+    bench.live.press("j", 1_100 * MS)
+    bench.link.say(episode_ended(), episode_started(1))
+    bench.sink.held_back = 0
+    bench.live.confirm()
+    assert bench.live.presses_left == 5
+
+
+def test_a_silent_worker_is_noticed_until_it_says_that_it_waits() -> None:
+    bench = Bench()
+    bench.begin()
+    bench.clock.advance_ns(2_500 * MS)
+    assert bench.live.silent_s() == pytest.approx(2.5)
+    bench.link.say(Alive())
+    assert bench.live.silent_s() == 0.0
+    assert not any(isinstance(event, Alive) for event in bench.heard)

@@ -313,3 +313,28 @@ def test_what_cannot_be_is_refused_with_the_reason() -> None:
     assigner.finish(ns(5))
     with pytest.raises(ValueError, match="was finished"):
         assigner.press(2, ns(6), 1.0)
+
+
+def test_a_long_session_keeps_only_the_features_that_a_press_may_still_need():
+    assigner = CreditAssigner(CreditConfig())
+    for step in range(2000):
+        assigner.step_shown(step, step * NS_PER_S, np.full(3, float(step)))
+        if step in (500, 501):
+            assigner.press(step, step * NS_PER_S + 600_000_000, 1.0)
+    kept = set(assigner._features)
+    assert {499, 500, 501} & kept
+    assert len(kept) < 100
+    before = [sample.features.tolist() for sample in assigner.samples]
+    assert before
+    assigner.retract(501)
+    assert [sample.features.tolist() for sample in assigner.samples] == before[: len(assigner.samples)]
+    assigner.press(2000, 1999 * NS_PER_S + 600_000_000, -1.0)
+    assert assigner.samples[-1].features[0] >= 1998.0
+
+
+def test_a_press_for_a_step_of_long_ago_is_refused_with_the_reason():
+    assigner = CreditAssigner(CreditConfig())
+    for step in range(300):
+        assigner.step_shown(step, step * NS_PER_S, np.zeros(3))
+    with pytest.raises(ValueError, match="left the screen more than 60 s ago"):
+        assigner.press(1, 50 * NS_PER_S + 600_000_000, 1.0)

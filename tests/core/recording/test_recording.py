@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 
 import pytest
@@ -15,7 +16,7 @@ from hypothesis import strategies as st
 
 from core.episode import EpisodeEnded, FrameShown, KeyPressed
 from core.recording.reader import RecordingError, read_recording
-from core.recording.recorder import LineWriter, Recorder
+from core.recording.recorder import Kept, LineWriter, Recorder
 from core.recording.schema import VERSION, Header
 
 HEADER = Header(
@@ -191,6 +192,7 @@ def test_a_full_disk_is_reported_and_no_event_is_lost(tmp_path, monkeypatch):
 
 WRITE_FOREVER = """
 import sys
+import threading
 from pathlib import Path
 from core.recording.recorder import Recorder
 from tests.core.recording.test_recording import HEADER, press
@@ -214,3 +216,92 @@ def test_a_killed_writer_leaves_whole_lines(tmp_path):
     assert not recording.complete
     assert [event.press for event in recording.events] == list(range(len(recording.events)))
     assert len(recording.events) > 50
+
+
+class FullAfter:
+    """A file on a disk that takes so many bytes more, the last write only in part."""
+
+    def __init__(self, file, room):
+        self.file, self.room = file, room
+
+    def write(self, part):
+        if not self.room:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        taken = self.file.write(part[: self.room])
+        self.room -= taken
+        return taken
+
+    def __getattr__(self, name):
+        return getattr(self.file, name)
+
+
+@pytest.mark.parametrize("room", [0, 1, 100, 300])
+def test_a_line_that_fits_in_part_is_taken_out_again_and_kept_elsewhere(tmp_path, room):
+    recorder = Recorder(tmp_path / "session.jsonl", HEADER)
+    recorder._writer._file = FullAfter(recorder._writer._file, room)
+    for event in EVENTS:
+        recorder.record(event)
+    with pytest.raises(OSError, match="No space left"):
+        recorder.close()
+    recording = read_recording(recorder.path)
+    assert recording.lost_tail == b""
+    assert [*recording.events, *recorder.unwritten] == EVENTS
+    assert recorder.kept.written == len(recording.events)
+
+
+@pytest.mark.parametrize("moved", [False, True])
+def test_a_file_that_is_removed_is_noticed_and_its_content_is_not_lost(tmp_path, moved):
+    recorder = Recorder(tmp_path / "session.jsonl", HEADER)
+    recorder.record(EVENTS[0])
+    if moved:
+        recorder.path.rename(tmp_path / "elsewhere.jsonl")
+    else:
+        recorder.path.unlink()
+    deadline = time.monotonic() + 60
+    while recorder.failure is None and time.monotonic() < deadline:
+        time.sleep(0.01)
+    recorder.record(EVENTS[1])
+    with pytest.raises(FileNotFoundError, match="removed or moved during the session"):
+        recorder.close()
+    (tmp_path / "saved.jsonl").write_bytes(recorder.content())
+    recording = read_recording(tmp_path / "saved.jsonl")
+    assert recording.complete
+    assert list(recording.events) == EVENTS[:2]
+
+
+def test_events_are_written_while_the_disk_is_still_syncing_earlier_ones(tmp_path, monkeypatch):
+    may_go_on = threading.Event()
+    news = threading.Semaphore(0)
+    recorder = Recorder(tmp_path / "session.jsonl", HEADER, on_news=news.release)
+    sync = recorder._writer.sync
+    monkeypatch.setattr(recorder._writer, "sync", lambda: (may_go_on.wait(60), sync()))
+    for number in range(5):
+        recorder.record(press(number))
+    for _ in range(5):
+        assert news.acquire(timeout=60)
+    assert recorder.kept == Kept(recorded=5, written=5, synced=0)
+    assert len(read_recording(recorder.path).events) == 5
+    with pytest.raises(TimeoutError, match="did not confirm"):
+        recorder.close(timeout_s=0.05)
+    assert recorder.unwritten == []
+    assert recorder.unsynced_s() > 0
+    may_go_on.set()
+    recorder._sync_thread.join(60)
+    assert recorder.kept.synced == 5
+    recorder._writer.abandon()
+
+
+def test_what_a_disk_that_hangs_in_a_write_has_not_taken_is_handed_back(tmp_path, monkeypatch):
+    may_go_on = threading.Event()
+    recorder = Recorder(tmp_path / "session.jsonl", HEADER)
+    append = recorder._writer.append
+    monkeypatch.setattr(recorder._writer, "append", lambda event: (may_go_on.wait(60), append(event)))
+    for event in EVENTS:
+        recorder.record(event)
+    with pytest.raises(TimeoutError, match="did not take"):
+        recorder.close(timeout_s=0.05)
+    assert recorder.unwritten == EVENTS
+    may_go_on.set()
+    recorder._write_thread.join(60)
+    recorder._sync_thread.join(60)
+    recorder._writer.abandon()
