@@ -142,7 +142,7 @@ USES: tuple[Use, ...] = (
         "where trainer.burst_rate is > 0",
         lambda p, m: p.trainer.burst_rate > 0,
     ),
-    Use(("agent.asking",), "in no session yet: no screen poses questions", lambda p, m: False),
+    Use(("agent.asking",), "in no session yet, because no screen poses questions", lambda p, m: False),
     Use(
         ("delay_of", "delay_if_missing"),
         "in live sessions and what-ifs: a simulated participant's delay is not measured",
@@ -376,7 +376,7 @@ def wrong_delay(delay: Delay) -> str:
     )
 
 
-def warnings_of(protocol: "Protocol", mode: Mode) -> Iterator[str]:
+def warnings_of(protocol: "Protocol") -> Iterator[str]:
     """Yield what an experimenter may not have meant, in sentences, for the start of a session."""
     session = protocol.session
     never_proposes = session.watched == "top" and session.unseen_between == 0 and session.episodes > 1
@@ -386,5 +386,3 @@ def warnings_of(protocol: "Protocol", mode: Mode) -> Iterator[str]:
             + ("before the first game" if session.unseen_before else "the first game")
             + ": the environment teaches nothing after it"
         )
-    if mode == "live" and protocol.others:
-        yield "a live session has one participant: the agent would wait for the presses of others in vain"

@@ -60,7 +60,7 @@ def _tell(topics: Sequence[tuple[str, str]]) -> None:
 def notes(protocol: Protocol) -> Iterator[str]:
     """Yield what has no effect in a live session, and what an experimenter may not have meant."""
     yield from map(str, idle(protocol, DEFAULTS[protocol.game], ["live"]))
-    yield from warnings_of(protocol, "live")
+    yield from warnings_of(protocol)
 
 
 def _reach(protocol: Protocol) -> str:
