@@ -1,4 +1,4 @@
-"""In which sessions settings have an effect: what `core.effects` says is held against sessions that are played."""
+"""In which sessions settings have an effect: `core.effects` against sessions that are played."""
 
 from pathlib import Path
 from typing import Any
