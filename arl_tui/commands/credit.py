@@ -47,7 +47,8 @@ def settle_credit(
 ) -> tuple[Protocol, dict[str, str]]:
     """Return the protocol with its credit rule in numbers, and where that comes from, for the recording's header.
 
-    The rule is the same for every participant, with or without a protocol file (`docs/decisions/one-rule-of-credit.md`).
+    The rule is the same for every participant, with or without a protocol file
+    (`docs/decisions/one-rule-of-credit.md`).
 
     Args:
         protocol: its `delay_of` counts where the command line says nothing.
@@ -65,14 +66,14 @@ def settle_credit(
 
 
 def _choice_of(protocol: Protocol, asked: str, recordings: Path, participant: str) -> CreditChoice:
-    """Return the rule that `asked` names for a participant; where they have none, what the protocol says then."""
+    """Return the rule that `asked` names for a participant, or what the protocol says where they have none."""
     if asked in MEASURED and not is_measured(asked, recordings, participant, protocol.game):
         return _without_measurement(protocol, asked, recordings, participant)
     return credit_of(asked, recordings, participant, protocol.game)
 
 
 def _without_measurement(protocol: Protocol, asked: str, recordings: Path, participant: str) -> CreditChoice:
-    """Return the rule of a participant whose delay was not measured, as the protocol's `delay_if_missing` says."""
+    """Return the rule of a participant without a measured delay, as `delay_if_missing` says."""
     missing = {"credit_missing": f"{participant} has no measured delay: {protocol.delay_if_missing}"}
     match protocol.delay_if_missing:
         case "refuse":
@@ -90,7 +91,7 @@ def _without_measurement(protocol: Protocol, asked: str, recordings: Path, parti
 
 
 def is_measured(asked: str, recordings: Path, participant: str, game: str) -> bool:
-    """Return whether the participant has the delay that `asked` names; stop where the file of delays is damaged."""
+    """Return whether a participant has the delay that `asked` names; stop where its file is damaged."""
     try:
         known = read_delays(recordings, participant)
     except ParticipantError as error:
@@ -106,7 +107,8 @@ def credit_lines(source: Mapping[str, str], recordings: Path, participant: str, 
     if "credit_missing" in source:
         yield source["credit_missing"]
     if "credit_files" in source:
-        yield f"task {source['credit_task']}, fitted {source['credit_fitted_utc']} from {source['credit_files']}"
+        fitted = f"fitted {source['credit_fitted_utc']} from {source['credit_files']}"
+        yield f"task {source['credit_task']}, {fitted}"
     elif source["credit"] != "paper" and is_measured("feedback-lag", recordings, participant, game):
         yield (
             f"{participant} has a measured delay of judging, which is not used: "

@@ -19,7 +19,7 @@ WIDE = 100
 
 
 def print_protocol(game: str | None, path: Path | None) -> None:
-    """Print a protocol (the default one of a game, or a file's) with every setting and what it means, as TOML."""
+    """Print a protocol (a game's default, or a file's) with every setting and what it means, as TOML."""
     click.echo("\n".join(protocol_lines(read_protocol(path, game))))
 
 
@@ -29,9 +29,9 @@ def protocol_lines(protocol: Protocol) -> Iterator[str]:
     A setting without effect in this protocol, and one that has no value, is there as a comment.
     """
     yield from _comment(
-        f"A protocol of {protocol.game}: every setting with its default or value. What is left out of a file has the "
-        'default. A key without a line "Has an effect ..." has one in every session. `arl protocol --check FILE` says '
-        "what a file will do."
+        f"A protocol of {protocol.game}: every setting with its default or value. What is left out of a file has "
+        'the default. A key without a line "Has an effect ..." has one in every session. '
+        "`arl protocol --check FILE` says what a file will do."
     )
     yield from _table_lines(protocol, "", Unused(protocol))
 
@@ -44,7 +44,7 @@ class Unused:
         self._changed = {".".join(map(str, each.path)) for each in idle(protocol, DEFAULTS[protocol.game])}
 
     def commented(self, path: str) -> bool:
-        """Return whether a setting is printed as a comment: it has no effect, and its value is the default."""
+        """Return whether a setting is printed as a comment: at its default, and without effect."""
         return path not in self._changed and not any(
             all(use.when(self._protocol, mode) for use in uses_of(path)) for mode in MODES
         )
