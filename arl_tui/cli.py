@@ -115,7 +115,8 @@ def demo(game: str, person: str | None, seed: int | None, recordings: Path) -> N
     "schemes",
     multiple=True,
     metavar="NAME",
-    help="What-if: how both rewards are combined. May be given several times.",
+    help="What-if: how both rewards are combined, such as linear or annealed:episode (its weight falls per episode; else per "
+    "watched-game). May be given several times.",
 )
 @click.option(
     "--games",

@@ -85,7 +85,10 @@ class Tally:
     good: int = 0
     bad: int = 0
     taken_back: int = 0
-    w_h: float = 0.0
+    trust: float = 0.0
+    """What the rule of trust says of the participant, after the last episode."""
+    weight: float = 0.0
+    """Weight of the participant's judgement that the scheme used in the last episode."""
     steps: int = 0
 
 
@@ -301,6 +304,7 @@ class LiveSession:
         self._sink.record(output)
         match output:
             case EpisodeStarted():
+                self.tally.weight = output.weight
                 self.gate.episode_started()
                 self._episodes_begun += 1
                 self.presses_left = self.gate.presses_left
@@ -309,11 +313,12 @@ class LiveSession:
                 self._ask_wrong_press(output.step)
             case EpisodeEnded():
                 self.tally.performances.append(output.performance)
-                self.tally.w_h = output.w_h
+                self.tally.trust = output.trust
             case UnseenPlayed():
                 self.tally.unseen += len(output.policies)
                 self.tally.practised.append(sum(output.performances) / len(output.performances))
-                self.tally.w_h = output.w_h
+                self.tally.trust = output.trust
+                self.tally.weight = output.weights[-1] if output.weights else self.tally.weight
         self._listener(output)
         if isinstance(output, SessionEnded):
             self.phase = "over"

@@ -171,9 +171,18 @@ class EpisodeStarted(Record, frozen=True, kw_only=True, tag="episode-started"):
     form: int
     """How R and H are combined in this episode (a form of `core.combination.config`); -1 in imported ones."""
     w_r: float
-    w_h: float
+    """Weight of the environment's values in this episode."""
+    trust: float | None
+    """What the rule of trust said of the human when the episode began (Eq. 4, 5); None: version 1 did not record
+    it."""
+    weight: float
+    """Weight w_h of the human's values that the scheme used in this episode; some do not go by trust."""
     share: float
-    """Probability of handing the choice to the human policy (control sharing), else 0."""
+    """Probability of handing the choice to the human policy in this episode (control sharing), else 0."""
+    shaping: float = 0.0
+    """Added to the reward of a step per unit of H in this episode (reward shaping), else 0."""
+    augmentation: float = 0.0
+    """Weight of H in what the learner learns (Q augmentation), else 0."""
 
 
 class StepTaken(Record, frozen=True, kw_only=True, tag="step-taken"):
@@ -214,8 +223,8 @@ class EpisodeEnded(Record, frozen=True, kw_only=True, tag="episode-ended"):
     """Steps at which environment and human policy chose the same action."""
     agreed_worst: int
     """Steps at which the environment policy chose the human policy's worst action."""
-    w_h: float
-    """Human weight after this episode."""
+    trust: float
+    """What the rule of trust says of the human after this episode (of several people: the mean)."""
     digest: str
     """Fingerprint of everything the agent has learned (hex)."""
 
@@ -231,7 +240,10 @@ class UnseenPlayed(Record, frozen=True, kw_only=True, tag="unseen-played"):
     steps: list[int]
     agreed: list[int]
     agreed_worst: list[int]
-    w_h: float
+    trust: float
+    """What the rule of trust says of the human after the last of them (of several people: the mean)."""
+    weights: list[float] | None
+    """Weight w_h that the scheme used in each of them; None where version 1 did not record it."""
     digest: str
 
 

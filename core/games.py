@@ -46,16 +46,17 @@ class Game(Interface):
         ...
 
     def evaluate(
-        self, protocol: Protocol, agent: ArlAgent, seeds: Sequence[int], *, max_steps: int, episode: int
+        self, protocol: Protocol, agent: ArlAgent, seeds: Sequence[int], *, max_steps: int
     ) -> list[Played]:
-        """Return how an agent plays the episodes with these seeds, without learning from them.
+        """Return how an agent plays its next episode with each of these seeds, without learning from them.
+
+        The weights are those of the agent's next episode (`ArlAgent.next_episode`), which is not counted.
 
         Args:
             protocol: whose rules are played.
             agent: who plays.
             seeds: of the episodes.
             max_steps: where an episode is broken off.
-            episode: which episode of its session the agent would play now; its scheme may depend on it.
         """
         ...
 

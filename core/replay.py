@@ -8,6 +8,7 @@ import msgspec
 from core.clock import ManualClock
 from core.episode import CreditGiven, Input, Output, SessionEnded
 from core.recording.reader import Recording, RecordingError
+from core.recording.version_1 import as_far_as_recorded
 from core.session import Session
 
 
@@ -71,6 +72,8 @@ def replay_exactly(recording: Recording, session: Session) -> ReplayResult:
     for recorded, replayed in _run_both(recording, session):
         if recorded is None and replayed is None:
             break
+        if recorded is not None and replayed is not None:
+            replayed = as_far_as_recorded(recorded, replayed)
         if recorded != replayed:
             return ReplayResult(compared, _first_difference(compared, recorded, replayed))
         compared += 1

@@ -109,20 +109,25 @@ class Agent(Listener, Protocol):
     """What a session asks of an agent."""
 
     @property
-    def w_h(self) -> float:
-        """Weight of the human now."""
+    def trust(self) -> float:
+        """What the rule of trust says of the human now."""
         ...
 
-    def begin_episode(self, episode: int, *, exploring: bool) -> EpisodePolicy:
-        """Return the policy of the next episode: a new one to evaluate, or one of the best so far."""
+    def begin_episode(self, *, exploring: bool, watched: bool) -> EpisodePolicy:
+        """Begin the next episode; return its policy: a new one to evaluate, or one of the best so far."""
         ...
 
     def choose(self, choices: Choices, policy: EpisodePolicy, *, step: int) -> Decision:
         """Decide step number `step` of the episode."""
         ...
 
-    def learn_from_step(self, choices: Choices, action: int, reward: float) -> None:
-        """Take in what was done in the decision last made, and the reward of its step."""
+    def learn_from_step(
+        self, choices: Choices, action: int, reward: float, *, watched_step: int = -1
+    ) -> None:
+        """Take in what was done in the decision last made, and the reward of its step.
+
+        `watched_step` is the step's number among all watched ones of the session; -1 where nobody watches.
+        """
         ...
 
     def learn_from_domain(self, policy: EpisodePolicy, played: Played) -> None:
@@ -198,9 +203,9 @@ class Audience:
 class EpisodePlan:
     """What is fixed before a watched episode begins."""
 
-    episode: int
     episode_seed: int
     policy: EpisodePolicy
+    """From the agent's `begin_episode`; it says which episode this is."""
     first_step: int
     """Number of the episode's first step among all watched steps of the session."""
     max_steps: int
@@ -218,25 +223,29 @@ def play_episode(
     When a `StepTaken` has been yielded, whoever consumes this shows the step, and asks for the next output when
     the step's time on screen is over: then what the participant did meanwhile is taken in.
     """
+    weights = plan.policy.weights
     yield EpisodeStarted(
-        episode=plan.episode,
+        episode=plan.policy.episode,
         time_ns=clock.now_ns(),
         inputs=audience.inputs,
         episode_seed=plan.episode_seed,
         policy=plan.policy.policy_id,
-        form=plan.policy.weights.form,
-        w_r=plan.policy.weights.w_r,
-        w_h=plan.policy.weights.w_h,
-        share=plan.policy.weights.share,
+        form=weights.form,
+        w_r=weights.w_r,
+        trust=plan.policy.trust,
+        weight=weights.w_h,
+        share=weights.share,
+        shaping=weights.shaping,
+        augmentation=weights.augmentation,
     )
     state = domain.initial(plan.episode_seed)
     count = _Count()
-    for step in _steps(domain, agent, plan.policy, state):
+    for step in _steps(domain, agent, plan.policy, state, first_watched=plan.first_step):
         number, decision = plan.first_step + count.steps, step.decision
         audience.expect(number, step.choices.feedback_features[decision.action])
         count.add(decision)
         yield StepTaken(
-            episode=plan.episode,
+            episode=plan.policy.episode,
             step=number,
             time_ns=clock.now_ns(),
             inputs=audience.inputs,
@@ -254,7 +263,7 @@ def play_episode(
     played = count.played(domain, state)
     agent.learn_from_domain(plan.policy, played)
     yield EpisodeEnded(
-        episode=plan.episode,
+        episode=plan.policy.episode,
         time_ns=clock.now_ns(),
         inputs=audience.inputs,
         performance=played.performance,
@@ -262,7 +271,7 @@ def play_episode(
         ended=played.ended,
         agreed=played.agreed,
         agreed_worst=played.agreed_worst,
-        w_h=agent.w_h,
+        trust=agent.trust,
         digest=agent.digest(),
     )
     # Late presses on the last steps, made while the final picture was shown.
@@ -308,16 +317,26 @@ class _Step:
 
 
 def _steps(
-    domain: Domain[Any], agent: Agent, policy: EpisodePolicy, state: Any, *, learning: bool = True
+    domain: Domain[Any],
+    agent: Agent,
+    policy: EpisodePolicy,
+    state: Any,
+    *,
+    learning: bool = True,
+    first_watched: int = -1,
 ) -> Iterator[_Step]:
-    """Let the agent play from `state` to the end of the episode: the one loop of agent and domain."""
+    """Let the agent play from `state` to the end of the episode: the one loop of agent and domain.
+
+    `first_watched` is the number of the first step among the session's watched ones; -1 where nobody watches.
+    """
     number = 0
     while not domain.terminal(state):
         choices = domain.choices(state)
         decision = agent.choose(choices, policy, step=number)
         transition = domain.transition(state, decision.action)
         if learning:
-            agent.learn_from_step(choices, decision.action, transition.reward)
+            watched = -1 if first_watched < 0 else first_watched + number
+            agent.learn_from_step(choices, decision.action, transition.reward, watched_step=watched)
         yield _Step(state, choices, decision, transition.reward, transition.next_state)
         state = transition.next_state
         number += 1

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from core.clock import Clock
-from core.combination.agent import ArlAgent
+from core.combination.agent import ArlAgent, EpisodePolicy
 from core.domain import Domain
 from core.episode import Output, SessionEnded, StepTaken, UnseenPlayed
 from core.games import Player, game_of
@@ -27,7 +27,6 @@ class Session:
         self.config = config
         self._player = player
         self._root_seed = root_seed
-        self._next_episode = 0
         self._next_step = 0
 
     def run(self, feedback: FeedbackSource, clock: Clock) -> Iterator[Output]:
@@ -57,41 +56,39 @@ class Session:
         )
 
     def _play_watched(self, audience: Audience, clock: Clock) -> Iterator[Output]:
+        policy = self.agent.begin_episode(exploring=self.config.watched == "proposed", watched=True)
         plan = EpisodePlan(
-            episode=self._next_episode,
-            episode_seed=stream_seed(self._root_seed, "episode", self._next_episode),
-            policy=self.agent.begin_episode(self._next_episode, exploring=self.config.watched == "proposed"),
+            episode_seed=stream_seed(self._root_seed, "episode", policy.episode),
+            policy=policy,
             first_step=self._next_step,
             max_steps=self.config.watched_steps,
         )
-        self._next_episode += 1
         for output in play_episode(self.domain, self.agent, audience, clock, plan):
             if isinstance(output, StepTaken):
                 self._next_step = output.step + 1
             yield output
 
     def _play_unseen(self, count: int, audience: Audience, clock: Clock) -> UnseenPlayed:
-        first = self._next_episode
-        policies: list[int] = []
+        policies: list[EpisodePolicy] = []
         outcomes: list[Played] = []
         for _ in range(count):
-            policy = self.agent.begin_episode(self._next_episode, exploring=True)
-            seed = stream_seed(self._root_seed, "episode", self._next_episode)
+            policy = self.agent.begin_episode(exploring=True, watched=False)
+            seed = stream_seed(self._root_seed, "episode", policy.episode)
             played = self._player(policy, seed, self.config.unseen_steps)
             self.agent.learn_from_domain(policy, played)
-            policies.append(policy.policy_id)
+            policies.append(policy)
             outcomes.append(played)
-            self._next_episode += 1
         return UnseenPlayed(
-            first_episode=first,
+            first_episode=policies[0].episode,
             time_ns=clock.now_ns(),
             inputs=audience.inputs,
-            policies=policies,
+            policies=[policy.policy_id for policy in policies],
             performances=[played.performance for played in outcomes],
             steps=[played.steps for played in outcomes],
             agreed=[played.agreed for played in outcomes],
             agreed_worst=[played.agreed_worst for played in outcomes],
-            w_h=self.agent.w_h,
+            trust=self.agent.trust,
+            weights=[policy.weights.w_h for policy in policies],
             digest=self.agent.digest(),
         )
 

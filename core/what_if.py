@@ -60,8 +60,8 @@ class Relearned:
     """What an agent has learned from a recording."""
 
     agent: ArlAgent
-    w_h: list[float] = field(default_factory=list)
-    """Human weight after each watched episode."""
+    trust: list[float] = field(default_factory=list)
+    """What the rule of trust said after each watched episode."""
     credits: list[CreditGiven] = field(default_factory=list)
     """How each accepted press was shared out, in order."""
 
@@ -137,7 +137,7 @@ def relearn(
     relearned = Relearned(agent)
     watched = _Watched(steps, game.time_at_end)
     imported = recording.header.origin == "imported"
-    session, unseen_from = protocol.session, 0
+    session = protocol.session
     for output in recording.outputs:
         if not isinstance(output, CreditGiven):
             source.taken_before_next_output = output.inputs
@@ -145,20 +145,18 @@ def relearn(
         match output:
             case EpisodeStarted():
                 if imported:
-                    count = session.unseen_between if relearned.w_h else session.unseen_before
-                    _play_unseen(agent, play, protocol, root_seed, unseen_from + output.episode, count)
-                    unseen_from += count
-                proposed = session.watched == "proposed"
-                watched.begin(agent.begin_episode(output.episode + unseen_from, exploring=proposed))
+                    count = session.unseen_between if relearned.trust else session.unseen_before
+                    _play_unseen(agent, play, protocol, root_seed, count)
+                watched.begin(agent.begin_episode(exploring=session.watched == "proposed", watched=True))
             case StepTaken():
                 watched.take(agent, audience, output)
             case EpisodeEnded():
                 agent.learn_from_domain(watched.policy, watched.played(output))
-                relearned.w_h.append(agent.w_h)
+                relearned.trust.append(agent.trust)
             case SessionEnded():
                 agent.finish(output.time_ns)
             case UnseenPlayed():
-                _play_unseen(agent, play, protocol, root_seed, output.first_episode, len(output.policies))
+                _play_unseen(agent, play, protocol, root_seed, len(output.policies))
     relearned.credits.extend(_attend_rest(audience, source, recording))
     return relearned
 
@@ -212,7 +210,7 @@ class _Watched:
     def take(self, agent: ArlAgent, audience: Audience, output: StepTaken) -> None:
         watched = self._steps[output.step]
         agent.choose(watched.choices, self.policy, step=self._taken)
-        agent.learn_from_step(watched.choices, output.action, output.reward)
+        agent.learn_from_step(watched.choices, output.action, output.reward, watched_step=output.step)
         audience.expect(output.step, watched.taken)
         self._taken += 1
 
@@ -231,12 +229,10 @@ def _countable(inputs: Iterable[Input], count: Callable[[int], bool]) -> Iterato
             yield item
 
 
-def _play_unseen(
-    agent: ArlAgent, play: Player, protocol: Protocol, root_seed: int, first: int, count: int
-) -> None:
-    for episode in range(first, first + count):
-        policy = agent.begin_episode(episode, exploring=True)
-        seed = stream_seed(root_seed, "episode", episode)
+def _play_unseen(agent: ArlAgent, play: Player, protocol: Protocol, root_seed: int, count: int) -> None:
+    for _ in range(count):
+        policy = agent.begin_episode(exploring=True, watched=False)
+        seed = stream_seed(root_seed, "episode", policy.episode)
         agent.learn_from_domain(policy, play(policy, seed, protocol.session.unseen_steps))
 
 

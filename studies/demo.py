@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.clock import ManualClock, wall_time_utc
-from core.episode import EpisodeEnded, KeyPressed, PressRetracted, UnseenPlayed
+from core.episode import EpisodeEnded, EpisodeStarted, KeyPressed, PressRetracted, UnseenPlayed
 from core.feedback.source import Seat, SimulatedParticipant
 from core.feedback.trainers import SimulatedTrainer
 from core.games import game_of
@@ -91,14 +91,17 @@ class SessionSummary:
     praised: int
     other_presses: int
     """Presses that did not count, for whatever reason."""
-    w_h: float
-    """Human weight at the end."""
+    trust: float
+    """What the rule of trust said of the human after the last watched episode."""
+    weight: float
+    """Weight w_h of the human's values that the scheme used in the last watched episode."""
     complete: bool
 
 
 def summarise(recording: Recording) -> SessionSummary:
     """Return the summary of a recording."""
     ended = [event for event in recording.outputs if isinstance(event, EpisodeEnded)]
+    started = [event for event in recording.outputs if isinstance(event, EpisodeStarted)]
     unseen = [event for event in recording.outputs if isinstance(event, UnseenPlayed)]
     presses = [event for event in recording.inputs if isinstance(event, KeyPressed)]
     taken_back = {event.press for event in recording.inputs if isinstance(event, PressRetracted)}
@@ -112,7 +115,8 @@ def summarise(recording: Recording) -> SessionSummary:
         accepted=len(accepted),
         praised=sum(press.value is not None and press.value > 0 for press in accepted),
         other_presses=len(presses) - len(accepted),
-        w_h=ended[-1].w_h if ended else 0.0,
+        trust=ended[-1].trust if ended else 0.0,
+        weight=started[-1].weight if started else 0.0,
         complete=recording.complete,
     )
 

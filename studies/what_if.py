@@ -1,5 +1,6 @@
 """Credit rule x scheme: what each combination would have learned from one recording, and how well it plays."""
 
+import dataclasses
 import itertools
 import math
 from collections.abc import Callable, Iterable
@@ -10,7 +11,8 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from core.combination.config import SCHEMES
+from core.combination.agent import ArlAgent
+from core.combination.config import ANNEALED_SCHEMES, SCHEMES, Per, Scheme
 from core.combination.human_learner import HumanLearner
 from core.episode import CreditGiven, KeyPressed, PressRetracted
 from core.feedback.credit import Delay, describe
@@ -18,9 +20,9 @@ from core.games import game_of
 from core.protocol import Protocol
 from core.recording.reader import Recording, read_recording
 from core.streams import stream, stream_seed
-from core.what_if import Relearned, WatchedStep, hear, relearn, watched_steps
+from core.what_if import WatchedStep, hear, relearn, watched_steps
 from studies.pools import processes
-from studies.statistics import Interval, mean_interval
+from studies.statistics import Interval, mean_interval, paired_difference
 
 HELD_OUT = 0.2
 """Share of the accepted presses, the last ones, on which the human model is tested."""
@@ -39,23 +41,59 @@ class WhatIfSettings:
 
 
 @dataclass(frozen=True, slots=True)
+class HeldOut:
+    """How well a human model foretells presses that it was not trained on."""
+
+    log_loss: float
+    """Nats per press, >= 0; NaN where `undefined` says why."""
+    of_the_rate: float
+    """The same for a constant guess, the rate of praise among the training presses."""
+    undefined: str = ""
+    """Why there is no log-loss, in words; "" where there is one."""
+
+    @property
+    def worse(self) -> bool:
+        """Whether the model foretells worse than the constant guess."""
+        return self.log_loss > self.of_the_rate
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class WhatIfRow:
     """One line of the table."""
 
     credit: str
     scheme: str
-    w_h: tuple[float, ...]
-    """Human weight after each watched episode."""
-    log_loss: float
-    """Held-out log-loss of the human model, nats per press; NaN with too few presses."""
-    log_loss_of_the_rate: float
-    """The same for a guess that knows only how often the person praised."""
+    per: Per | None
+    """What the scheme's weight falls with; None where it does not fall."""
+    trust: tuple[float, ...]
+    """What the rule of trust said after each watched episode."""
+    episode: int
+    """Number of the episode that the agent was judged as, from 0: the one it would play next."""
+    watched: int
+    """How many of the episodes before were watched."""
+    weight: float
+    """Weight w_h of the human's values that the scheme used where the agent was judged."""
+    share: float
+    """Probability of handing the choice to the human model there (control sharing), else 0."""
+    shaping: float
+    """Reward per unit of H there (reward shaping), else 0."""
+    held_out: HeldOut
+    """How well the human model foretells the last presses."""
     credited: float
-    """Share of the presses' mass that fell on steps."""
+    """Share of the presses' mass that fell on steps; NaN where no press counted."""
     lines: Interval
-    """Lines per game (Keepaway: seconds) of the resulting policy on fresh seeds, with a 95 % bootstrap interval."""
+    """Lines per game (Keepaway: seconds) of the resulting policy on fresh seeds, with a 95 % bootstrap
+    interval."""
+    difference: Interval | None
+    """Lines per game minus those of the table's first row, paired by seed, with a 95 % bootstrap interval; None
+    in the first row."""
     capped: float
     """Share of games stopped by the cap."""
+
+    @property
+    def rule(self) -> str:
+        """The scheme as `scheme_named` takes it, such as `annealed:episode`."""
+        return self.scheme if self.per is None else f"{self.scheme}:{self.per}"
 
 
 def what_if(
@@ -74,7 +112,7 @@ def what_if(
         path: the recording.
         protocol: of the agents; credit and scheme are replaced by the ones asked for.
         delays: credit rules.
-        schemes: names from `core.combination.config.SCHEMES`.
+        schemes: as `scheme_named` takes them.
         settings: games and seeds.
         workers: processes; 1 works in this one.
         on_progress: called after every finished row.
@@ -84,75 +122,121 @@ def what_if(
         for delay, scheme in itertools.product(tuple(delays), tuple(schemes))
     ]
     if workers == 1 or len(tasks) == 1:
-        return [_noted(_row(*task), on_progress) for task in tasks]
+        return _compared([_noted(_row(*task), on_progress) for task in tasks], settings)
     with processes(workers) as pool:
         futures = [pool.submit(_row, *task) for task in tasks]
-        return [_noted(future.result(), on_progress) for future in futures]
+        return _compared([_noted(future.result(), on_progress) for future in futures], settings)
 
 
-def _noted(row: WhatIfRow, on_progress: Callable[[], None]) -> WhatIfRow:
+Judged = tuple[WhatIfRow, NDArray[np.float64]]
+"""A row, and the lines of each game."""
+
+
+def _noted(judged: Judged, on_progress: Callable[[], None]) -> Judged:
     on_progress()
-    return row
+    return judged
+
+
+def _compared(judged: list[Judged], settings: WhatIfSettings) -> list[WhatIfRow]:
+    """Return the rows with their differences to the first one: all have played the same seeds."""
+    (first, control), *others = judged
+    return [first] + [
+        dataclasses.replace(
+            row,
+            difference=paired_difference(
+                lines, control, rng=stream(settings.root_seed, "what-if", "bootstrap")
+            ),
+        )
+        for row, lines in others
+    ]
+
+
+def scheme_named(name: str, own: Scheme) -> Scheme:
+    """Return the scheme that a name means, with its defaults.
+
+    Args:
+        name: from `core.combination.config.SCHEMES`; one whose weight falls may say with what:
+            `annealed:watched-game`, `annealed:episode`.
+        own: the protocol's; its settings count where its own name is asked for.
+
+    Raises:
+        ValueError: there is no such scheme, or its weight does not fall so.
+    """
+    tag, colon, per = name.partition(":")
+    if tag not in SCHEMES:
+        raise ValueError(f"unknown scheme {tag!r}: use one of {', '.join(SCHEMES)}")
+    kind = SCHEMES[tag]
+    scheme = own if isinstance(own, kind) else kind()
+    if not colon:
+        return scheme
+    falling = [tag for tag, kind in SCHEMES.items() if kind in ANNEALED_SCHEMES]
+    if not isinstance(scheme, ANNEALED_SCHEMES):
+        raise ValueError(  # noqa: TRY004 - the text is wrong, not its type
+            f"{name!r}: the weight of {tag} does not fall; those of {', '.join(falling)} do"
+        )
+    if per not in ("watched-game", "episode"):
+        raise ValueError(f"{name!r}: a weight falls per watched-game or per episode, as in {tag}:episode")
+    return msgspec.structs.replace(scheme, per=per)
 
 
 def _with(protocol: Protocol, delay: Delay, scheme: str) -> Protocol:
-    if scheme not in SCHEMES:
-        raise ValueError(f"unknown scheme {scheme!r}: use one of {', '.join(SCHEMES)}")
-    kind = SCHEMES[scheme]
-    current = protocol.agent.scheme
     agent = msgspec.structs.replace(
         protocol.agent,
         credit=msgspec.structs.replace(protocol.agent.credit, delay=delay),
-        scheme=current if isinstance(current, kind) else kind(),
+        scheme=scheme_named(scheme, protocol.agent.scheme),
     )
     return msgspec.structs.replace(protocol, agent=agent)
 
 
-def _row(path: Path, protocol: Protocol, settings: WhatIfSettings) -> WhatIfRow:
+def _row(path: Path, protocol: Protocol, settings: WhatIfSettings) -> Judged:
     recording = read_recording(path)
     steps = watched_steps(recording, protocol)
     imported = recording.header.origin == "imported"
     root_seed = settings.root_seed if imported else recording.header.root_seed
     relearned = relearn(recording, protocol, steps, root_seed=root_seed)
-    account = relearned.agent.human.account
-    lines, capped = _evaluate(relearned, protocol, settings)
-    log_loss, of_the_rate = held_out_log_loss(recording, protocol, steps)
-    return WhatIfRow(
+    agent, scheme = relearned.agent, protocol.agent.scheme
+    account, judged = agent.human.account, agent.final_policy()
+    lines, capped = judge(agent, protocol, settings)
+    row = WhatIfRow(
         credit=describe(protocol.agent.credit.delay),
-        scheme=next(name for name, kind in SCHEMES.items() if isinstance(protocol.agent.scheme, kind)),
-        w_h=tuple(relearned.w_h),
-        log_loss=log_loss,
-        log_loss_of_the_rate=of_the_rate,
+        scheme=str(scheme.__struct_config__.tag),
+        per=scheme.per if isinstance(scheme, ANNEALED_SCHEMES) else None,
+        trust=tuple(relearned.trust),
+        episode=judged.episode,
+        watched=agent.so_far.watched,
+        weight=judged.weights.w_h,
+        share=judged.weights.share,
+        shaping=judged.weights.shaping,
+        held_out=held_out_log_loss(recording, protocol, steps),
         credited=account.credited / account.presses if account.presses else math.nan,
         lines=mean_interval(lines, rng=stream(settings.root_seed, "what-if", "bootstrap")),
+        difference=None,
         capped=capped,
     )
+    return row, lines
 
 
-def _evaluate(
-    relearned: Relearned, protocol: Protocol, settings: WhatIfSettings
-) -> tuple[NDArray[np.float64], float]:
-    """Play fresh games with what was learned; every row plays the same seeds."""
+def judge(agent: ArlAgent, protocol: Protocol, settings: WhatIfSettings) -> tuple[NDArray[np.float64], float]:
+    """Play fresh games as the agent's next episode would be played; every agent plays the same seeds.
+
+    Returns:
+        Performance per game, shape (games,), and the share of games that the cap stopped.
+    """
     seeds = [stream_seed(settings.root_seed, "what-if", "game", game) for game in range(settings.games)]
-    played = game_of(protocol).evaluate(
-        protocol, relearned.agent, seeds, max_steps=settings.piece_cap, episode=len(relearned.w_h)
-    )
+    played = game_of(protocol).evaluate(protocol, agent, seeds, max_steps=settings.piece_cap)
     lines = np.array([game.performance for game in played])
     return lines, sum(game.ended == "truncation" for game in played) / len(played)
 
 
-def held_out_log_loss(
-    recording: Recording, protocol: Protocol, steps: dict[int, WatchedStep]
-) -> tuple[float, float]:
+def held_out_log_loss(recording: Recording, protocol: Protocol, steps: dict[int, WatchedStep]) -> HeldOut:
     """Return how badly the human model foretells the last presses, and how badly a constant guess does.
 
     The model is trained on the first 80 % of the accepted presses. A press's score is the model's value of the
     steps it speaks of, weighted by credit; scores become probabilities of praise by a logistic curve fitted to the
     training presses (Platt 1999). Presses without any credit are left out on both sides.
 
-    Returns:
-        Log-loss in nats per press of the model and of the training presses' rate of praise; NaN where either
-        part has no presses or the training part knows only one kind.
+    There is no log-loss where either part has no presses or the training part knows only one kind; the result says
+    so.
     """
     presses = _standing_presses(recording)
     training = set(list(presses)[: round(len(presses) * (1 - HELD_OUT))])
@@ -164,9 +248,24 @@ def held_out_log_loss(
         score = _score(given, model, steps)
         if score is not None:
             (train if given.press in training else test).append((score, presses[given.press] > 0))
-    if not test or len({praise for _, praise in train}) < 2:
-        return math.nan, math.nan
-    return _platt_log_loss(train, test), _rate_log_loss(train, test)
+    undefined = _why_undefined(len(presses), train, test)
+    if undefined:
+        return HeldOut(math.nan, math.nan, undefined)
+    return HeldOut(_platt_log_loss(train, test), _rate_log_loss(train, test))
+
+
+def _why_undefined(n_presses: int, train: list[tuple[float, bool]], test: list[tuple[float, bool]]) -> str:
+    """Return why nothing can be foretold; "" where it can."""
+    if not n_presses:
+        return "no press counted"
+    if not train:
+        return f"none of the first presses (of {n_presses}) reached a step, so there is nothing to learn from"
+    if len({praise for _, praise in train}) < 2:
+        kind = "praise" if train[0][1] else "blame"
+        return f"{len(train)} presses to learn from, all of them {kind}: it takes both kinds"
+    if not test:
+        return f"none of the last presses (of {n_presses}) reached a step, so there is nothing to foretell"
+    return ""
 
 
 def _standing_presses(recording: Recording) -> dict[int, float]:

@@ -100,7 +100,9 @@ def tell_summary(path: Path) -> None:
         f"Presses that counted: {summary.accepted}, {summary.praised} of them praise; other keys and presses: "
         f"{summary.other_presses}"
     )
-    click.echo(f"Human weight w_h at the end: {summary.w_h:.2f}")
+    click.echo(
+        f"Weight of the human in the last game: {summary.weight:.2f}; trust in the human after it: {summary.trust:.2f}"
+    )
     click.echo(
         f"What would another credit rule have learned? arl replay {shlex.quote(str(path))} --credit previous "
         "--credit gamma"

@@ -72,7 +72,7 @@ class ClosingScreen(Page):
             f"{self._words.performance}: {lines}\n"
             f"What you told the computer: {told}\n"
             f"{practised}"
-            f"How much it listens to you now: {tally.w_h:.0%}"
+            f"How much it listens to you now: {tally.weight:.0%}"
         )
 
     def action_leave(self) -> None:

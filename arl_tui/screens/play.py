@@ -109,8 +109,8 @@ class PlayScreen(Screen[None], inherit_bindings=False):
                 self._begin_episode()
             case EpisodeEnded():
                 self._end_episode(occurrence)
-            case UnseenPlayed(w_h=w_h):
-                self._human_weights.append(w_h)
+            case UnseenPlayed():
+                self._human_weights.append(self._live.tally.weight)
             case TimeGap():
                 self._lay_over(PauseScreen(gap_s=length_s(occurrence)), "gap")
             case StopAsked():
@@ -145,7 +145,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         self._say("")
 
     def _end_episode(self, episode: EpisodeEnded) -> None:
-        self._human_weights.append(episode.w_h)
+        self._human_weights.append(self._live.tally.weight)
         self._between_games = True
         lines = self._words.told(episode.performance)
         self.scene.title("Game over" if episode.ended == "termination" else "End of this game")

@@ -35,7 +35,7 @@ class Progress:
     episodes: int
     """How many there will be."""
     human_weights: tuple[float, ...]
-    """w_h after each episode so far, oldest first."""
+    """Weight that the scheme used in each episode so far, oldest first."""
     performances: tuple[float, ...] = ()
     """Of the watched episodes so far, in the game's unit, oldest first."""
 

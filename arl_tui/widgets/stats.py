@@ -28,7 +28,7 @@ class Figures:
     episodes: int | None = None
     """How many there will be."""
     human_weights: tuple[float, ...] | None = None
-    """w_h after each episode so far, each in [0, 1], oldest first."""
+    """Weight that the scheme used in each episode so far, oldest first; bars show [0, 1]."""
 
 
 def trend(values: tuple[float, ...], width: int) -> str:

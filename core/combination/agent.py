@@ -20,6 +20,7 @@ from core.combination.config import (
 from core.combination.crowd import Crowd, CrowdTrust
 from core.combination.environment import environment_side
 from core.combination.human_learner import HumanLearner
+from core.combination.schedule import EpisodesSoFar, NextEpisode, next_episode
 from core.combination.schemes import best_action, choose, takes_control, worst_action
 from core.combination.sides import Decision, EpisodePolicy, Heard, Outcome
 from core.combination.trust import Comparison
@@ -92,6 +93,8 @@ class ArlAgent:
             )
         else:
             self.bootstrap = BootstrapLearning(config.bootstrap, self.window, root_seed=root_seed)
+        self.so_far = EpisodesSoFar()
+        """The episodes that have begun."""
         self._environment = environment_side(learner, environment_values, config.scheme)
         self._asker = Asker(config.asking)
         self._answers = 0
@@ -104,28 +107,41 @@ class ArlAgent:
         self._decided: tuple[EpisodeWeights, NDArray[np.float64]] = (ENVIRONMENT_WEIGHTS, np.zeros(0))
 
     @property
-    def w_h(self) -> float:
-        """Weight of the human by bootstrap learning; 0 while the human model knows nothing.
+    def trust(self) -> float:
+        """What the rule of trust says of the human (Eq. 4, 5); 0 while the human model knows nothing.
 
-        Of several sources the mean; each one's is in `weights_of_sources`.
+        Of several sources the mean; each one's is in `trust_of_sources`. Which weight an episode is played with is up to
+        the scheme: `EpisodePolicy.weights`.
         """
-        return sum(self.weights_of_sources) / len(self.weights_of_sources)
+        return sum(self.trust_of_sources) / len(self.trust_of_sources)
 
     @property
-    def weights_of_sources(self) -> list[float]:
-        """Weight of each source of human feedback by bootstrap learning; 0 for one that has said nothing."""
+    def trust_of_sources(self) -> list[float]:
+        """What the rule of trust says of each source of human feedback; 0 for one that has said nothing."""
         if isinstance(self.bootstrap, CrowdTrust):
             return self.bootstrap.w_h
         return [self.bootstrap.w_h if self.human.knows_something else 0.0]
 
-    def begin_episode(self, episode: int, *, exploring: bool) -> EpisodePolicy:
-        """Return the policy of an episode.
+    @property
+    def next_episode(self) -> NextEpisode:
+        """Which episode comes next, and which number the scheme's schedule is asked about."""
+        return next_episode(self.config.scheme, self.so_far)
+
+    def begin_episode(self, *, exploring: bool, watched: bool) -> EpisodePolicy:
+        """Begin the next episode and return its policy.
 
         Args:
-            episode: number of the episode in the session, >= 0; all its random choices follow from it.
             exploring: play the learner's next proposal; otherwise one of the top policies, drawn by
                 performance (and match), or a proposal while there is none.
+            watched: the episode is shown to a participant.
         """
+        policy = self.next_policy(exploring=exploring)
+        self.so_far = self.so_far.after(watched=watched)
+        return policy
+
+    def next_policy(self, *, exploring: bool) -> EpisodePolicy:
+        """Return the policy of the next episode without counting that episode; `exploring` as in `begin_episode`."""
+        episode = self.next_episode.number
         self._watched = (0, 0, 0)
         self._asker.begin_episode()
         share_seed = stream_seed(self._root_seed, "share", episode) >> 1
@@ -143,11 +159,13 @@ class ArlAgent:
             None if exploring or not self.bootstrap.ranked else draw,
             rng=stream(self._root_seed, "explore", episode),
         )
-        weights = self._weights(episode)
+        weights = self._weights()
         return EpisodePolicy(
+            episode=episode,
             policy_id=policy_id,
             theta=theta,
             human_weights=self.human.weights,
+            trust=self.trust,
             weights=weights,
             share_seed=share_seed,
             exploring=proposed,
@@ -195,9 +213,13 @@ class ArlAgent:
         before = self._watched
         self._watched = (before[0] + decisions, before[1] + agreed, before[2] + agreed_worst)
 
-    def learn_from_step(self, choices: Choices, action: int, reward: float) -> None:
+    def learn_from_step(
+        self, choices: Choices, action: int, reward: float, *, watched_step: int = -1
+    ) -> None:
         """Take in what was done in the decision last made, whoever chose it, and the reward of its step.
 
+        `watched_step` is the step's number among all watched ones of the session, by which presses name it; -1 of a step
+        that nobody watches.
         Reward shaping adds beta H(s, a) to the reward, H without its constant; Q augmentation tells the learner beta H.
         """
         weights, human_values = self._decided
@@ -208,6 +230,7 @@ class ArlAgent:
             reward,
             shaping=weights.shaping * heard,
             augmentation=weights.augmentation * heard,
+            watched_step=watched_step,
         )
 
     def learn_from_domain(self, policy: EpisodePolicy, played: Outcome) -> None:
@@ -287,19 +310,22 @@ class ArlAgent:
         """Learn from the steps that still waited for presses: the session is over, and none can follow."""
         self.human.finish(time_ns)
 
-    def final_policy(self, episode: int) -> EpisodePolicy:
-        """Return what the agent would play to be judged, as episode `episode` >= 0.
+    def final_policy(self) -> EpisodePolicy:
+        """Return what the agent would play to be judged, as its next episode (`next_episode`).
 
-        That is its best policy, what it has heard, and the weights its scheme gives them now. Without any policy
-        the environment has no say (theta = 0).
+        That is its best policy, what it has heard, and the weights its scheme gives them in that episode. Without any
+        policy the environment has no say (theta = 0).
         """
+        episode = self.next_episode.number
         ranked = self.bootstrap.ranked
         best = ranked[0] if ranked else None
-        weights = self._weights(episode)
+        weights = self._weights()
         return EpisodePolicy(
+            episode=episode,
             policy_id=best.policy_id if best else -1,
             theta=best.theta if best else self._environment.no_policy(),
             human_weights=self.human.weights,
+            trust=self.trust,
             weights=weights,
             share_seed=stream_seed(self._root_seed, "share", episode) >> 1,
             exploring=False,
@@ -307,7 +333,7 @@ class ArlAgent:
 
     def export(self) -> dict[str, list[float]]:
         """Return the weight vectors by name: the human model's, and those of the top policies, best first."""
-        vectors = {**self.human.export(), "w_h": self.weights_of_sources, **self._environment.export()}
+        vectors = {**self.human.export(), "trust": self.trust_of_sources, **self._environment.export()}
         for place, policy in enumerate(self.bootstrap.ranked):
             if len(policy.theta):
                 vectors[f"policy-{place}"] = policy.theta.tolist()
@@ -341,12 +367,12 @@ class ArlAgent:
     def _known_weights(self) -> NDArray[np.float64] | None:
         return self.human.weights if self.human.knows_something else None
 
-    def _weights(self, episode: int) -> EpisodeWeights:
+    def _weights(self) -> EpisodeWeights:
         if not self.human.knows_something and not isinstance(self.config.scheme, HumanOnly):
             return ENVIRONMENT_WEIGHTS
         if isinstance(self.bootstrap, CrowdTrust):
-            return self.bootstrap.combine(self.config.scheme, episode)
-        return self.config.scheme.weights(self.w_h, episode)
+            return self.bootstrap.combine(self.config.scheme, self.next_episode.scheduled)
+        return self.config.scheme.weights(self.trust, self.next_episode.scheduled)
 
     def _prefer(
         self,

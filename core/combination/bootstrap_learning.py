@@ -7,6 +7,7 @@ import math
 import struct
 from collections import deque
 from dataclasses import dataclass
+from typing import assert_never
 
 import numpy as np
 from numpy.typing import NDArray
@@ -228,6 +229,8 @@ class BootstrapLearning:
                 self._revise_by_trial(rule, report)
             case SideBySide() as rule:
                 self._revise_side_by_side(rule, report)
+            case forgotten:
+                assert_never(forgotten)
 
     def _matches_of_equation_4(
         self, rule: Equation4, human_weights: NDArray[np.float64] | None

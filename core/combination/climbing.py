@@ -34,8 +34,8 @@ class Climbing:
         # Of the decision at hand: (gains, probabilities, reference), None where the policy did not decide.
         self._softmax: tuple[Floats, Floats, int] | None = None
         self._trace = np.zeros(0)
+        # After each watched step, by the number that presses know it by.
         self._traces: deque[tuple[int, Floats]] = deque(maxlen=KEPT_TRACES)
-        self._steps = 0
 
     def begin_episode(
         self, episode: int, draw: Drawn | None, *, rng: np.random.Generator
@@ -78,7 +78,14 @@ class Climbing:
         return int(drawn(probabilities, n, uniform_at(heard.chance_seed, heard.step)))
 
     def took(
-        self, choices: Choices, action: int, reward: float, *, shaping: float, augmentation: float
+        self,
+        choices: Choices,
+        action: int,
+        reward: float,
+        *,
+        shaping: float,
+        augmentation: float,
+        watched_step: int = -1,
     ) -> None:
         """Let the learner learn; whoever chose the action."""
         if not self._climbs:
@@ -90,7 +97,7 @@ class Climbing:
                 choices, action, gains=gains, probabilities=probabilities, reference=reference
             )
         if self._coach is not None:
-            self._remember(self._coach, score, choices.features.shape[1])
+            self._remember(self._coach, score, choices.features.shape[1], watched_step)
         if self._coach is None or self._coach.environment_too:
             self._learner.took(score, reward + shaping)
 
@@ -121,9 +128,9 @@ class Climbing:
         """Return the policy as it is now."""
         return {"actor": self._learner.propose().weights.tolist()}
 
-    def _remember(self, coach: Coach, score: Floats | None, n_features: int) -> None:
-        """Keep the trace of grad log pi after this step, the next of all watched ones."""
+    def _remember(self, coach: Coach, score: Floats | None, n_features: int, watched_step: int) -> None:
+        """Add this step to the trace of grad log pi, and keep the trace after a watched one."""
         before = self._trace if len(self._trace) else np.zeros(n_features)
         self._trace = coach.trace_decay * before + (np.zeros(n_features) if score is None else score)
-        self._traces.append((self._steps, self._trace))
-        self._steps += 1
+        if watched_step >= 0:
+            self._traces.append((watched_step, self._trace))

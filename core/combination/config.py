@@ -28,6 +28,7 @@ from core.learners.human_config import HumanModelConfig, RidgeModel
 
 __all__ = [
     "ADVISE",
+    "ANNEALED_SCHEMES",
     "ENVIRONMENT_WEIGHTS",
     "EXPONENTIAL",
     "FORM_NAMES",
@@ -65,6 +66,8 @@ __all__ = [
 ]
 
 Scale = Literal["standardised", "raw"]
+Per = Literal["watched-game", "episode"]
+"""What a weight that falls is counted by; k of an episode is the number of watched games, or of episodes, before it."""
 
 LINEAR = 0
 """Form: argmax w_r R + w_h H, both standardised over the actions of the decision (Eq. 3)."""
@@ -138,12 +141,14 @@ class Exponential(msgspec.Struct, frozen=True, tag="exponential"):
 
 
 class Annealed(msgspec.Struct, frozen=True, tag="annealed"):
-    """Eq. 3 with w_h = beta_0 decay^k in episode k: the paper's baseline (section 4; Knox & Stone 2010)."""
+    """Eq. 3 with w_h = beta_0 decay^k, k counted by `per`: the paper's baseline (section 4; Knox & Stone 2010)."""
 
     beta_0: float = 1.0
     """w_h of the first episode. 1: as much say as the environment, both being standardised. (Our choice.)"""
     decay: float = 0.98
-    """Factor per episode (parameters that TAMER's code documents for AAMAS 2010)."""
+    """Factor per watched game or per episode, in (0, 1] (TAMER's code documents 0.98 for AAMAS 2010)."""
+    per: Per = "watched-game"
+    """What the weight falls with: each watched game, or each episode, unseen ones included (`docs/decisions/annealing.md`)."""
     scale: Scale = "standardised"
     """As in `Linear`."""
 
@@ -151,7 +156,7 @@ class Annealed(msgspec.Struct, frozen=True, tag="annealed"):
         _check_annealing(self.beta_0, self.decay)
 
     def weights(self, trust: float, episode: int) -> EpisodeWeights:
-        """Return the weights of episode `episode` >= 0; `trust` plays no part."""
+        """Return the weights at number `episode` >= 0 of the schedule; `trust` plays no part."""
         return EpisodeWeights(_linear_form(self.scale), 1.0, _annealed(self.beta_0, self.decay, episode))
 
 
@@ -194,7 +199,9 @@ class ActionBiasing(msgspec.Struct, frozen=True, tag="action-biasing"):
     beta_0: float = 10.0
     """Weight of the first episode (default of TAMER's code)."""
     decay: float = 0.98
-    """Factor per episode (parameters that TAMER's code documents for AAMAS 2010)."""
+    """Factor per watched game or per episode, in (0, 1] (TAMER's code documents 0.98 for AAMAS 2010)."""
+    per: Per = "watched-game"
+    """What the weight falls with: each watched game, or each episode, unseen ones included (`docs/decisions/annealing.md`)."""
     scale: Scale = "raw"
     """As in `Linear`; the source adds raw values."""
 
@@ -202,7 +209,7 @@ class ActionBiasing(msgspec.Struct, frozen=True, tag="action-biasing"):
         _check_annealing(self.beta_0, self.decay)
 
     def weights(self, trust: float, episode: int) -> EpisodeWeights:
-        """Return the weights of episode `episode` >= 0; `trust` plays no part."""
+        """Return the weights at number `episode` >= 0 of the schedule; `trust` plays no part."""
         return EpisodeWeights(_linear_form(self.scale), 1.0, _annealed(self.beta_0, self.decay, episode))
 
 
@@ -212,13 +219,15 @@ class ControlSharing(msgspec.Struct, frozen=True, tag="control-sharing"):
     beta_0: float = 1.0
     """Probability in the first episode, clipped to 1 (as in the Frogger study of Griffith et al. 2013)."""
     decay: float = 0.98
-    """Factor per episode (parameters that TAMER's code documents for AAMAS 2010)."""
+    """Factor per watched game or per episode, in (0, 1] (TAMER's code documents 0.98 for AAMAS 2010)."""
+    per: Per = "watched-game"
+    """What the weight falls with: each watched game, or each episode, unseen ones included (`docs/decisions/annealing.md`)."""
 
     def __post_init__(self) -> None:
         _check_annealing(self.beta_0, self.decay)
 
     def weights(self, trust: float, episode: int) -> EpisodeWeights:
-        """Return the weights of episode `episode` >= 0; `trust` plays no part."""
+        """Return the weights at number `episode` >= 0 of the schedule; `trust` plays no part."""
         return EpisodeWeights(LINEAR, 1.0, 0.0, min(1.0, _annealed(self.beta_0, self.decay, episode)))
 
 
@@ -253,13 +262,15 @@ class RewardShaping(msgspec.Struct, frozen=True, tag="reward-shaping"):
     beta_0: float = 1.0
     """Reward per unit of H in the first episode: a press is worth a line, or a cycle. (Our choice.)"""
     decay: float = 0.98
-    """Factor per episode (parameters that TAMER's code documents for AAMAS 2010)."""
+    """Factor per watched game or per episode, in (0, 1] (TAMER's code documents 0.98 for AAMAS 2010)."""
+    per: Per = "watched-game"
+    """What the weight falls with: each watched game, or each episode, unseen ones included (`docs/decisions/annealing.md`)."""
 
     def __post_init__(self) -> None:
         _check_annealing(self.beta_0, self.decay)
 
     def weights(self, trust: float, episode: int) -> EpisodeWeights:
-        """Return the weights of episode `episode` >= 0; `trust` plays no part."""
+        """Return the weights at number `episode` >= 0 of the schedule; `trust` plays no part."""
         return EpisodeWeights(LINEAR, 1.0, 0.0, shaping=_annealed(self.beta_0, self.decay, episode))
 
 
@@ -338,6 +349,9 @@ SCHEMES: dict[str, type[Scheme]] = {
 }
 """Every scheme by its tag: the one registry."""
 
+ANNEALED_SCHEMES = (Annealed, ActionBiasing, ControlSharing, RewardShaping)
+"""Schemes whose weight falls: `core.combination.schedule` says what with."""
+
 TEACHING_SCHEMES = (RewardShaping, QAugmentation, Coach)
 """Schemes that act on what the environment's learner learns: they need one that learns at every step."""
 
@@ -350,7 +364,7 @@ def _check_annealing(beta_0: float, decay: float) -> None:
     if not (math.isfinite(beta_0) and beta_0 >= 0):
         raise ValueError(f"beta_0 is finite and >= 0, got {beta_0}")
     if not 0 < decay <= 1:
-        raise ValueError(f"decay is a factor per episode in (0, 1], got {decay}")
+        raise ValueError(f"decay is a factor in (0, 1], got {decay}")
 
 
 def _annealed(beta_0: float, decay: float, episode: int) -> float:

@@ -41,9 +41,19 @@ class EnvironmentSide(Protocol):
         ...
 
     def took(
-        self, choices: Choices, action: int, reward: float, *, shaping: float, augmentation: float
+        self,
+        choices: Choices,
+        action: int,
+        reward: float,
+        *,
+        shaping: float,
+        augmentation: float,
+        watched_step: int = -1,
     ) -> None:
-        """Take in a step, its reward, and what feedback adds to it, or to the value of what was done."""
+        """Take in a step, its reward, and what feedback adds to it, or to the value of what was done.
+
+        `watched_step` is the step's number among the watched ones of the session; -1 where nobody watches.
+        """
         ...
 
     def press(self, credit: CreditGiven, value: float) -> None:
@@ -92,7 +102,14 @@ class PolicySearch:
         return preferred if preferred >= 0 else best_action(values, choices.ruled_out, len(values))
 
     def took(
-        self, choices: Choices, action: int, reward: float, *, shaping: float, augmentation: float
+        self,
+        choices: Choices,
+        action: int,
+        reward: float,
+        *,
+        shaping: float,
+        augmentation: float,
+        watched_step: int = -1,
     ) -> None:
         """Do nothing: this learner hears of whole episodes only."""
 
@@ -139,7 +156,14 @@ class StepByStep:
         return self._learner.act(values, preferred)
 
     def took(
-        self, choices: Choices, action: int, reward: float, *, shaping: float, augmentation: float
+        self,
+        choices: Choices,
+        action: int,
+        reward: float,
+        *,
+        shaping: float,
+        augmentation: float,
+        watched_step: int = -1,
     ) -> None:
         """Let the learner learn."""
         self._learner.took(choices, action, reward, shaping=shaping, augmentation=augmentation)

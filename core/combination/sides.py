@@ -53,13 +53,17 @@ class Heard:
 class EpisodePolicy:
     """What is played in one episode."""
 
+    episode: int
+    """Number of the episode in the session, watched or not, from 0."""
     policy_id: int
     theta: NDArray[np.float64]
     """Weights of the environment policy, shape (F,); empty where the learner changes at every step."""
     human_weights: NDArray[np.float64]
     """v of the human model when the episode began, shape (G,); zeros while nothing is known."""
+    trust: float
+    """What the rule of trust said when the episode began. The scheme was given it, and need not go by it."""
     weights: EpisodeWeights
-    """How the two are combined."""
+    """How the two are combined in this episode: the weights in use."""
     share_seed: int
     """Seed of `takes_control` (control sharing), in [0, 2**62)."""
     exploring: bool

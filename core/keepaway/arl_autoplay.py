@@ -26,6 +26,7 @@ from core.combination.config import (
     Linear,
     SideBySide,
 )
+from core.combination.schedule import EpisodesSoFar, NextEpisode, next_episode
 from core.combination.trust import Comparison
 from core.combination.window import DecisionWindow
 from core.compiled import specialised
@@ -163,8 +164,10 @@ class ArlEpisode:
     """The episode was stopped at the limit of cycles."""
     start_ns: int
     """When it started, in the session's time (pauses included)."""
-    w_h: float
-    """Trust in the human before the episode, by bootstrap learning: what the scheme was given."""
+    trust: float
+    """What the rule of trust said of the human before the episode: what the scheme was given."""
+    weight: float
+    """Weight w_h of the human's values that the scheme used in this episode."""
     steps: int
     """Decisions of all keepers."""
     compared: int
@@ -214,13 +217,13 @@ class ArlAutoplay:
         self._trainer = SimulatedTrainer(person.trainer, root_seed=self._seed)
         self._watcher = new_watcher(person, self.match)
         self._presses = new_presses(config.keys, _room(config))
-        self._episode = 0
+        self._so_far = EpisodesSoFar()
         self._start_ns = 0
         self._play = specialised(play, *self._arguments(self._mix(), self._watcher, False))
 
     @property
-    def w_h(self) -> float:
-        """Weight of the human by bootstrap learning; 0 while the human model knows nothing."""
+    def trust(self) -> float:
+        """What the rule of trust says of the human; 0 while the human model knows nothing."""
         return self.bootstrap.w_h if self.human.samples[0] else 0.0
 
     @property
@@ -236,7 +239,7 @@ class ArlAutoplay:
 
     def play_episode(self) -> ArlEpisode:
         """Play the next episode and the pause after it."""
-        mix, w_h, watcher, start_ns = self._mix(), self.w_h, self._watch(), self._start_ns
+        mix, trust, watcher, start_ns = self._mix(), self.trust, self._watch(), self._start_ns
         counts, status = self._timeline.counts, self.match.status
         counts[EPISODE_STEPS:] = 0
         anew = bool(status[CYCLE] > 0)
@@ -251,7 +254,8 @@ class ArlAutoplay:
             out=bool(status[END] == OUT),
             truncated=reason == STOPPED,
             start_ns=start_ns,
-            w_h=w_h,
+            trust=trust,
+            weight=mix.w_h,
             steps=int(counts[EPISODE_STEPS]),
             compared=int(counts[COMPARED]),
             agreed=int(counts[AGREED]),
@@ -260,7 +264,7 @@ class ArlAutoplay:
         )
         self._revise(episode)
         self._start_ns = start_ns + episode.cycles * CYCLE_NS + self._pause_ns
-        self._episode += 1
+        self._so_far = self._so_far.after(watched=self.config.person is not None)
         return episode
 
     def digest(self) -> str:
@@ -300,13 +304,18 @@ class ArlAutoplay:
             CYCLE_LIMIT,
         )
 
+    @property
+    def _next(self) -> NextEpisode:
+        """The episode to come; while one is being played, that one."""
+        return next_episode(self.config.agent.scheme, self._so_far)
+
     def _mix(self) -> Mix:
         scheme = self.config.agent.scheme
         if self.human.samples[0] or isinstance(scheme, HumanOnly):
-            weights = scheme.weights(self.w_h, self._episode)
+            weights = scheme.weights(self.trust, self._next.scheduled)
         else:
             weights = ENVIRONMENT_WEIGHTS
-        seed = stream_seed(self._seed, "share", self._episode) >> 1 if weights.share else 0
+        seed = stream_seed(self._seed, "share", self._next.number) >> 1 if weights.share else 0
         playing, w_h_of = 0, (0.0, 0.0, 0.0)
         trust = self.config.agent.bootstrap.trust
         if isinstance(trust, SideBySide) and self.human.samples[0]:
@@ -328,9 +337,9 @@ class ArlAutoplay:
         begin_episode(self._presses)
         if self.config.person is None:
             return self._watcher
-        self._trainer.begin_episode(self._episode)
+        self._trainer.begin_episode(self._next.number)
         return watch_episode(
-            self._watcher, self.config.person, self._trainer, root_seed=self._seed, episode=self._episode
+            self._watcher, self.config.person, self._trainer, root_seed=self._seed, episode=self._next.number
         )
 
     def _made(self) -> tuple[MadePress, ...]:
@@ -351,7 +360,7 @@ class ArlAutoplay:
         counts = (episode.compared, episode.agreed, episode.agreed_worst)
         self.bootstrap.record(
             EpisodeReport(
-                policy_id=self._episode,
+                policy_id=self._next.number,
                 theta=np.empty(0),
                 performance=episode.duration_s,
                 truncated=episode.truncated,

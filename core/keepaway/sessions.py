@@ -112,11 +112,11 @@ class KeepawayGame:
         return play
 
     def evaluate(
-        self, protocol: Protocol, agent: ArlAgent, seeds: Sequence[int], *, max_steps: int, episode: int
+        self, protocol: Protocol, agent: ArlAgent, seeds: Sequence[int], *, max_steps: int
     ) -> list[Played]:
         """Play on with what has been learned, exploration included, and learn nothing."""
         domain = self.domain(protocol)
-        policy = agent.begin_episode(episode, exploring=False)
+        policy = agent.next_policy(exploring=False)
         return [play_unseen(domain, agent, policy, seed, max_steps, learning=False) for seed in seeds]
 
     def oracle(self, protocol: Protocol) -> Oracle:

@@ -1,5 +1,6 @@
 """Read a recording back, check every line, and say exactly where one is wrong."""
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -7,6 +8,7 @@ from pathlib import Path
 import msgspec
 
 from core.episode import Event, Input, Output
+from core.recording import version_1
 from core.recording.recorder import CHAIN_DIGITS, Chain
 from core.recording.schema import FORMAT, VERSION, End, Header, Line
 from core.recording.undo import RecordingError, as_recorded
@@ -15,17 +17,29 @@ __all__ = ["Recording", "RecordingError", "read_recording"]
 
 CHAIN_MARK = b',"chain":"'
 _HEADER_MARK = b'{"type":"header"'
+_VERSION_SAID = re.compile(rb'"version":\d+')
 TAKE_THE_ORIGINAL = "Take the unchanged file, from a backup or from where it was copied"
 
 _decoder = msgspec.json.Decoder(Line)
+_decoder_1 = msgspec.json.Decoder(version_1.Changed)
+
+
+class _Kind(msgspec.Struct):
+    """What has to be known of a line before it is decoded."""
+
+    type: str = ""
 
 
 @dataclass(frozen=True, slots=True)
 class Recording:
-    """A recording in memory: checked, in the order of the file."""
+    """A recording in memory: checked, in the order of the file.
+
+    Events of version 1 are today's (`core.recording.version_1`).
+    """
 
     path: Path
     header: Header
+    """As in the file, its protocol as today's program understands it."""
     events: tuple[Event, ...]
     complete: bool
     """False when the session was cut off: there is no end line."""
@@ -92,7 +106,7 @@ class _Reading:
                     number,
                     f"there is a line behind the end line; was something appended? Keep the first {number - 1} lines",
                 )
-            record = self._decode(number, line)
+            record = self._decode(number, line, header.version)
             assert not isinstance(record, Header), "a second header was looked for before"
             if isinstance(record, End):
                 end = record
@@ -100,6 +114,8 @@ class _Reading:
                 events.append(record)
         tail = self._about_tail(tail, end)
         self._check_end(lines[-1][0], events, end, allow_truncated=allow_truncated)
+        if header.version == 1:
+            header = msgspec.structs.replace(header, protocol=version_1.with_schedules(header.protocol))
         return Recording(self._path, header, tuple(events), end is not None, tail, tuple(self._notes))
 
     def _wrong(self, number: int, what: str) -> RecordingError:
@@ -176,11 +192,11 @@ class _Reading:
                 f"the header was changed after it was recorded: {' and '.join(missing)} was taken out, and the chain "
                 f"cannot be checked any more. {TAKE_THE_ORIGINAL}; `arl recordings --publish DIR` makes copies without dates",
             )
-        header = self._decode(1, line)
+        header = self._decode(1, line, VERSION)
         assert isinstance(header, Header), "its type was looked at"
         return header
 
-    def _decode(self, number: int, line: bytes) -> Line:
+    def _decode(self, number: int, line: bytes, version: int) -> Line:
         payload, mark, rest = line.rpartition(CHAIN_MARK)
         if not mark or len(rest) != CHAIN_DIGITS + 2 or not rest.endswith(b'"}'):
             raise self._wrong(
@@ -189,12 +205,11 @@ class _Reading:
             )
         payload += b"}"
         if self._chain.advance(payload) != rest[:CHAIN_DIGITS]:
-            raise self._wrong(number, _broken(number))
+            raise self._wrong(number, _broken(number, payload, rest[:CHAIN_DIGITS]))
         try:
-            line_read: Line = _decoder.decode(payload)
+            return _record(payload, version)
         except (msgspec.DecodeError, ValueError) as error:
             raise self._wrong(number, f"{error}; the line begins {payload[:80]!r}") from error
-        return line_read
 
     def _about_tail(self, tail: bytes, end: End | None) -> bytes:
         """Note what stands behind the last whole line; return it where it is the beginning of a line."""
@@ -224,8 +239,39 @@ class _Reading:
             )
 
 
-def _broken(number: int) -> str:
+def _record(payload: bytes, version: int) -> Line:
+    """Return what a line of a file of this version says, in today's terms.
+
+    Raises:
+        ValueError: it is none of this version (`msgspec.ValidationError` where a field is wrong).
+    """
+    kind = msgspec.json.decode(payload, type=_Kind).type
+    changed = kind in version_1.CHANGED_TAGS
+    if version == 1 and changed:
+        before: version_1.Changed = _decoder_1.decode(payload)
+        return before.upgraded()
+    try:
+        record: Line = _decoder.decode(payload)
+    except msgspec.ValidationError as error:
+        if changed and b'"w_h":' in payload:
+            raise ValueError(
+                f"{error}: this {kind} is of version 1 of the format (it says `w_h`), and the header says "
+                f"version {version} (`trust`, `weight`): the header was changed, or two files were joined"
+            ) from error
+        raise
+    return record
+
+
+def _broken(number: int, payload: bytes, digits: bytes) -> str:
+    """Return what is wrong with a line whose chain ends in other digits than the ones that stand there."""
     if number == 1:
+        for known in range(1, VERSION + 1):
+            original = _VERSION_SAID.sub(b'"version":%d' % known, payload, count=1)
+            if Chain().advance(original) == digits:
+                return (
+                    f"the header was changed after it was recorded: it was of version {known} of the format. "
+                    f"{TAKE_THE_ORIGINAL}"
+                )
         return (
             "the line's chain does not follow from it: the header was changed after it was recorded (a date, a code, a "
             f"version?). {TAKE_THE_ORIGINAL}"

@@ -17,10 +17,12 @@ from pathlib import Path
 from types import TracebackType
 from typing import BinaryIO, Self
 
+import msgspec
+
 from core.clock import NS_PER_S, Clock, MonotonicClock
 from core.episode import Event
 from core.private_files import create_private, make_private_folder, sync_folder, write_all
-from core.recording.schema import DURABLE, End, Header, Line, encode
+from core.recording.schema import DURABLE, VERSION, End, Header, Line, encode
 
 CHAIN_DIGITS = 16
 LOOK_S = 0.25
@@ -49,6 +51,8 @@ class LineWriter:
     def __init__(self, path: Path, header: Header) -> None:
         """Create a new file that only its owner can read; an existing one is never touched.
 
+        Its header says the present version of the format.
+
         Raises:
             FileExistsError: there is a file at `path` already.
             OSError: the file cannot be created, or its header cannot be written.
@@ -60,7 +64,7 @@ class LineWriter:
         self._events = 0
         self._length = 0
         try:
-            self._append(header)
+            self._append(msgspec.structs.replace(header, version=VERSION))
         except OSError:
             self._file.close()
             raise

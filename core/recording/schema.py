@@ -13,7 +13,8 @@ import msgspec
 from core.episode import Event, Record
 
 FORMAT: Literal["arl-recording"] = "arl-recording"
-VERSION = 1
+VERSION = 2
+"""Version that is written. 1 is read, too (`core.recording.version_1`)."""
 
 
 class Header(Record, frozen=True, kw_only=True, omit_defaults=False, tag="header"):
@@ -44,8 +45,10 @@ class Header(Record, frozen=True, kw_only=True, omit_defaults=False, tag="header
     """Where an imported recording comes from; what a resumed one continues."""
 
     def __post_init__(self) -> None:
-        if self.version != VERSION:
-            raise ValueError(f"version {self.version} of the format; this program reads version {VERSION}")
+        if not 1 <= self.version <= VERSION:
+            raise ValueError(
+                f"version {self.version} of the format; this program reads versions 1 to {VERSION}"
+            )
 
 
 class End(Record, frozen=True, kw_only=True, tag="end"):

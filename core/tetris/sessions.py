@@ -59,10 +59,10 @@ class TetrisGame:
         return tetris_player(tetris_rules(protocol), agent)
 
     def evaluate(
-        self, protocol: Protocol, agent: ArlAgent, seeds: Sequence[int], *, max_steps: int, episode: int
+        self, protocol: Protocol, agent: ArlAgent, seeds: Sequence[int], *, max_steps: int
     ) -> list[Played]:
         """Play the agent's final policy, which does not change."""
-        policy = agent.final_policy(episode)
+        policy = agent.final_policy()
         play = self.player(protocol, agent)
         return [play(policy, seed, max_steps) for seed in seeds]
 

@@ -36,8 +36,8 @@ class WatchedEpisode:
     """Pieces placed."""
     presses: int
     """Accepted presses during the episode and the pause after it."""
-    w_h: float
-    """Weight that the human had in this episode."""
+    weight: float
+    """Weight w_h of the human's values that the scheme used in this episode."""
 
 
 @dataclass(slots=True, eq=False)
@@ -104,7 +104,6 @@ class WatchedTetris:
         # With no step on screen, the rules that are no densities look at the last one alone.
         by_rule = isinstance(protocol.agent.credit.delay, PreviousStep | CurrentStep)
         self._reach_from_pause = 1 if by_rule else self._reach
-        self._episode = 0
         self._first_step = 0
         self._now_ns = 0
         # Presses to come; the counter keeps those of equal times in order.
@@ -113,11 +112,11 @@ class WatchedTetris:
 
     def play(self) -> WatchedEpisode:
         """Play the next episode and the pause after it."""
-        policy = self.agent.begin_episode(self._episode, exploring=True)
-        seed = stream_seed(self._root_seed, "episode", self._episode)
+        policy = self.agent.begin_episode(exploring=True, watched=True)
+        seed = stream_seed(self._root_seed, "episode", policy.episode)
         game = open_game(self.agent, policy, seed, self._rules, window=self._reach + 1)
         showing = _Showing(game, seed, self._first_step, self._now_ns)
-        self._trainer.begin_episode(self._episode)
+        self._trainer.begin_episode(policy.episode)
         self._gate.episode_started()
         self._play_out(showing)
         self.agent.count_decisions(showing.compared, showing.agreed, showing.agreed_worst)
@@ -132,7 +131,6 @@ class WatchedTetris:
             ),
         )
         self._pause(showing)
-        self._episode += 1
         self._first_step += game.pieces
         return WatchedEpisode(float(game.lines), game.pieces, showing.presses, policy.weights.w_h)
 

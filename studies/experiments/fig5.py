@@ -15,7 +15,9 @@ EXPERIMENT = Experiment(
     conditions=(
         Condition("ce", "CE", session(tetris_agent(scheme=EnvironmentOnly()))),
         Condition("arl-ce", "ARL + CE (Eqs. 3, 4)", session(tetris_agent())),
-        Condition("annealed", "annealed, 0.98 per episode", session(tetris_agent(scheme=Annealed()))),
+        Condition(
+            "annealed", "annealed, 0.98 per episode", session(tetris_agent(scheme=Annealed(per="episode")))
+        ),
         Condition("human", "human only", session(tetris_agent(scheme=HumanOnly()))),
     ),
     trial=run_trial,

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.combination.config import Scheme
+from core.combination.schedule import EpisodesSoFar, next_episode
 from studies.experiments import page
 from studies.experiments.keepaway_trial import mean_by_time
 from studies.experiments.page import Page
@@ -71,7 +72,10 @@ def weights_used(results: Results, condition: str, bins: int = 10) -> Floats:
 
 
 def _used(scheme: Scheme, trust: Floats) -> Floats:
-    return np.array([scheme.weights(float(w_h), episode).w_h for episode, w_h in enumerate(trust)])
+    scheduled = [
+        next_episode(scheme, EpisodesSoFar(k, k)).scheduled for k in range(len(trust))
+    ]  # all are watched
+    return np.array([scheme.weights(float(t), k).w_h for t, k in zip(trust, scheduled, strict=True)])
 
 
 def scores(results: Results) -> dict[str, Floats]:

@@ -52,7 +52,10 @@ def _rules(someone: KeepawayPersonConfig) -> dict[str, tuple[str, KeepawayTrial]
     """Return name -> (label, trial) of every rule with this person."""
     return {
         OURS: ("learners side by side (ours)", arl(trust=SideBySide(), watched_by=someone, hours=HOURS)),
-        "annealed": ("annealed, 0.98 per episode", arl(Annealed(), watched_by=someone, hours=HOURS)),
+        "annealed": (
+            "annealed, 0.98 per episode",
+            arl(Annealed(per="episode"), watched_by=someone, hours=HOURS),
+        ),
         "constant": ("constant w_h = 1", arl(Constant(), watched_by=someone, hours=HOURS)),
         "eq4": ("Eq. 4", arl(trust=Equation4(), watched_by=someone, hours=HOURS)),
         "eq5": ("Eq. 5", arl(trust=Equation5(), watched_by=someone, hours=HOURS)),

@@ -46,7 +46,7 @@ def run_trial(settings: KeepawayTrial, root_seed: int) -> dict[str, Floats]:
 
     Returns:
         Columns with one number per episode: seconds it lasted, hours of play at its end, presses that counted, w_h
-        during the episode, whether the ball went out (1) or was taken (0).
+        (trust during the episode; `keepaway_pages.weights_used` gives the weight in use), whether the ball went out (1) or was taken (0).
     """
     game = ArlAutoplay(_calibrated(settings, root_seed), root_seed, "keepaway trial")
     limit_s, played_s = settings.hours * SECONDS_PER_HOUR, 0.0
@@ -55,7 +55,7 @@ def run_trial(settings: KeepawayTrial, root_seed: int) -> dict[str, Floats]:
         episode = game.play_episode()
         played_s += episode.duration_s
         hours = played_s / SECONDS_PER_HOUR
-        rows.append((episode.duration_s, hours, episode.accepted, episode.w_h, episode.out))
+        rows.append((episode.duration_s, hours, episode.accepted, episode.trust, episode.out))
     table = np.array(rows, np.float64)
     return dict(zip(("seconds", "hours", "presses", "w_h", "out"), table.T, strict=True))
 

@@ -80,7 +80,7 @@ def _conditions() -> tuple[Condition, ...]:
     alone = tetris_agent(scheme=EnvironmentOnly())
     found = [Condition(ENVIRONMENT, "environment only", session(alone))]
     for rate in RATES:
-        fixed: dict[str, Scheme] = {"annealed": Annealed(), "constant": Constant()}
+        fixed: dict[str, Scheme] = {"annealed": Annealed(per="episode"), "constant": Constant()}
         for name, scheme in fixed.items():
             agent = tetris_agent(scheme=scheme)
             found.append(Condition(f"{name}-{rate:03d}", name, session(agent, wrong(rate))))
@@ -108,7 +108,12 @@ def _fresh_conditions() -> Iterator[Condition]:
     listening = tetris_agent(trust=RULE)
     yield fresh(FRESH_ENVIRONMENT, "environment only", tetris_agent(scheme=EnvironmentOnly()))
     for rate in (10, 30):
-        yield fresh(f"fresh-annealed-{rate:03d}", "annealed", tetris_agent(scheme=Annealed()), wrong(rate))
+        yield fresh(
+            f"fresh-annealed-{rate:03d}",
+            "annealed",
+            tetris_agent(scheme=Annealed(per="episode")),
+            wrong(rate),
+        )
     for rate in RATES:
         yield fresh(f"{MARGIN}-{rate:03d}", "signed agreement with a margin (ours)", listening, wrong(rate))
     for name in PEOPLE:

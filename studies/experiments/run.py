@@ -14,6 +14,7 @@ from typing import Any
 
 import msgspec
 
+from core.recording.version_1 import with_schedules
 from studies.experiments.sweep import Condition, Experiment, describe_settings, run_unit
 
 SWEEP_FILE = "sweep.json"
@@ -170,7 +171,7 @@ def _note_sweep(
         what = f"{'quick ' * record.quick}{record.experiment}"
         raise SweepError(f"{folder} holds results of {what}: choose another folder (--out)")
     for name, known in record.conditions.items():
-        if name in settings and settings[name] != known:
+        if name in settings and settings[name] != with_schedules(known):
             raise SweepError(
                 f"{folder}: condition {name} was played with other settings than the present ones; "
                 f"remove {folder / name} and its entry in {SWEEP_FILE}, or choose another folder (--out)"

@@ -62,7 +62,7 @@ def run_trial(protocol: Protocol, root_seed: int) -> dict[str, NDArray[np.float6
     """Play a trial of `protocol.session.episodes` episodes.
 
     Returns:
-        Columns with one number per episode: lines, pieces, presses, w_h.
+        Columns with one number per episode: lines, pieces, presses, w_h (the weight in use).
     """
     return _played(new_trial(protocol, root_seed), protocol.session.episodes)
 
@@ -73,5 +73,5 @@ def _played(trial: WatchedTetris, n_episodes: int) -> dict[str, NDArray[np.float
         "lines": np.array([episode.performance for episode in episodes]),
         "pieces": np.array([float(episode.steps) for episode in episodes]),
         "presses": np.array([float(episode.presses) for episode in episodes]),
-        "w_h": np.array([episode.w_h for episode in episodes]),
+        "w_h": np.array([episode.weight for episode in episodes]),
     }

@@ -69,7 +69,16 @@ class ListSink:
 
 def episode_started(episode: int = 0, *, seed: int = 7) -> EpisodeStarted:
     return EpisodeStarted(
-        episode=episode, time_ns=0, inputs=0, episode_seed=seed, policy=0, form=0, w_r=1.0, w_h=0.0, share=0.0
+        episode=episode,
+        time_ns=0,
+        inputs=0,
+        episode_seed=seed,
+        policy=0,
+        form=0,
+        w_r=1.0,
+        trust=0.25,
+        weight=0.25,
+        share=0.0,
     )
 
 
@@ -99,7 +108,7 @@ def episode_ended(episode: int = 0, *, performance: float = 3.0) -> EpisodeEnded
         ended="termination",
         agreed=0,
         agreed_worst=0,
-        w_h=0.25,
+        trust=0.25,
         digest="00",
     )
 

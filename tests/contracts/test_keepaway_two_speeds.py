@@ -74,9 +74,9 @@ class StepByStep:
             self.made += 1
 
     def play_episode(self, episode, start_ns):
-        """Return (cycles, w_h, end of the pause)."""
+        """Return (cycles, trust, end of the pause)."""
         domain, agent = self.domain, self.agent
-        w_h, policy = agent.w_h, agent.begin_episode(episode, exploring=True)
+        trust, policy = agent.trust, agent.begin_episode(exploring=True, watched=True)
         state, n = domain.initial(episode), 0
         agreed = agreed_worst = 0
         while not domain.terminal(state):
@@ -96,7 +96,7 @@ class StepByStep:
         agent.step_hidden(end_ns)
         agent.learn_from_domain(policy, self._played(state, n, agreed, agreed_worst))
         self.press_until(end_ns + self.pause_ns)
-        return state.cycle, w_h, end_ns + self.pause_ns
+        return state.cycle, trust, end_ns + self.pause_ns
 
     def _played(self, state, steps, agreed, agreed_worst):
         return Played(
@@ -118,8 +118,8 @@ def test_compiled_play_and_the_parts_of_a_session_learn_the_same_from_the_same_p
     slow, now_ns = StepByStep(config, presses, game._seed), 0
     for number, episode in enumerate(episodes):
         assert episode.start_ns == now_ns
-        cycles, w_h, now_ns = slow.play_episode(number, now_ns)
-        assert (cycles, w_h) == (episode.cycles, episode.w_h)
+        cycles, trust, now_ns = slow.play_episode(number, now_ns)
+        assert (cycles, trust) == (episode.cycles, episode.trust)
     assert slow.made == len(presses) > 8
     np.testing.assert_array_equal(game.sarsa.weights, slow.learner.sarsa.weights)
     np.testing.assert_allclose(game.human.weights.ravel(), slow.agent.human.weights, rtol=1e-9, atol=1e-15)

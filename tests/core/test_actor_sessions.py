@@ -45,7 +45,7 @@ def test_a_what_if_with_the_same_protocol_is_the_session(tmp_path):
     recording = simulated(tmp_path, protocol)
     again = relearn(recording, protocol, watched_steps(recording, protocol), root_seed=5)
     assert again.agent.digest() == recording.outputs[-1].digest
-    assert again.w_h == [event.w_h for event in recording.outputs if isinstance(event, EpisodeEnded)]
+    assert again.trust == [event.trust for event in recording.outputs if isinstance(event, EpisodeEnded)]
 
 
 @pytest.mark.parametrize(
@@ -61,10 +61,10 @@ def test_unseen_games_in_compiled_code_are_those_played_step_by_step(scheme):
     lines = 0.0
     for episode in range(12):
         seed = stream_seed(3, "episode", episode)
-        policy = compiled.agent.begin_episode(episode, exploring=True)
+        policy = compiled.agent.begin_episode(exploring=True, watched=False)
         played = compiled._player(policy, seed, 60)
         compiled.agent.learn_from_domain(policy, played)
-        policy = stepwise.agent.begin_episode(episode, exploring=True)
+        policy = stepwise.agent.begin_episode(exploring=True, watched=False)
         expected = play_unseen(stepwise.domain, stepwise.agent, policy, seed, 60)
         stepwise.agent.learn_from_domain(policy, expected)
         assert played == expected

@@ -227,7 +227,7 @@ def test_learning_again_by_the_same_rules_gives_the_same_agent(recording):
     steps = watched_steps(recording, protocol)
     again = relearn(recording, protocol, steps, root_seed=recording.header.root_seed)
     assert again.agent.digest() == recording.outputs[-1].digest
-    assert again.w_h == [ended.w_h for ended in of(EpisodeEnded, recording)]
+    assert again.trust == [ended.trust for ended in of(EpisodeEnded, recording)]
     assert again.credits == of(CreditGiven, recording)
 
 
@@ -247,15 +247,15 @@ def test_evaluating_teaches_nothing(recording):
     steps = watched_steps(recording, protocol)
     agent = relearn(recording, protocol, steps, root_seed=recording.header.root_seed).agent
     before = agent.digest()
-    played = game.evaluate(protocol, agent, [1, 2, 3], max_steps=200, episode=3)
+    played = game.evaluate(protocol, agent, [1, 2, 3], max_steps=200)
     assert agent.digest() == before
-    assert played == game.evaluate(protocol, agent, [1, 2, 3], max_steps=200, episode=3)
+    assert played == game.evaluate(protocol, agent, [1, 2, 3], max_steps=200)
     assert len({episode.performance for episode in played}) == 3
 
 
 def test_the_human_is_trusted_after_an_episode_in_which_both_could_be_compared(recording):
-    assert next(started.w_h for started in of(EpisodeStarted, recording)) == 0.0
-    assert 0.0 < of(EpisodeEnded, recording)[-1].w_h <= 1.0
+    assert next(started.weight for started in of(EpisodeStarted, recording)) == 0.0
+    assert 0.0 < of(EpisodeEnded, recording)[-1].trust <= 1.0
     assert of(EpisodeStarted, recording)[-1].form == 1  # the exponential scheme
     assert all(len(played.policies) == 2 for played in of(UnseenPlayed, recording))
     # Every episode is a policy of its own.

@@ -36,7 +36,7 @@ def test_under_its_own_rules_a_session_is_learned_again_as_it_was(tmp_path):
     ended = next(output for output in recording.outputs if isinstance(output, SessionEnded))
     assert again.agent.export() == ended.weights
     assert again.agent.digest() == ended.digest
-    assert again.w_h == [o.w_h for o in recording.outputs if isinstance(o, EpisodeEnded)]
+    assert again.trust == [o.trust for o in recording.outputs if isinstance(o, EpisodeEnded)]
 
 
 def test_another_credit_rule_teaches_something_else_from_the_same_presses(tmp_path):
@@ -83,7 +83,7 @@ def test_a_fixed_trust_stays_fixed(tmp_path):
     recording = simulated(tmp_path)
     agent = AgentConfig(bootstrap=BootstrapConfig(trust=FixedWeight(w_h=0.7)))
     protocol = msgspec.structs.replace(own_protocol(recording), agent=agent)
-    assert set(learned(recording, protocol).w_h) <= {0.0, 0.7}
+    assert set(learned(recording, protocol).trust) <= {0.0, 0.7}
 
 
 def imported(tmp_path) -> Recording:

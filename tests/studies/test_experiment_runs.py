@@ -24,7 +24,15 @@ from studies.experiments.run import (
     read_record,
     run_sweep,
 )
-from studies.experiments.sweep import MODULES, Condition, csv_text, load_experiment, root_seeds, run_unit
+from studies.experiments.sweep import (
+    MODULES,
+    Condition,
+    csv_text,
+    describe_settings,
+    load_experiment,
+    root_seeds,
+    run_unit,
+)
 from studies.pools import processes
 from tests.studies.tiny_experiment import EXPERIMENT, Tiny
 
@@ -49,6 +57,12 @@ class Inline(Executor):
             except ArithmeticError as error:
                 future.set_exception(error)
         return future
+
+
+class Falling(msgspec.Struct, frozen=True):
+    """Settings with a scheme in them."""
+
+    scheme: dict[str, object]
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -201,6 +215,26 @@ def test_results_of_other_settings_are_not_mixed_in(tmp_path):
         run_sweep(changed, root_seeds(2), tmp_path, Inline())
     with pytest.raises(SweepError, match="choose another folder"):
         run_sweep(EXPERIMENT, root_seeds(1), tmp_path, Inline(), quick=True)
+
+
+def test_results_from_before_schedules_were_said_are_gone_on_with(tmp_path):
+    def condition(**scheme) -> Condition:
+        return Condition("high", "high", Falling({"type": "annealed", "decay": 0.98, **scheme}))
+
+    def experiment(**scheme):
+        return dataclasses.replace(EXPERIMENT, conditions=(EXPERIMENT.conditions[0], condition(**scheme)))
+
+    run_sweep(experiment(), root_seeds(1), tmp_path, Inline(), only=["low"])
+    record = read_record(tmp_path)
+    before = msgspec.structs.replace(record, conditions=describe_settings([condition()]))
+    (tmp_path / "sweep.json").write_bytes(msgspec.json.encode(before))
+    with pytest.raises(SweepError, match="condition high was played with other settings"):
+        run_sweep(experiment(per="watched-game"), root_seeds(1), tmp_path, Inline(), only=["high"])
+    played = tmp_path / "high" / "seed-0000000.csv"
+    played.parent.mkdir()
+    played.write_text("score\n1\n")
+    run_sweep(experiment(per="episode"), root_seeds(1), tmp_path, Inline(), only=["high"])
+    assert read_record(tmp_path).conditions["high"]["scheme"]["per"] == "episode"
 
 
 def test_the_record_names_settings_and_every_program_that_added_trials(tmp_path):

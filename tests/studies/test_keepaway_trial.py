@@ -64,7 +64,7 @@ def test_what_learned_from_all_attitudes_agrees_with_good_people_and_not_with_ad
         game = ArlAutoplay(
             arl(trust=thirds, watched_by=person(mistake_rate)).play, PILOT_SEEDS + 300 + seed, "agreement"
         )
-        own = [e for e in (game.play_episode() for _ in range(400)) if e.compared and e.w_h == 0.0]
+        own = [e for e in (game.play_episode() for _ in range(400)) if e.compared and e.trust == 0.0]
         signed = [(e.agreed - e.agreed_worst) / e.compared for e in own]
         early.append(np.mean(signed[:15]))
         late.append(np.mean(signed[-40:]))

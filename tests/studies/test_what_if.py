@@ -1,6 +1,7 @@
 """Credit rule x scheme on one recording; and on real people's logs."""
 
 import math
+import re
 
 import msgspec
 import numpy as np
@@ -44,7 +45,7 @@ def test_a_row_comes_for_every_credit_rule_and_scheme_in_order(tmp_path):
         ("gamma:2.5,0.3", "environment-only"),
     ]
     assert len(noted) == 4
-    assert all(len(row.w_h) == 3 for row in rows)
+    assert all(len(row.trust) == 3 for row in rows)
 
 
 @pytest.mark.jit
@@ -90,8 +91,25 @@ def test_too_few_presses_give_no_log_loss(tmp_path):
         for event in recording.events
     ]
     silent = Recording(recording.path, recording.header, tuple(events), complete=True)
-    losses = held_out_log_loss(silent, protocol, watched_steps(recording, protocol))
-    assert all(math.isnan(loss) for loss in losses)
+    held_out = held_out_log_loss(silent, protocol, watched_steps(recording, protocol))
+    assert math.isnan(held_out.log_loss)
+    assert math.isnan(held_out.of_the_rate)
+    assert held_out.undefined == "no press counted"
+    assert not held_out.worse
+
+
+def test_presses_of_one_kind_give_no_log_loss_and_the_reason(tmp_path):
+    recording = simulated(tmp_path)
+    protocol = protocol_from(recording.header.protocol)
+    events = [
+        msgspec.structs.replace(event, value=1.0) if isinstance(event, KeyPressed) and event.value else event
+        for event in recording.events
+    ]
+    praising = Recording(recording.path, recording.header, tuple(events), complete=True)
+    held_out = held_out_log_loss(praising, protocol, watched_steps(recording, protocol))
+    assert re.fullmatch(
+        r"\d+ presses to learn from, all of them praise: it takes both kinds", held_out.undefined
+    )
 
 
 RULES = [PreviousStep(), CurrentStep(), GammaDelay()]

@@ -42,7 +42,7 @@ def test_durations_are_those_of_fresh_episodes(rows):
 
 
 def test_the_human_model_foretells_presses_over_tiles(rows):
-    losses = [row.log_loss for row in rows]
+    losses = [row.held_out.log_loss for row in rows]
     assert all(math.isfinite(loss) for loss in losses)
     # The scheme plays no part in what the presses teach; the rule does.
     assert losses[0] == losses[1] != losses[2] == losses[3]
@@ -53,7 +53,7 @@ def test_the_density_reaches_back_and_the_rule_does_not(rows):
     assert 0.3 < gamma.credited < 1.0
     assert current.credited <= 1.0
     assert gamma.credited != current.credited
-    assert len(gamma.w_h) == 4
+    assert len(gamma.trust) == 4
 
 
 def changed(folder: Path, *, seeds: bool, states: bool) -> Path:

@@ -290,7 +290,9 @@ def _outputs(episodes: list[list[Row]]) -> Iterator[Keyed]:
                 policy=0,
                 form=-1,
                 w_r=0.0,
-                w_h=1.0,
+                # It acted by the human model alone: nothing was weighed.
+                trust=1.0,
+                weight=1.0,
                 share=0.0,
             ),
         )
@@ -315,7 +317,7 @@ def _outputs(episodes: list[list[Row]]) -> Iterator[Keyed]:
                 ended="termination" if rows[-1].terminal else "truncation",
                 agreed=0,
                 agreed_worst=0,
-                w_h=1.0,
+                trust=1.0,
                 digest="",
             ),
         )

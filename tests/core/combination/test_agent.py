@@ -98,8 +98,8 @@ def teach(pupil: ArlAgent, *, first_press: int = 0) -> None:
         pupil.step_hidden(now_ns + 3 * NS_PER_S // 4)
 
 
-def play(pupil: ArlAgent, episode: int, outcome: Outcome, *, exploring: bool = True) -> EpisodePolicy:
-    policy = pupil.begin_episode(episode, exploring=exploring)
+def play(pupil: ArlAgent, outcome: Outcome, *, exploring: bool = True) -> EpisodePolicy:
+    policy = pupil.begin_episode(exploring=exploring, watched=True)
     pupil.learn_from_domain(policy, outcome)
     return policy
 
@@ -107,7 +107,7 @@ def play(pupil: ArlAgent, episode: int, outcome: Outcome, *, exploring: bool = T
 def test_the_agent_initially_assumes_the_absence_of_a_human() -> None:
     for scheme in (Linear(), Constant(), ControlSharing()):
         pupil = agent(scheme)
-        policy = pupil.begin_episode(0, exploring=True)
+        policy = pupil.begin_episode(exploring=True, watched=True)
         assert policy.weights == ENVIRONMENT_WEIGHTS
         assert not policy.human_known
         decision = pupil.choose(choices((1, 2), (3, 1), (0, 4)), policy, step=0)
@@ -115,14 +115,14 @@ def test_the_agent_initially_assumes_the_absence_of_a_human() -> None:
         assert (decision.action, decision.environment_action) == (2, 2)
         assert (decision.human_action, decision.human_worst_action) == (-1, -1)
         pupil.learn_from_domain(policy, Outcome(7.0, agreed=10))
-        assert pupil.w_h == 0.0
+        assert pupil.trust == 0.0
 
 
 def test_presses_teach_preferences_and_the_constant_scheme_follows_them() -> None:
     pupil = agent(Constant(w_h=9.0))
     teach(pupil)
     assert pupil.human.weights[0] > 0 > pupil.human.weights[1]
-    policy = pupil.begin_episode(0, exploring=True)
+    policy = pupil.begin_episode(exploring=True, watched=True)
     assert policy.weights == EpisodeWeights(LINEAR, 1.0, 9.0)
     decision = pupil.choose(choices((1, 2), (3, 1), (0, 4)), policy, step=0)
     assert (decision.action, decision.environment_action) == (1, 2)
@@ -132,7 +132,7 @@ def test_presses_teach_preferences_and_the_constant_scheme_follows_them() -> Non
 def test_a_press_counts_from_the_next_decision_on() -> None:
     pupil = agent(Constant(w_h=9.0))
     teach(pupil)
-    policy = pupil.begin_episode(0, exploring=True)
+    policy = pupil.begin_episode(exploring=True, watched=True)
     decision = choices((1, 2), (3, 1), (0, 4))
     assert pupil.choose(decision, policy, step=0).human_action == 1
     for press in (0, 1):
@@ -143,30 +143,30 @@ def test_a_press_counts_from_the_next_decision_on() -> None:
 
 def test_the_human_alone_decides_where_that_is_asked_for() -> None:
     pupil = agent(HumanOnly())
-    assert pupil.begin_episode(0, exploring=True).weights == EpisodeWeights(LINEAR, 0.0, 1.0)
+    assert pupil.begin_episode(exploring=True, watched=True).weights == EpisodeWeights(LINEAR, 0.0, 1.0)
     teach(pupil)
-    policy = pupil.begin_episode(0, exploring=True)
+    policy = pupil.begin_episode(exploring=True, watched=True)
     assert pupil.choose(choices((1, 2), (0, 9), (5, 5), (9, 0)), policy, step=0).action == 3
 
 
 def test_trust_follows_the_agreement_of_an_episode() -> None:
     pupil = agent()
     teach(pupil)
-    play(pupil, 0, Outcome(5.0, steps=20, agreed=8, agreed_worst=1))
-    assert pupil.w_h == 0.4
-    assert pupil.begin_episode(1, exploring=True).weights == EpisodeWeights(LINEAR, 1.0, 0.4)
+    play(pupil, Outcome(5.0, steps=20, agreed=8, agreed_worst=1))
+    assert pupil.trust == 0.4
+    assert pupil.begin_episode(exploring=True, watched=True).weights == EpisodeWeights(LINEAR, 1.0, 0.4)
 
 
 def test_agreement_is_not_counted_before_there_is_a_human_policy() -> None:
     pupil = agent()
-    play(pupil, 0, Outcome(5.0, steps=20, agreed=20))
+    play(pupil, Outcome(5.0, steps=20, agreed=20))
     teach(pupil)
-    assert pupil.w_h == 0.0
-    play(pupil, 1, Outcome(5.0, steps=20, agreed=4))
-    assert pupil.w_h == 0.2
+    assert pupil.trust == 0.0
+    play(pupil, Outcome(5.0, steps=20, agreed=4))
+    assert pupil.trust == 0.2
     # The first press came in the middle of a watched episode: two decisions were compared, one agreed.
     other = agent()
-    policy = other.begin_episode(0, exploring=True)
+    policy = other.begin_episode(exploring=True, watched=True)
     other.choose(choices((1, 2), (3, 1)), policy, step=0)
     teach(other)
     other.choose(choices((1, 2), (3, 1)), policy, step=1)  # environment 0, human 1, and 0 their worst
@@ -174,23 +174,23 @@ def test_agreement_is_not_counted_before_there_is_a_human_policy() -> None:
     other.choose(choices((0, 3), (3, 1), (0, 4)), policy, step=3)  # environment 2, human 1, and 2 their worst
     other.learn_from_domain(policy, Outcome(5.0, steps=4, agreed=1, agreed_worst=2))
     assert other.bootstrap.ranked[0].comparison == Comparison(3, 1, 2)
-    assert other.w_h == 1 / 3
+    assert other.trust == 1 / 3
 
 
 def test_exploring_episodes_play_the_learners_proposals_and_report_them() -> None:
     learner = CountingLearner()
     pupil = agent(learner=learner)
     for episode, performance in enumerate([3.0, 8.0, 5.0]):
-        assert play(pupil, episode, Outcome(performance)).policy_id == episode
+        assert play(pupil, Outcome(performance)).policy_id == episode
     assert learner.reported == [(0, 3.0), (1, 8.0), (2, 5.0)]
 
 
 def test_shown_episodes_play_a_top_policy_and_do_not_tell_the_learner() -> None:
     learner = CountingLearner()
     pupil = agent(learner=learner)
-    play(pupil, 0, Outcome(0.0))
-    play(pupil, 1, Outcome(8.0))
-    policy = play(pupil, 2, Outcome(2.0, ended="truncation"), exploring=False)
+    play(pupil, Outcome(0.0))
+    play(pupil, Outcome(8.0))
+    policy = play(pupil, Outcome(2.0, ended="truncation"), exploring=False)
     assert (policy.policy_id, policy.exploring) == (1, False)
     assert policy.theta.tolist() == [1.0, 1.0]
     assert len(learner.reported) == 2
@@ -200,7 +200,7 @@ def test_shown_episodes_play_a_top_policy_and_do_not_tell_the_learner() -> None:
 
 def test_without_any_ranked_policy_a_shown_episode_explores() -> None:
     learner = CountingLearner()
-    policy = play(agent(learner=learner), 0, Outcome(2.0), exploring=False)
+    policy = play(agent(learner=learner), Outcome(2.0), exploring=False)
     assert policy.exploring
     assert learner.reported == [(0, 2.0)]
 
@@ -208,11 +208,11 @@ def test_without_any_ranked_policy_a_shown_episode_explores() -> None:
 def test_the_choice_of_a_policy_follows_from_seed_and_episode_alone() -> None:
     def drawn(root_seed: int, looked_at: bool) -> list[int]:
         pupil = agent(root_seed=root_seed)
-        for episode in range(6):
-            play(pupil, episode, Outcome(10.0))
+        for _ in range(6):
+            play(pupil, Outcome(10.0))
         if looked_at:
-            pupil.begin_episode(99, exploring=False)
-        return [pupil.begin_episode(k, exploring=False).policy_id for k in range(10, 30)]
+            pupil.next_policy(exploring=False)
+        return [pupil.begin_episode(exploring=False, watched=True).policy_id for _ in range(20)]
 
     assert drawn(1, looked_at=False) == drawn(1, looked_at=True)
     assert drawn(1, looked_at=False) != drawn(2, looked_at=False)
@@ -221,7 +221,7 @@ def test_the_choice_of_a_policy_follows_from_seed_and_episode_alone() -> None:
 def test_shared_control_hands_the_drawn_decisions_to_the_human_policy() -> None:
     pupil = agent(ControlSharing(beta_0=0.5, decay=1.0))
     teach(pupil)
-    policy = pupil.begin_episode(3, exploring=True)
+    policy = pupil.begin_episode(exploring=True, watched=True)
     for step in range(40):
         decision = pupil.choose(choices((1, 2), (3, 1)), policy, step=step)
         expected = 1 if takes_control(policy.share_seed, step, 0.5) else 0
@@ -248,11 +248,11 @@ def test_the_fingerprint_tells_what_was_learned_from_whom() -> None:
     digests.add(fresh.digest())
     teach(fresh)
     digests.add(fresh.digest())
-    play(fresh, 0, Outcome(5.0, agreed=3))
+    play(fresh, Outcome(5.0, agreed=3))
     digests.add(fresh.digest())
     other = agent()
     teach(other)
-    play(other, 0, Outcome(5.0, agreed=4))
+    play(other, Outcome(5.0, agreed=4))
     digests.add(other.digest())
     assert len(digests) == 4
     assert all(len(digest) == 64 for digest in digests)
@@ -296,22 +296,22 @@ def test_credit_is_reported_with_what_fell_outside() -> None:
 def test_all_weights_are_exported_by_name() -> None:
     pupil = agent()
     teach(pupil)
-    play(pupil, 0, Outcome(5.0, agreed=5))
-    play(pupil, 1, Outcome(9.0, agreed=5))
+    play(pupil, Outcome(5.0, agreed=5))
+    play(pupil, Outcome(9.0, agreed=5))
     exported = pupil.export()
     assert exported["policy-0"] == [1.0, 1.0]
     assert exported["policy-1"] == [0.0, 1.0]
     assert exported["human"] == pupil.human.weights.tolist()
-    assert exported["w_h"] == [0.5]
+    assert exported["trust"] == [0.5]
 
 
 def test_an_adversary_becomes_a_teacher_under_the_signed_rule() -> None:
     pupil = agent(bootstrap=BootstrapConfig(trust=Signed(minimum_episodes=2)))
     teach(pupil)
-    for episode in range(3):
-        play(pupil, episode, Outcome(5.0, steps=10, agreed=0, agreed_worst=8))
-    assert pupil.w_h == pytest.approx(-1.6)
-    policy = pupil.begin_episode(3, exploring=True)
+    for _ in range(3):
+        play(pupil, Outcome(5.0, steps=10, agreed=0, agreed_worst=8))
+    assert pupil.trust == pytest.approx(-1.6)
+    policy = pupil.begin_episode(exploring=True, watched=True)
     # The environment is indifferent between the first two, the human model likes the first one: not that one.
     decision = pupil.choose(choices((1, 0), (1, 0), feedback=((5, 0), (0, 5))), policy, step=0)
     assert (decision.human_action, decision.action) == (0, 1)

@@ -77,7 +77,7 @@ def play(agent: ArlAgent, policy: EpisodePolicy, seed: int, most_steps: int) -> 
 def test_watched_and_unseen_episodes_are_decided_alike(scheme: Scheme) -> None:
     agent = taught(scheme)
     for episode in range(3):
-        policy = agent.begin_episode(episode, exploring=True)
+        policy = agent.begin_episode(exploring=True, watched=False)
         seed = 1000 + episode
         unseen = play_combined(
             policy.theta,

@@ -107,11 +107,11 @@ def test_an_agent_asks_its_top_policies_and_learns_from_the_answer(n_sources):
         n_sources=n_sources,
         root_seed=1,
     )
-    for episode in range(3):  # theta = (0, 1), (1, 1), (2, 1), equally good
-        who.learn_from_domain(who.begin_episode(episode, exploring=True), Outcome(performance=1.0))
+    for _ in range(3):  # theta = (0, 1), (1, 1), (2, 1), equally good
+        who.learn_from_domain(who.begin_episode(exploring=True, watched=True), Outcome(performance=1.0))
     alike = Choices(np.array([[1.0, 1.0], [0.0, 0.0]]), np.eye(2), np.zeros(2, dtype=bool))
     split = Choices(np.array([[0.0, 1.0], [0.6, 0.0]]), np.eye(2), np.zeros(2, dtype=bool))
-    who.begin_episode(3, exploring=False)
+    who.begin_episode(exploring=False, watched=True)
     assert who.question(alike) is None
     question = who.question(split)  # theta_0 and theta_1 want action 0, theta_2 action 1: 1.2 to 1
     assert question is not None

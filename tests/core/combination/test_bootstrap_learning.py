@@ -344,3 +344,8 @@ def test_what_cannot_be_is_refused_with_the_reason() -> None:
         learning().record(report(0, -1.0), None)
     with pytest.raises(ValueError, match="no decision"):
         empty_window().compare(HUMAN, HUMAN)
+
+
+def test_a_rule_of_trust_that_nobody_has_written_is_not_taken_for_one_that_says_nothing() -> None:
+    with pytest.raises((AssertionError, AttributeError)):
+        learning(trust=object()).record(report(0, 1.0), None)  # type: ignore[arg-type]

@@ -61,12 +61,12 @@ def live(who: ArlAgent, episodes: int, decisions: int = 12):
     """Let the agent decide some episodes; return what it chose, and its weights."""
     chosen = []
     for episode in range(episodes):
-        policy = who.begin_episode(episode, exploring=episode % 2 == 0)
+        policy = who.begin_episode(exploring=episode % 2 == 0, watched=True)
         for step in range(decisions):
             chosen.append(who.choose(decision(100 * episode + step), policy, step=step))
         press(who, episode, (1.0, -0.5), 1.0 if episode % 3 else -1.0)
         who.learn_from_domain(policy, Outcome(performance=float(episode % 4)))
-    return chosen, who.weights_of_sources
+    return chosen, who.trust_of_sources
 
 
 @pytest.mark.parametrize(
@@ -155,8 +155,8 @@ def test_a_session_of_three_people_is_replayed_bit_for_bit_and_says_who_pressed(
         assert 0 < len(mine) <= 3 * 20
     session = build_session(protocol_from(recording.header.protocol), recording.header.root_seed)
     assert replay_exactly(recording, session).difference is None
-    assert set(recording.outputs[-1].weights) >= {"human", "human-1", "human-2", "w_h"}
-    assert len(recording.outputs[-1].weights["w_h"]) == 3
+    assert set(recording.outputs[-1].weights) >= {"human", "human-1", "human-2", "trust"}
+    assert len(recording.outputs[-1].weights["trust"]) == 3
 
 
 def test_a_session_of_one_records_no_person(tmp_path: Path):
@@ -177,7 +177,7 @@ def final_weights_and_unseen_lines(folder: Path, *others: TrainerConfig, seeds: 
             session=SessionConfig(episodes=12, unseen_between=60, watched_steps=60, unseen_steps=500),
         )
         recording = simulated(folder, protocol, root_seed=seed)
-        weights.append(recording.outputs[-1].weights["w_h"])
+        weights.append(recording.outputs[-1].weights["trust"])
         unseen = [event for event in recording.outputs if isinstance(event, UnseenPlayed)]
         lines.append(np.mean([line for event in unseen[-4:] for line in event.performances]))
     return np.array(weights), np.array(lines)

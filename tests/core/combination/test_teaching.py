@@ -111,7 +111,7 @@ def taught_agent(scheme) -> ArlAgent:
 )
 def test_an_agent_teaches_its_learner_by_its_human_model(scheme, expected):
     agent = taught_agent(scheme)
-    policy = agent.begin_episode(0, exploring=True)
+    policy = agent.begin_episode(exploring=True, watched=True)
     for step, choices in enumerate((at(0, 0, (1.0, 0.0)), at(1, 3, (2.0, 0.0)))):
         agent.choose(choices, policy, step=step)
         agent.learn_from_step(choices, 0, 0.0)
@@ -124,7 +124,7 @@ def test_q_augmentation_adds_h_in_the_choice_too_and_shaping_does_not():
     for scheme, expected in ((QAugmentation(beta=2.0), 1), (RewardShaping(beta_0=2.0), 0)):
         agent = taught_agent(scheme)
         agent.learner.sarsa.weights[0, 0, 0] = 0.5
-        policy = agent.begin_episode(0, exploring=True)
+        policy = agent.begin_episode(exploring=True, watched=True)
         assert agent.choose(choices, policy, step=0).action == expected
 
 
@@ -148,7 +148,7 @@ def decide(side: Climbing, action: int, *, step: int = 0, reward: float = 0.0) -
     choices = pair()
     values = side.values(choices, np.zeros(2))
     side.act(values, choices, -1, Heard(np.zeros(2), ENVIRONMENT_WEIGHTS, 1, step, False))
-    side.took(choices, action, reward, shaping=0.0, augmentation=0.0)
+    side.took(choices, action, reward, shaping=0.0, augmentation=0.0, watched_step=step)
 
 
 def credit(*shares: tuple[int, float]) -> CreditGiven:
@@ -172,14 +172,26 @@ def test_a_press_moves_the_policy_toward_what_was_done():
     np.testing.assert_allclose(learner.gradient.weights, [-0.015, 0.015], rtol=1e-12)
 
 
-def test_steps_count_through_the_session_and_traces_end_with_the_episode():
+def test_steps_have_the_numbers_of_the_session_and_traces_end_with_the_episode():
     side, learner = coached(step_size=0.1, trace_decay=0.5)
     decide(side, 0)
     side.end_episode(0, SimpleNamespace(performance=1.0, ended="termination", time=1), proposed=True)
     side.begin_episode(1, None, rng=stream(1, "none"))
-    decide(side, 1)  # step 1 of the session; a trace of its own: (-0.5, 0.5)
+    decide(
+        side, 1, step=7
+    )  # a trace of its own: (-0.5, 0.5); steps 1 to 6 were those of a policy that did not learn
     side.press(credit((1, 1.0)), 1.0)
+    assert not learner.gradient.weights.any()
+    side.press(credit((7, 1.0)), 1.0)
     np.testing.assert_allclose(learner.gradient.weights, [-0.05, 0.05], rtol=1e-12)
+
+
+def test_a_step_that_nobody_watches_cannot_be_praised():
+    side, learner = coached()
+    decide(side, 0, step=-1)
+    side.press(credit((-1, 1.0)), 1.0)
+    side.press(credit((0, 1.0)), 1.0)
+    assert not learner.gradient.weights.any()
 
 
 def test_a_press_on_a_step_nobody_remembers_changes_nothing():

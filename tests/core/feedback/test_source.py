@@ -116,8 +116,8 @@ def sit(
     audience = Audience(agent, participant)
     events: list[Event] = []
     for episode in range(episodes):
-        policy = agent.begin_episode(episode, exploring=True)
-        plan = EpisodePlan(episode, 100 + episode, policy, first_step=40 * episode, max_steps=1000)
+        policy = agent.begin_episode(exploring=True, watched=True)
+        plan = EpisodePlan(100 + episode, policy, first_step=40 * episode, max_steps=1000)
         for output in play_episode(domain, agent, audience, clock, plan):
             events.append(output)
             events.extend(participant.watch(output))
@@ -232,7 +232,7 @@ def test_the_presses_alone_teach_the_same_again() -> None:
     config = AgentConfig(scheme=Constant(w_h=5.0), credit=CreditConfig(delay=PreviousStep()))
     agent = ArlAgent(Clueless(), config, n_feedback_features=N_FEATURES, root_seed=1)
     source = Recorded(sitting.events)
-    plan = EpisodePlan(0, 100, agent.begin_episode(0, exploring=True), first_step=0, max_steps=1000)
+    plan = EpisodePlan(100, agent.begin_episode(exploring=True, watched=True), first_step=0, max_steps=1000)
     outputs = [event for event in sitting.events if not isinstance(event, FrameShown | KeyPressed)]
     clock = ManualClock()
     replayed: list[Output] = []

@@ -97,7 +97,7 @@ def test_compiled_play_is_the_play_of_a_session_in_python(name):
     fast, slow = ArlAutoplay(SETTINGS[name], 8, name), ArlKeepaway(SETTINGS[name], 8, name)
     for _ in range(15):
         ours, theirs = fast.play_episode(), slow.play_episode()
-        assert (ours.cycles, ours.w_h) == (theirs.cycles, theirs.w_h)
+        assert (ours.cycles, ours.trust) == (theirs.cycles, theirs.w_h)
         assert (ours.compared, ours.agreed, ours.agreed_worst) == theirs.comparison
         made = [(p.time_ns, p.value, p.deliberate, p.accepted) for p in ours.presses]
         assert made == theirs.presses
@@ -123,7 +123,7 @@ def test_with_nobody_watching_play_is_that_of_sarsa_alone():
     cycles = [game.play_episode().cycles for _ in range(30)]
     assert cycles == alone.learn(sarsa, 30).cycles.tolist()
     np.testing.assert_array_equal(game.sarsa.weights, sarsa.weights)
-    assert game.w_h == 0.0
+    assert game.trust == 0.0
     assert not game.human.weights.any()
 
 
@@ -157,7 +157,7 @@ def test_of_learners_side_by_side_each_plays_and_all_learn_from_every_episode():
         attitude, before = game.bootstrap.attitude, game.sarsa.weights.copy()
         episode = game.play_episode()
         if episode.compared:
-            assert episode.w_h == attitude
+            assert episode.trust == attitude
             played.add(attitude)
         changed = (game.sarsa.weights != before).any(axis=(1, 2)).reshape(3, 3)
         assert (changed == changed[0]).all(), "keepers that decided learned in every set"

@@ -35,7 +35,7 @@ ENDED = EpisodeEnded(
     ended="termination",
     agreed=0,
     agreed_worst=0,
-    w_h=0.0,
+    trust=0.0,
     digest="00",
 )
 UNSEEN = UnseenPlayed(
@@ -47,7 +47,8 @@ UNSEEN = UnseenPlayed(
     steps=[3, 4],
     agreed=[0, 0],
     agreed_worst=[0, 0],
-    w_h=0.0,
+    trust=0.0,
+    weights=[0.0, 0.0],
     digest="00",
 )
 

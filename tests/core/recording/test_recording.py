@@ -91,7 +91,7 @@ def test_inputs_and_outputs_are_told_apart(tmp_path):
         ended="termination",
         agreed=1,
         agreed_worst=0,
-        w_h=0.5,
+        trust=0.5,
         digest="ab",
     )
     writer = LineWriter(tmp_path / "a.jsonl", HEADER)

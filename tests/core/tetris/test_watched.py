@@ -60,7 +60,7 @@ def with_trust(trust) -> AgentConfig:
 
 
 def step_by_step(settings: Protocol, root_seed: int):
-    """Return (lines, pieces, w_h) of each episode, the accepted presses of the session, and the last digest."""
+    """Return (lines, pieces, weight) of each episode, the accepted presses of the session, and the last digest."""
     clock = ManualClock()
     session = build_session(settings, root_seed)
     participant = SimulatedParticipant(
@@ -77,13 +77,13 @@ def step_by_step(settings: Protocol, root_seed: int):
     weights, played, presses, digest = [], [], 0, ""
     for output in session.run(participant, clock):
         if isinstance(output, EpisodeStarted):
-            weights.append(output.w_h)
+            weights.append(output.weight)
         elif isinstance(output, EpisodeEnded):
             played.append((output.performance, output.steps))
         digest = getattr(output, "digest", digest)
         for item in participant.watch(output):
             presses += isinstance(item, KeyPressed) and item.verdict == "accepted"
-    return [(*result, w_h) for result, w_h in zip(played, weights, strict=True)], presses, digest
+    return [(*result, weight) for result, weight in zip(played, weights, strict=True)], presses, digest
 
 
 def in_compiled_code(settings: Protocol, root_seed: int):
@@ -91,7 +91,7 @@ def in_compiled_code(settings: Protocol, root_seed: int):
     episodes = [trial.play() for _ in range(settings.session.episodes)]
     trial.finish()
     return (
-        [(e.performance, e.steps, e.w_h) for e in episodes],
+        [(e.performance, e.steps, e.weight) for e in episodes],
         sum(e.presses for e in episodes),
         trial.agent.digest(),
     )
@@ -140,7 +140,7 @@ def test_trials_equal_sessions_bit_for_bit(settings: Protocol):
 def test_there_is_something_to_compare():
     episodes, presses, _ = in_compiled_code(protocol(), 1)
     assert presses >= EPISODES / 2
-    assert any(w_h != 0 for _, _, w_h in episodes)
+    assert any(weight != 0 for _, _, weight in episodes)
     assert np.sum([lines for lines, _, _ in episodes]) > 0
 
 

@@ -63,7 +63,7 @@ def test_a_person_with_a_say_is_heard():
 def test_the_boards_that_are_judged_are_those_that_were_played():
     trial = new_gradient_trial(settings(), 4)
     domain = Tetris(RULES)
-    policy = trial.agent.begin_episode(0, exploring=True)
+    policy = trial.agent.begin_episode(exploring=True, watched=True)
     game = open_game(trial.agent, policy, 99, RULES, window=60)
     game.advance(60)
     assert game.pieces > 5
