@@ -26,7 +26,7 @@ EndingKind = Literal["finished", "imported", "killed", "cut", "closed"] | StopRe
 _STOPS: dict[StopReason, str] = {
     "participant": "stopped by the participant",
     "window-closed": "window closed",
-    "signal": "ended by a signal",
+    "signal": "stopped by a signal",
     "worker-died": "worker died",
     "time-limit": "time limit reached",
     "disk-failed": "disk failed: the recording could not be written any more",
