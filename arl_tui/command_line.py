@@ -15,7 +15,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 class Arl(click.Group):
-    """The command `arl`: speaks UTF-8, says where recordings are kept, and tells of a failed write in a sentence."""
+    """The command `arl`: speaks UTF-8, says where recordings are kept, and reports a failed write."""
 
     def main(self, *args: Any, **extra: Any) -> Any:
         """Run; see `click.Command.main`."""
@@ -47,8 +47,8 @@ def cannot_use(error: OSError) -> str:
 def speak_utf8() -> None:
     """Let everything that is printed be UTF-8, whatever LANG and PYTHONIOENCODING say.
 
-    A terminal draws the app in UTF-8 only, and a report is the same file everywhere. Streams that are none of Python's
-    text files (tests', a browser's) stay as they are.
+    A terminal draws the app in UTF-8 only, and a report is the same file everywhere. Streams that are none
+    of Python's text files (tests', a browser's) stay as they are.
     """
     for stream in (sys.stdout, sys.stderr, sys.__stdout__, sys.__stderr__):
         reconfigure = getattr(stream, "reconfigure", None)

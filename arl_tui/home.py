@@ -32,7 +32,7 @@ def why_here() -> str:
 
 
 def elsewhere(folder: Path) -> Path | None:
-    """Return the folder `recordings` one stands in, where earlier versions kept everything; None if it is not one.
+    """Return the folder `recordings` one stands in, where earlier versions kept all; None for none.
 
     Args:
         folder: the one that is used.

@@ -1,8 +1,8 @@
-"""Keys of other keyboard layouts: which Latin letter stands on the key that sent a Cyrillic, Hebrew or Greek one.
+"""Keys of other keyboard layouts: which Latin letter stands on the key that sent another one.
 
-A terminal sends characters, not keys. Where the keyboard is set to another alphabet, the key of `j` sends another
-letter, and a participant's feedback would be lost. The tables say which Latin letter the same key sends in the US
-layout. Why each alphabet has the layout it has here: `docs/decisions/keyboard-layouts.md`.
+A terminal sends characters, not keys. Where the keyboard is set to another alphabet, the key of `j` sends
+another letter, and a participant's feedback would be lost. The tables say which Latin letter the same key sends
+in the US layout. Why each alphabet has the layout it has here: `docs/decisions/keyboard-layouts.md`.
 """
 
 import unicodedata
@@ -43,7 +43,10 @@ _LAYOUTS: tuple[_Layout, ...] = (
     _Layout("Georgian", "ქწერტყუიოპასდფგჰჯკლზხცვბნმ"),
 )
 _OTHER_CYRILLIC = frozenset({"bg", "mn"})
-"""Languages whose usual layouts put other Cyrillic letters on the same keys: Russian's would turn good into bad."""
+"""Languages whose usual layouts put other Cyrillic letters on the same keys.
+
+Read by Russian's layout, good could become bad.
+"""
 
 
 def _table() -> dict[str, Reading]:
@@ -60,7 +63,10 @@ _AT_Q = {layout.q: layout.name for layout in _LAYOUTS if layout.q}
 
 
 class KeyReader:
-    """Reads the keys of one keyboard; remembers the alphabet of the last letter, to know what a punctuation mark is."""
+    """Reads the keys of one keyboard.
+
+    It remembers the alphabet of the last letter, to know what a punctuation mark stands for.
+    """
 
     def __init__(self, language: str = "") -> None:
         """Begin with the Latin layout.
@@ -99,7 +105,7 @@ class KeyReader:
 
 
 def alphabet_of(key: str) -> str:
-    """Return the name of the alphabet of a character that is no Latin letter: "Cyrillic", "Thai"; "" for other keys.
+    """Return the alphabet of a letter that is not Latin: "Cyrillic", "Thai"; "" for other keys.
 
     Args:
         key: one character.

@@ -18,7 +18,7 @@ GETTING_READY = "Getting ready; the first time this takes a minute or two ..."
 
 
 def read_or_stop(path: Path, *, allow_truncated: bool) -> Recording:
-    """Read a recording, and say what is unusual about its file; stop with the reason where that is impossible."""
+    """Read a recording and say what is unusual about its file; stop where it cannot be read."""
     try:
         recording = read_recording(path, allow_truncated=allow_truncated)
     except (RecordingError, OSError) as error:

@@ -115,7 +115,8 @@ def tell_rest(folder: Path, found: Sequence[Found], n_damaged: int) -> None:
     if old is not None and folder == recordings_folder():
         move = shlex.join(["mv", str(old.absolute()), str(folder)])
         click.echo(
-            f"There are recordings in {old.absolute()}, too, where earlier versions kept them: `arl recordings "
+            f"There are recordings in {old.absolute()}, too, where earlier versions kept them: `arl "
+            "recordings "
             f"--recordings {shlex.quote(str(old))}`, or move them: `{move}`"
         )
 

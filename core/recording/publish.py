@@ -1,4 +1,7 @@
-"""Copies of recordings without dates, for publication: chained anew, so that they read and replay as the originals."""
+"""Copies of recordings without dates, for publication.
+
+They are chained anew, so that they read and replay as the originals do.
+"""
 
 import re
 from pathlib import Path
@@ -55,7 +58,7 @@ def _removed(value: Any) -> Any:
 
 
 def publish_folder(paths: list[Path], into: Path) -> list[tuple[Path, Path]]:
-    """Copy recordings into a folder under names without dates: the participant's code and a number, oldest first.
+    """Copy recordings into a folder under names without dates: code and number, oldest first.
 
     Args:
         paths: of the recordings.

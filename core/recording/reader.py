@@ -62,8 +62,8 @@ class Recording:
 def read_recording(path: Path, *, allow_truncated: bool = True) -> Recording:
     """Read and check a recording.
 
-    A file that was compressed, or whose line ends or encoding were changed, is read as it was recorded, where its
-    chain is then whole; `Recording.notes` says so.
+    A file that was compressed, or whose line ends or encoding were changed, is read as it was recorded, where
+    its chain is then whole; `Recording.notes` says so.
 
     Args:
         path: a `.jsonl` file, or one compressed by gzip, bzip2 or xz.
@@ -104,7 +104,8 @@ class _Reading:
             if end is not None:
                 raise self._wrong(
                     number,
-                    f"there is a line behind the end line; was something appended? Keep the first {number - 1} lines",
+                    "there is a line behind the end line; was something appended? Keep the first "
+                    f"{number - 1} lines",
                 )
             record = self._decode(number, line, header.version)
             assert not isinstance(record, Header), "a second header was looked for before"
@@ -158,12 +159,14 @@ class _Reading:
         if all(text == texts[n % second] for n, text in enumerate(texts)):
             times = "twice" if len(texts) == 2 * second else f"{len(texts) / second:.1f} times"
             self._notes.append(
-                f"the file holds the same recording {times} (joined or appended); it was read once: lines 1 to {number - 1}"
+                f"the file holds the same recording {times} (joined or appended); it was read once: "
+                f"lines 1 to {number - 1}"
             )
             return lines[:second]
         raise self._wrong(
             number,
-            f"a second header: two recordings were joined. Split them before this line: `head -n {number - 1}` and "
+            "a second header: two recordings were joined. Split them before this line: `head -n "
+            f"{number - 1}` and "
             f"`tail -n +{number}` give one each",
         )
 
@@ -182,15 +185,18 @@ class _Reading:
             by = software.get("arl-tui") if isinstance(software, Mapping) else None
             raise self._wrong(
                 1,
-                f"version {version} of the format, newer than this program, which reads up to version {VERSION}. "
+                f"version {version} of the format, newer than this program, which reads up to version "
+                f"{VERSION}. "
                 f"It was written by arl-tui {by or 'of a later version'}: update this program",
             )
         missing = [name for name in ("created_utc", "participant") if name not in plain]
         if missing:
             raise self._wrong(
                 1,
-                f"the header was changed after it was recorded: {' and '.join(missing)} was taken out, and the chain "
-                f"cannot be checked any more. {TAKE_THE_ORIGINAL}; `arl recordings --publish DIR` makes copies without dates",
+                f"the header was changed after it was recorded: {' and '.join(missing)} was taken out, "
+                "and the chain "
+                f"cannot be checked any more. {TAKE_THE_ORIGINAL}; `arl recordings --publish DIR` makes "
+                "copies without dates",
             )
         header = self._decode(1, line, VERSION)
         assert isinstance(header, Header), "its type was looked at"
@@ -201,7 +207,8 @@ class _Reading:
         if not mark or len(rest) != CHAIN_DIGITS + 2 or not rest.endswith(b'"}'):
             raise self._wrong(
                 number,
-                f"the line does not end with its chain; found {line[-40:]!r}. It was edited or cut. {TAKE_THE_ORIGINAL}",
+                f"the line does not end with its chain; found {line[-40:]!r}. It was edited or cut. "
+                f"{TAKE_THE_ORIGINAL}",
             )
         payload += b"}"
         if self._chain.advance(payload) != rest[:CHAIN_DIGITS]:
@@ -221,7 +228,8 @@ class _Reading:
                 f"behind the end line stands {tail[:40]!r}; was something appended? Take it away",
             )
         self._notes.append(
-            f"the file ends within a line, {len(tail):,} bytes behind the last whole one: a power cut, or a copy that is not whole. "
+            f"the file ends within a line, {len(tail):,} bytes behind the last whole one: a power cut, "
+            "or a copy that is not whole. "
             "Compare its size with the original's"
         )
         return tail
@@ -273,11 +281,13 @@ def _broken(number: int, payload: bytes, digits: bytes) -> str:
                     f"{TAKE_THE_ORIGINAL}"
                 )
         return (
-            "the line's chain does not follow from it: the header was changed after it was recorded (a date, a code, a "
+            "the line's chain does not follow from it: the header was changed after it was recorded (a "
+            "date, a code, a "
             f"version?). {TAKE_THE_ORIGINAL}"
         )
     return (
-        "the line's chain does not follow from the lines before it: this line was changed, or one before it was changed, "
+        "the line's chain does not follow from the lines before it: this line was changed, or one before "
+        "it was changed, "
         f"removed or moved. {TAKE_THE_ORIGINAL}"
     )
 

@@ -19,14 +19,14 @@ from core.episode import (
 from core.recording.reader import Recording
 
 HAS_REASONS = 2
-"""First version of the format in which a closed window, a signal and a full disk are told from a participant's stop."""
+"""First version that tells a closed window, a signal and a full disk from a participant's stop."""
 
 EndingKind = Literal["finished", "imported", "killed", "cut", "closed"] | StopReason
 
 _STOPS: dict[StopReason, str] = {
     "participant": "stopped by the participant",
     "window-closed": "window closed",
-    "signal": "ended by a signal",
+    "signal": "stopped by a signal",
     "worker-died": "worker died",
     "time-limit": "time limit reached",
     "disk-failed": "disk failed: the recording could not be written any more",
@@ -39,8 +39,8 @@ class Ending:
     """How a recorded session ended."""
 
     kind: EndingKind
-    """`killed`: the process ended without a word. `cut`: the file ends within a line. `closed`: the recording was closed,
-    but the session's end is not in it."""
+    """`killed`: the process ended without a word. `cut`: the file ends within a line. `closed`: the recording was
+    closed, but the session's end is not in it."""
     words: str
     """The same in plain words."""
 

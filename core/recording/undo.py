@@ -1,6 +1,6 @@
 """Undo what editors, version control and packers do to a recording's file, and say what was undone.
 
-Nothing here believes anything: the recording's chain is checked afterwards, on the bytes as they were recorded.
+Nothing here is trusted: the recording's chain is checked afterwards, on the bytes as they were recorded.
 """
 
 import bz2
@@ -61,7 +61,8 @@ _MANGLED_BOM = "\ufeff".encode().decode("cp1252").encode()
 def as_recorded(path: Path, content: bytes) -> AsRecorded:
     """Return the content of a recording's file as it was recorded.
 
-    Undone are compression (gzip, bzip2, xz), UTF-16, byte-order marks, and line ends of Windows and of old Macs.
+    Undone are compression (gzip, bzip2, xz), UTF-16, byte-order marks, and line ends of Windows and of old
+    Macs.
 
     Args:
         path: of the file, for messages.
@@ -72,7 +73,8 @@ def as_recorded(path: Path, content: bytes) -> AsRecorded:
     """
     if not content:
         raise RecordingError(
-            f"{path}: the file is empty: 0 bytes. The copy failed, or the disk was full when the session began. "
+            f"{path}: the file is empty: 0 bytes. The copy failed, or the disk was full when the session "
+            "began. "
             "Take the original again; if that is empty, too, nothing was recorded"
         )
     for magic, what in _TO_UNPACK.items():
@@ -107,12 +109,14 @@ def _unpack(
         ) from error
     if unpacker.eof and unpacker.unused_data.strip(b"\0"):
         raise RecordingError(
-            f"{path}: behind the compressed recording ({name}) stand {len(unpacker.unused_data)} more bytes; was something "
+            f"{path}: behind the compressed recording ({name}) stand {len(unpacker.unused_data)} more "
+            "bytes; was something "
             "appended? Take the original again"
         )
     if not unpacked:
         raise RecordingError(
-            f"{path}: the file is compressed ({name}) and holds nothing: it is empty, or cut off. Take the original again"
+            f"{path}: the file is compressed ({name}) and holds nothing: it is empty, or cut off. Take "
+            "the original again"
         )
     return unpacked, not unpacker.eof
 
@@ -129,7 +133,8 @@ def _in_utf8(path: Path, content: bytes, notes: list[str]) -> bytes:
             content = content.decode(wide).encode()
         except UnicodeDecodeError as error:
             raise RecordingError(
-                f"{path}: the file was rewritten as UTF-16 text and is damaged at byte {error.start}. Take the original "
+                f"{path}: the file was rewritten as UTF-16 text and is damaged at byte {error.start}. "
+                "Take the original "
                 "again"
             ) from error
         notes.append("the file was rewritten as UTF-16 text (as PowerShell's > does); it was read as UTF-8")

@@ -1,4 +1,4 @@
-"""Where a command cannot write, it says so in a sentence, before any work; no stack trace, whatever the command."""
+"""Where a command cannot write, it says so in a sentence, before any work."""
 
 import errno
 import stat

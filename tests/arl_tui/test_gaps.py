@@ -1,4 +1,4 @@
-"""A machine that sleeps, a process that is stopped, a window that loses the keyboard: noticed, recorded, and no press lost."""
+"""A machine that sleeps, a stopped process, a window without the keyboard: noticed and recorded."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Where things are kept: --recordings, else ARL_HOME, else one documented place; never the folder one stands in."""
+"""Where things are kept: --recordings, else ARL_HOME, else one documented place."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""A process that is stopped, a window without the keyboard, another alphabet, output that is not UTF-8: in a real terminal."""
+"""A stopped process, lost focus, another alphabet, output that is not UTF-8: in a real terminal."""
 
 import os
 import signal
@@ -65,7 +65,7 @@ def test_a_stopped_process_pauses_and_nothing_is_credited_across(
         terminal.press("qy")
         terminal.wait_for("recorded in", patience_s=60)
         terminal.press("\r")
-        # Also that the program ends: Textual's own driver starts a second reader when a stopped process goes on.
+        # The program ends: Textual's own driver would have started a second reader at SIGCONT.
         assert terminal.wait_for_exit(patience_s=30) == 0
     recording = recorded(tmp_path)
     (gap,) = of(recording, TimeGap)

@@ -1,4 +1,4 @@
-"""An experiment in a file of one's own: the template of the documentation runs as it stands, from any folder."""
+"""An experiment in a file of one's own: the documentation's template runs, from any folder."""
 
 import re
 import subprocess

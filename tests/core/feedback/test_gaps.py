@@ -100,11 +100,11 @@ def test_whenever_the_gap_comes_all_mass_is_accounted_for(
     assert sum(given.shares) + given.before_first + given.in_gaps == pytest.approx(1.0)
 
 
-# --- in sessions ----------------------------------------------------------------------------------------------------
+# --- in sessions --------------------------------------------------------------------------------
 
 
 class Interrupted:
-    """A participant who presses at 2.2 s and 3.3 s after the machine stood still from 2.1 s to 3.2 s, during step 2."""
+    """A participant who presses at 2.4 s; the machine stood still from 2.1 s to 2.15 s, in step 2."""
 
     def __init__(self, *, gap: bool = True) -> None:
         self.events: list[Event] = []

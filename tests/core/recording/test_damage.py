@@ -1,4 +1,4 @@
-"""What happens to files between the lab and the analyst: each is named for what it is, and read where its chain is whole."""
+"""Files that were changed between the lab and the analyst: named, and read where the chain is whole."""
 
 import bz2
 import codecs

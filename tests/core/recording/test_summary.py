@@ -38,7 +38,7 @@ GAME = (episode_started(), step_taken(0), episode_ended())
     [
         ("participant", "stopped by the participant"),
         ("window-closed", "window closed"),
-        ("signal", "ended by a signal"),
+        ("signal", "stopped by a signal"),
         ("worker-died", "worker died"),
         ("time-limit", "time limit reached"),
         ("disk-failed", "disk failed"),
@@ -69,7 +69,7 @@ def test_the_first_version_of_the_format_does_not_tell_a_closed_window_from_a_st
         (
             recording(*GAME, StopAsked(time_ns=9, reason="signal")),
             "signal",
-            "ended by a signal, and the worker gave no answer",
+            "stopped by a signal, and the worker gave no answer",
         ),
     ],
 )
