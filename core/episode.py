@@ -173,9 +173,10 @@ class EpisodeStarted(Record, frozen=True, kw_only=True, tag="episode-started"):
     w_r: float
     """Weight of the environment's values in this episode."""
     trust: float | None
-    """What the rule of trust said of the human when the episode began (Eq. 4, 5); None where version 1 did not record it."""
+    """What the rule of trust said of the human when the episode began (Eq. 4, 5); None: version 1 did not record
+    it."""
     weight: float
-    """Weight w_h of the human's values that the scheme used in this episode: some schemes do not go by trust."""
+    """Weight w_h of the human's values that the scheme used in this episode; some do not go by trust."""
     share: float
     """Probability of handing the choice to the human policy in this episode (control sharing), else 0."""
     shaping: float = 0.0

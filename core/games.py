@@ -50,7 +50,7 @@ class Game(Interface):
     ) -> list[Played]:
         """Return how an agent plays its next episode with each of these seeds, without learning from them.
 
-        The weights are those of the episode that comes next for the agent (`ArlAgent.next_episode`); it is not counted.
+        The weights are those of the agent's next episode (`ArlAgent.next_episode`), which is not counted.
 
         Args:
             protocol: whose rules are played.

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.clock import ManualClock, wall_time_utc
-from core.episode import EpisodeEnded, EpisodeStarted, KeyPressed, UnseenPlayed
+from core.episode import EpisodeEnded, EpisodeStarted, KeyPressed, PressRetracted, UnseenPlayed
 from core.feedback.source import Seat, SimulatedParticipant
 from core.feedback.trainers import SimulatedTrainer
 from core.games import game_of
@@ -87,7 +87,7 @@ class SessionSummary:
     unseen_means: tuple[float, ...]
     """Mean performance of the unseen episodes between two watched ones."""
     accepted: int
-    """Presses that counted."""
+    """Presses that counted and were not taken back."""
     praised: int
     other_presses: int
     """Presses that did not count, for whatever reason."""
@@ -104,7 +104,8 @@ def summarise(recording: Recording) -> SessionSummary:
     started = [event for event in recording.outputs if isinstance(event, EpisodeStarted)]
     unseen = [event for event in recording.outputs if isinstance(event, UnseenPlayed)]
     presses = [event for event in recording.inputs if isinstance(event, KeyPressed)]
-    accepted = [press for press in presses if press.verdict == "accepted"]
+    taken_back = {event.press for event in recording.inputs if isinstance(event, PressRetracted)}
+    accepted = [press for press in presses if press.verdict == "accepted" and press.press not in taken_back]
     return SessionSummary(
         game=protocol_from(recording.header.protocol).game,
         episodes=len(ended),

@@ -82,9 +82,11 @@ class WhatIfRow:
     credited: float
     """Share of the presses' mass that fell on steps; NaN where no press counted."""
     lines: Interval
-    """Lines per game (Keepaway: seconds) of the resulting policy on fresh seeds, with a 95 % bootstrap interval."""
+    """Lines per game (Keepaway: seconds) of the resulting policy on fresh seeds, with a 95 % bootstrap
+    interval."""
     difference: Interval | None
-    """Lines per game minus those of the table's first row, paired by seed, with a 95 % bootstrap interval; None in it."""
+    """Lines per game minus those of the table's first row, paired by seed, with a 95 % bootstrap interval; None
+    in the first row."""
     capped: float
     """Share of games stopped by the cap."""
 
@@ -153,8 +155,8 @@ def scheme_named(name: str, own: Scheme) -> Scheme:
     """Return the scheme that a name means, with its defaults.
 
     Args:
-        name: from `core.combination.config.SCHEMES`; one whose weight falls may say with what: `annealed:watched-game`,
-            `annealed:episode`.
+        name: from `core.combination.config.SCHEMES`; one whose weight falls may say with what:
+            `annealed:watched-game`, `annealed:episode`.
         own: the protocol's; its settings count where its own name is asked for.
 
     Raises:
@@ -233,7 +235,8 @@ def held_out_log_loss(recording: Recording, protocol: Protocol, steps: dict[int,
     steps it speaks of, weighted by credit; scores become probabilities of praise by a logistic curve fitted to the
     training presses (Platt 1999). Presses without any credit are left out on both sides.
 
-    There is no log-loss where either part has no presses or the training part knows only one kind; the result says so.
+    There is no log-loss where either part has no presses or the training part knows only one kind; the result says
+    so.
     """
     presses = _standing_presses(recording)
     training = set(list(presses)[: round(len(presses) * (1 - HELD_OUT))])

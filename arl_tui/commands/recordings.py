@@ -153,7 +153,8 @@ def row_of(path: Path, recording: Recording | None, reason: str) -> Row:
 
 def write_csv(path: Path, found: Sequence[Found]) -> None:
     """Write a line per file, damaged ones too."""
-    with path.open("w", newline="", encoding="utf-8") as file:
+    # A file's name may hold bytes that are no UTF-8.
+    with path.open("w", newline="", encoding="utf-8", errors="backslashreplace") as file:
         writer = csv.DictWriter(file, [field.name for field in msgspec.structs.fields(Row)])
         writer.writeheader()
         writer.writerows(msgspec.structs.asdict(row_of(*one)) for one in found)

@@ -21,7 +21,8 @@ def table(rows: "Iterable[WhatIfRow]", units: str = "lines") -> Iterable[str]:
     Two, because one is wider than most terminals.
     """
     rows = list(rows)
-    yield f"How well each agent plays as its next episode: number {rows[0].episode}, after {rows[0].watched} watched games"
+    first = rows[0]
+    yield f"How well each agent plays as its next episode: number {first.episode}, after {first.watched} watched games"
     yield from _aligned(
         ("credit", "scheme", f"{units} per game", "minus the first row", "weight in use"),
         [(row.credit, row.rule, _score(row), _difference(row), _weight(row)) for row in rows],
@@ -100,7 +101,7 @@ def _remarks(rows: "Sequence[WhatIfRow]") -> Iterable[str]:
     for credit, reason in undefined.items():
         yield f"No log-loss under {credit}: {reason}."
     if any(row.held_out.worse for row in rows):
-        yield "worse: this human model foretells the last presses worse than a constant guess, the rate of praise."
+        yield "worse: the human model foretells the last presses worse than a constant guess, the rate of praise."
     if any(math.isnan(row.credited) for row in rows):
         yield "on steps: no press counted, so none could be credited."
 

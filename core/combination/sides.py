@@ -81,7 +81,7 @@ class EpisodePolicy:
     human_weights: NDArray[np.float64]
     """v of the human model when the episode began, shape (G,); zeros while nothing is known."""
     trust: float
-    """What the rule of trust said when the episode began: the scheme was given this, and may not have gone by it."""
+    """What the rule of trust said when the episode began. The scheme was given it, and need not go by it."""
     weights: EpisodeWeights
     """How the two are combined in this episode: the weights in use."""
     share_seed: int

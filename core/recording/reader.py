@@ -1,5 +1,6 @@
 """Read a recording back, check every line, and say exactly where one is wrong."""
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +17,7 @@ __all__ = ["Recording", "RecordingError", "read_recording"]
 
 CHAIN_MARK = b',"chain":"'
 _HEADER_MARK = b'{"type":"header"'
+_VERSION_SAID = re.compile(rb'"version":\d+')
 TAKE_THE_ORIGINAL = "Take the unchanged file, from a backup or from where it was copied"
 
 _decoder = msgspec.json.Decoder(Line)
@@ -30,7 +32,10 @@ class _Kind(msgspec.Struct):
 
 @dataclass(frozen=True, slots=True)
 class Recording:
-    """A recording in memory: checked, in the order of the file. Events of version 1 are today's (`core.recording.version_1`)."""
+    """A recording in memory: checked, in the order of the file.
+
+    Events of version 1 are today's (`core.recording.version_1`).
+    """
 
     path: Path
     header: Header
@@ -200,7 +205,7 @@ class _Reading:
             )
         payload += b"}"
         if self._chain.advance(payload) != rest[:CHAIN_DIGITS]:
-            raise self._wrong(number, _broken(number))
+            raise self._wrong(number, _broken(number, payload, rest[:CHAIN_DIGITS]))
         try:
             return _record(payload, version)
         except (msgspec.DecodeError, ValueError) as error:
@@ -216,7 +221,7 @@ class _Reading:
                 f"behind the end line stands {tail[:40]!r}; was something appended? Take it away",
             )
         self._notes.append(
-            f"the file ends within a line (the last {len(tail):,} of its bytes are no whole line): a power cut, or a copy that is not whole. "
+            f"the file ends within a line, {len(tail):,} bytes behind the last whole one: a power cut, or a copy that is not whole. "
             "Compare its size with the original's"
         )
         return tail
@@ -250,15 +255,23 @@ def _record(payload: bytes, version: int) -> Line:
     except msgspec.ValidationError as error:
         if changed and b'"w_h":' in payload:
             raise ValueError(
-                f"{error}: this {kind} is of version 1 of the format (it says `w_h`), and the header says version "
-                f"{version} (`trust`, `weight`): the header was changed, or two files were joined"
+                f"{error}: this {kind} is of version 1 of the format (it says `w_h`), and the header says "
+                f"version {version} (`trust`, `weight`): the header was changed, or two files were joined"
             ) from error
         raise
     return record
 
 
-def _broken(number: int) -> str:
+def _broken(number: int, payload: bytes, digits: bytes) -> str:
+    """Return what is wrong with a line whose chain ends in other digits than the ones that stand there."""
     if number == 1:
+        for known in range(1, VERSION + 1):
+            original = _VERSION_SAID.sub(b'"version":%d' % known, payload, count=1)
+            if Chain().advance(original) == digits:
+                return (
+                    f"the header was changed after it was recorded: it was of version {known} of the format. "
+                    f"{TAKE_THE_ORIGINAL}"
+                )
         return (
             "the line's chain does not follow from it: the header was changed after it was recorded (a date, a code, a "
             f"version?). {TAKE_THE_ORIGINAL}"

@@ -1,7 +1,8 @@
 """Recordings of version 1: read into today's events, and held against what a session of today says.
 
-Version 1 called two quantities `w_h`: the weight that the scheme used, in `episode-started`; and what the rule of trust
-said, in `episode-ended` and `unseen-played`. Version 2 has `weight` and `trust`. What version 1 did not record is None.
+Version 1 called two quantities `w_h`: the weight that the scheme used, in `episode-started`; and what the rule of
+trust said, in `episode-ended` and `unseen-played`. Version 2 has `weight` and `trust`. What version 1 did not record
+is None.
 """
 
 from collections.abc import Mapping
@@ -107,8 +108,8 @@ _ANNEALED = ("annealed", "action-biasing", "control-sharing", "reward-shaping")
 def with_schedules(settings: Any) -> Any:
     """Return settings in plain JSON types with the schedules that they took for granted.
 
-    A weight that fell, fell with every episode in version 1, unseen ones included; protocols and settings of experiments
-    did not say so. Now they do: `per`.
+    A weight that fell, fell with every episode in version 1, unseen ones included; protocols and settings of
+    experiments did not say so. Now they do: `per`.
     """
     if isinstance(settings, list):
         return [with_schedules(value) for value in settings]
@@ -119,7 +120,7 @@ def with_schedules(settings: Any) -> Any:
 
 
 def as_far_as_recorded(recorded: Output, replayed: Output) -> Output:
-    """Return a replayed output without what the recorded one cannot tell, because version 1 did not hold it."""
+    """Return a replayed output without what the recorded one cannot tell: version 1 did not hold it."""
     match recorded, replayed:
         case EpisodeStarted(trust=None), EpisodeStarted():
             return msgspec.structs.replace(replayed, trust=None, shaping=0.0, augmentation=0.0)

@@ -2,8 +2,9 @@
 
 import pytest
 
+from arl_tui.frames import FRAMES_REMEMBERED, FrameLedger
 from arl_tui.link import Begin, Crashed, Ready
-from arl_tui.live import FRAMES_REMEMBERED, FrameLedger, LiveSession
+from arl_tui.live import LiveSession
 from core.clock import ManualClock
 from core.episode import (
     FrameShown,

@@ -149,3 +149,15 @@ def test_a_version_that_cannot_be_read_is_named_whatever_else_the_header_holds(t
     header = {**written(GOLDEN)[0], "version": version, **future}
     with pytest.raises(RecordingError, match=rf"h.jsonl:1: {reason}"):
         read_recording(sealed(tmp_path / "h.jsonl", [header, {"type": "something-new"}]))
+
+
+def test_a_header_whose_version_was_changed_is_told_from_one_of_that_version(tmp_path):
+    changed = tmp_path / "changed.jsonl"
+    changed.write_bytes(GOLDEN.read_bytes().replace(b'"version":1', b'"version":2', 1))
+    with pytest.raises(
+        RecordingError, match=r"changed.jsonl:1: the header was changed .* was of version 1 of"
+    ):
+        read_recording(changed)
+    changed.write_bytes(GOLDEN.read_bytes().replace(b"2026", b"2027", 1))
+    with pytest.raises(RecordingError, match=r"changed.jsonl:1: the line's chain does not follow"):
+        read_recording(changed)
