@@ -227,7 +227,7 @@ def choose_credit(text: str, recordings: Path, participant: str, game: str = "te
 
 
 def group_credit(recordings: Path, game: str) -> CreditChoice:
-    """Return the delay of judging a game of the typical participant in a recordings folder: the middle of the group.
+    """Return the typical participant's delay of judging a game: the middle of the folder's group.
 
     Args:
         recordings: folder with the trials of the others, at least five.
@@ -242,9 +242,9 @@ def group_credit(recordings: Path, game: str) -> CreditChoice:
         [sys.executable, "-m", "arl_tui.calibration.group"], input=order, capture_output=True, check=False
     )
     if done.returncode != 0:
-        reason = done.stderr.decode(errors="replace").strip().splitlines()
+        reason = done.stderr.decode(errors="replace").strip().splitlines() or ["no answer"]
         raise ParticipantError(
-            f"no pooled delay of judging {game} from the trials in {recordings}: {reason[-1] if reason else 'no answer'}"
+            f"no pooled delay of judging {game} from the trials in {recordings}: {reason[-1]}"
         )
     found = msgspec.json.decode(done.stdout, type=GroupDelay)
     about = {

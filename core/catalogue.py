@@ -1,4 +1,4 @@
-"""Every setting of a configuration, read off its structs: key, kind of value, range, choices, default, description.
+"""Every setting of a configuration, read off its structs: key, values, range, default, description.
 
 Error messages, `arl protocol` and docs/protocol.md all go by this, so none of them has to be kept up by hand.
 """
@@ -39,7 +39,7 @@ class Kind:
     any_length: bool = False
     """Of a list: it has any number of items."""
     structs: Mapping[str, Struct] | None = None
-    """Of a table, or of tables: the struct of each type; of a table that has no types one under the name ""."""
+    """Of a table, or of tables: the struct of each type; under "" that of a table without types."""
 
     def __str__(self) -> str:
         """Return in words which values there are."""

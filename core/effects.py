@@ -1,7 +1,8 @@
 """In which sessions a setting has an effect: the one place where this is known.
 
-`USES` names every setting that has an effect in some sessions only; all others have one wherever their table is used.
-A setting without effect is refused when a protocol is read, or named before a session starts (`Use.refused`).
+`USES` names every setting that has an effect in some sessions only; all others have one wherever their table
+is used. A setting without effect is refused when a protocol is read, or named before a session starts
+(`Use.refused`).
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -31,12 +32,12 @@ if TYPE_CHECKING:
     from core.protocol import Protocol
 
 Mode = Literal["live", "simulated", "what-if"]
-"""With a participant (`arl play`), with simulated participants, or learned again from a recording (`arl replay`)."""
+"""With a participant (`arl play`), simulated, or learned again from a recording (`arl replay`)."""
 MODES: tuple[Mode, ...] = ("live", "simulated", "what-if")
 USUAL_MEAN_S = 10.0
 """A longer mean delay is a slip of units: people's medians are 0.6 to 2.4 s."""
 RAW_STEP = 0.01
-"""Largest step size of gradient descent on inputs that are not standardised (up to 20 each): above it H diverges."""
+"""Largest step size of gradient descent on raw inputs (up to 20 each): above it H diverges."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +50,7 @@ class Use:
     """In which sessions, in words, after "has an effect"."""
     when: "Callable[[Protocol, Mode], bool]"
     refused: bool = True
-    """Without effect in all modes it is refused when a protocol is read; otherwise it is named before the start."""
+    """Without effect in all modes it is refused when a protocol is read; else named before the start."""
 
 
 def _live(protocol: "Protocol", mode: Mode) -> bool:
@@ -139,7 +140,7 @@ USES: tuple[Use, ...] = (
         "where trainer.burst_rate is > 0",
         lambda p, m: p.trainer.burst_rate > 0,
     ),
-    Use(("agent.asking",), "in no session yet: no screen poses questions", lambda p, m: False),
+    Use(("agent.asking",), "in no session yet, because no screen poses questions", lambda p, m: False),
     Use(
         ("delay_of", "delay_if_missing"),
         "in live sessions and what-ifs: a simulated participant's delay is not measured",
@@ -159,7 +160,7 @@ USES: tuple[Use, ...] = (
     ),
     Use(
         ("agent.credit", "agent.human_model"),
-        "on what is done with every scheme but environment-only; with that one presses are learned from and have no say",
+        "on what is done with every scheme but environment-only; there presses are learned from and have no say",
         lambda p, m: not isinstance(p.agent.scheme, EnvironmentOnly),
         refused=False,
     ),
@@ -171,8 +172,8 @@ USES: tuple[Use, ...] = (
     ),
     Use(
         ("agent.bootstrap.trust",),
-        'on what is done with the schemes linear and exponential, and where session.watched = "top" draws policies by '
-        "their match; elsewhere w_h is worked out and recorded, and nothing goes by it",
+        'on what is done with the schemes linear and exponential, and where session.watched = "top" draws '
+        "policies by their match; elsewhere w_h is worked out and recorded, and nothing goes by it",
         lambda p, m: _trust_is_used(p),
         refused=False,
     ),
@@ -188,7 +189,7 @@ USES: tuple[Use, ...] = (
     ),
     Use(
         ("agent.bootstrap.window_decisions",),
-        'with a trust that looks back (measured = "window", or a chance-corrected match without chance), or with others',
+        'with others, or a trust that looks back (measured = "window"; a chance-corrected match without chance)',
         lambda p, m: _looks_back(p) or bool(p.others),
     ),
     Use(
@@ -297,7 +298,8 @@ def changed(
 ) -> Iterator[tuple[Path, object]]:
     """Yield every setting whose value is not the default's, with its path.
 
-    A table of another type counts as changed (its key `type`); what is in it is held against that type's defaults.
+    A table of another type counts as changed (its key `type`); what is in it is held against that type's
+    defaults.
     """
     same = type(default) is type(config)
     if not same and default is not None:
@@ -327,16 +329,16 @@ def contradictions(protocol: "Protocol") -> Iterator[Problem]:
     if isinstance(agent.scheme, Coach) and session.watched == "top":
         yield Problem(
             ("session", "watched"),
-            'with the scheme coach set watched = "proposed": a top policy is played as it is, so presses from the '
-            "second watched episode on would be recorded as credited and teach nothing",
+            'with the scheme coach set watched = "proposed": a top policy is played as it is, so presses from '
+            "the second watched episode on would be recorded as credited and teach nothing",
             session.watched,
         )
     model = agent.human_model
     if isinstance(model, SgdModel) and not model.standardise and model.step_size > RAW_STEP:
         yield Problem(
             ("agent", "human_model", "step_size"),
-            f"without standardising a step size above {RAW_STEP:g} makes the human model diverge to infinity; "
-            "make it smaller, or set standardise = true",
+            f"without standardising a step size above {RAW_STEP:g} makes the human model diverge to "
+            "infinity; make it smaller, or set standardise = true",
             model.step_size,
         )
     for number, trainer in enumerate((protocol.trainer, *protocol.others)):
@@ -373,7 +375,7 @@ def wrong_delay(delay: Delay) -> str:
     )
 
 
-def warnings_of(protocol: "Protocol", mode: Mode) -> Iterator[str]:
+def warnings_of(protocol: "Protocol") -> Iterator[str]:
     """Yield what an experimenter may not have meant, in sentences, for the start of a session."""
     session = protocol.session
     never_proposes = session.watched == "top" and session.unseen_between == 0 and session.episodes > 1
@@ -383,5 +385,3 @@ def warnings_of(protocol: "Protocol", mode: Mode) -> Iterator[str]:
             + ("before the first game" if session.unseen_before else "the first game")
             + ": the environment teaches nothing after it"
         )
-    if mode == "live" and protocol.others:
-        yield "a live session has one participant: the agent would wait for the presses of others in vain"

@@ -108,12 +108,13 @@ class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     delay_of: DelayOf = "rule"
     """Credit by `agent.credit.delay` ("rule"), by the participant's own measured delay of judging ("feedback-lag"), of
     reacting ("simple"), of judging pooled with others ("pooled"), or by the paper's density ("paper"). All but "rule"
-    are replaced by "rule" and its numbers when a session starts, so that a recording needs no other file. The rule is
-    the same for every participant, with or without a protocol file (`docs/decisions/one-rule-of-credit.md`)."""
+    are replaced by "rule" and its numbers when a session starts, so that a recording needs no other file. The
+    rule is the same for every participant, with or without a protocol file
+    (`docs/decisions/one-rule-of-credit.md`)."""
     delay_if_missing: DelayIfMissing = "refuse"
-    """Where `delay_of` names a measured delay and the participant has none: the session does not start ("refuse"), credit
-    goes by the delay of judging of the others in the same recordings folder ("pooled", at least five), or by the paper's
-    density ("paper")."""
+    """Where `delay_of` names a measured delay and the participant has none: the session does not start
+    ("refuse"), credit goes by the delay of judging of the others in the same recordings folder ("pooled", at
+    least five), or by the paper's density ("paper")."""
     keys: KeyConfig = KeyConfig()
     """Which presses count."""
     session: SessionConfig = SessionConfig()
@@ -141,8 +142,8 @@ class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         check_learner(self.agent.scheme, self.learner.kind, _tag(self.learner))
         if isinstance(self.domain, TetrisConfig) and self.domain.lines_in_value:
             raise ValueError(
-                "lines_in_value is for given policies in compiled play only: a session's learner sees features alone. "
-                "Set [domain] lines_in_value = false"
+                "lines_in_value is for given policies in compiled play only: a session's learner sees features "
+                "alone. Set [domain] lines_in_value = false"
             )
         needs = self.agent.bootstrap.trust.needs
         if needs.side_by_side:
@@ -241,11 +242,12 @@ def protocol_from(plain: Mapping[str, Any], *, game: str = "tetris", to_run: boo
     Args:
         plain: tables as in `arl protocol`; recordings made before there was a second game do not name theirs.
         game: which one is meant where `plain` does not say.
-        to_run: the protocol is about to be run, not replayed: values that nobody means, and settings that have no
-            effect in any session of this protocol, are refused, too (`core.effects`).
+        to_run: the protocol is about to be run, not replayed: values that nobody means, and settings that
+            have no effect in any session of this protocol, are refused, too (`core.effects`).
 
     Raises:
-        ConfigurationError: a key is unknown, or a value is of the wrong kind or out of range, each with its place.
+        ConfigurationError: a key is unknown, or a value is of the wrong kind or out of range, each with
+            its place.
     """
     domain = plain.get("domain", {})
     named = domain.get("type", game) if isinstance(domain, Mapping) else domain
@@ -267,7 +269,8 @@ def load_protocol(path: Path | None, *, game: str = "tetris") -> Protocol:
         game: which game's defaults are meant where the file does not name one.
 
     Raises:
-        ProtocolError: the file is not TOML, or something in it cannot be used; with file, line, key and reason.
+        ProtocolError: the file is not TOML, or something in it cannot be used; with file, line, key and
+            reason.
         OSError: the file cannot be read.
     """
     if path is None:

@@ -51,7 +51,8 @@ def _decoded(name: str, content: bytes) -> str:
             return content.decode("utf-8-sig")
         except UnicodeDecodeError as error:
             line = content.count(b"\n", 0, error.start) + 1
-            found = f"the byte 0x{content[error.start]:02x} in line {line} is none of it, as in Latin-1 or Windows-1252"
+            byte = f"0x{content[error.start]:02x}"
+            found = f"the byte {byte} in line {line} is none of it, as in Latin-1 or Windows-1252"
     raise ProtocolError(
         f"{name}: not a UTF-8 text: {found}. Save it as UTF-8 in your editor, or write a new file with "
         "`iconv -f LATIN1 -t UTF-8 OLD > NEW` (for UTF-16: -f UTF-16)"

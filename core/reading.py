@@ -1,7 +1,7 @@
-"""Reading a configuration from plain types: what is unknown, of the wrong kind or out of range is named with its place.
+"""Reading a configuration from plain types: whatever cannot be used is named with its place.
 
-The structs that are read say all there is to know (`core.catalogue`). What they check themselves when they are made,
-such as two settings that exclude each other, is found last, and named in the same way.
+The structs that are read say all there is to know (`core.catalogue`). What they check themselves when they
+are made, such as two settings that exclude each other, is found last, and named in the same way.
 """
 
 import difflib
@@ -55,8 +55,8 @@ class ConfigurationError(msgspec.ValidationError):
 def read(given: Mapping[str, Any], default: Config, *, to_run: bool) -> Config:
     """Return the configuration that plain types describe; what is not given is as in `default`.
 
-    A table of another type than the default's stands for itself: what is not given is as in that type. A type alone,
-    written as a text, stands for the table of that type with its defaults.
+    A table of another type than the default's stands for itself: what is not given is as in that type. A type
+    alone, written as a text, stands for the table of that type with its defaults.
 
     Args:
         given: tables by key, as in TOML or JSON.
@@ -148,7 +148,7 @@ def _wrong_in_table(
     places: Places,
     siblings: Mapping[str, Struct] | None = None,
 ) -> Iterator[Problem]:
-    """Yield what is wrong with a table whose struct is known; `siblings` are the other types it could be of."""
+    """Yield what is wrong with a table of a known struct; `siblings` are the other types of the table."""
     settings = settings_of(struct)
     for key, value in given.items():
         if key == TAG and tag_of(struct):

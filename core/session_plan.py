@@ -1,4 +1,4 @@
-"""What a protocol will do, in words: games, presses, minutes, and the weight of the participant in each game."""
+"""What a protocol will do, in words: games, presses, minutes, weight of the participant in each game."""
 
 from core.combination.config import Coach, EnvironmentOnly, EpisodeWeights, Exponential, FixedWeight, Linear
 from core.feedback.delays import describe
@@ -7,20 +7,20 @@ from core.protocol import Protocol
 TICKS_PER_PIECE = 8
 """Tetris: pictures (ticks) of a piece on average on the default board (`core.tetris.pace`)."""
 SECONDS_PER_MATCH = 10.0
-"""Keepaway: a game of the default size; an untrained team keeps the ball for about 7 s, a trained one for 12 s."""
+"""Keepaway: an untrained team keeps the ball for about 7 s, a trained one for 12 s (default size)."""
 SHOWN_GAMES = 5
 FADED = 0.01
 """A weight below this share of the first game's is as good as none."""
 MEASURED = {
     "feedback-lag": "own measured delay of judging this game (task feedback lag)",
     "simple": "own measured delay of a simple reaction (task simple)",
-    "pooled": "delay of judging this game, pooled with the others in the recordings folder (task feedback lag)",
+    "pooled": "delay of judging this game, pooled with the others in the folder (task feedback lag)",
 }
 """What `delay_of` means for a participant, in words."""
 
 
 def plan(protocol: Protocol) -> dict[str, str]:
-    """Return what a session of this protocol does, in sentences by topic: games, presses, time, weight, credit."""
+    """Return what a session does, in sentences by topic: games, presses, time, weight, credit."""
     return {
         "Game": f"{protocol.game}; learner {_tag(protocol.learner)}",
         "Games": _games(protocol),
@@ -40,7 +40,8 @@ def unseen_games(protocol: Protocol) -> int:
 def expected_minutes(protocol: Protocol) -> float:
     """Return how long the watched games of a session take, in minutes, without pauses and unseen games.
 
-    Tetris: every game has all its pieces, as most have. Keepaway: games are as long as the default's are on average.
+    Tetris: every game has all its pieces, as most have. Keepaway: games are as long as the default's are on
+    average.
     """
     session, screen = protocol.session, protocol.screen
     if protocol.game == "tetris":
@@ -51,7 +52,7 @@ def expected_minutes(protocol: Protocol) -> float:
 
 
 def weights_of_games(protocol: Protocol) -> list[EpisodeWeights]:
-    """Return the weights of each watched game once the participant has pressed; those that go by trust at trust 1."""
+    """Return the weights of each watched game after the first press; those that go by trust at trust 1."""
     session, scheme = protocol.session, protocol.agent.scheme
     found = []
     for game in range(session.episodes):
@@ -62,7 +63,7 @@ def weights_of_games(protocol: Protocol) -> list[EpisodeWeights]:
 
 
 def weight_in_words(protocol: Protocol) -> str:
-    """Return the weight of the participant in each watched game, beside 1 for the environment unless it says other."""
+    """Return the weight of the participant in each watched game, in words."""
     scheme, trust = protocol.agent.scheme, protocol.agent.bootstrap.trust
     name = _tag(scheme)
     if isinstance(scheme, EnvironmentOnly):
@@ -121,14 +122,16 @@ def _games(protocol: Protocol) -> str:
     text = f"{session.episodes} watched, each of at most {session.watched_steps} {_steps(protocol)}"
     unseen = unseen_games(protocol)
     if unseen:
-        text += f"; {unseen} unseen ({session.unseen_before} before the first, {session.unseen_between} between two)"
+        between = f"{session.unseen_before} before the first, {session.unseen_between} between two"
+        text += f"; {unseen} unseen ({between})"
     return text
 
 
 def _presses(protocol: Protocol) -> str:
     keys, games = protocol.keys, protocol.session.episodes
     most = keys.max_presses_per_episode
-    text = f"at most {most} in a game, {most * games} in all; good {keys.good}, bad {keys.bad}, take back {keys.retract}"
+    letters = f"good {keys.good}, bad {keys.bad}, take back {keys.retract}"
+    text = f"at most {most} in a game, {most * games} in all; {letters}"
     if keys.wrong_press_rate:
         text += f"; asked to press wrongly at {keys.wrong_press_rate:.0%} of the steps"
     return text

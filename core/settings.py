@@ -1,8 +1,9 @@
-"""How a field of a configuration says its range, its unit and what is usual. No numerical library is imported.
+"""How a field of a configuration says its range, its unit and what is usual.
 
-The range (`ge`, `gt`, `le`, `lt`) holds wherever a configuration is read by `core.reading`, headers of recordings
-included. What is usual holds for protocols that are about to be run: a value outside it is a slip (milliseconds for
-seconds, say). A struct that is made in Python checks by itself what its own arithmetic needs.
+The range (`ge`, `gt`, `le`, `lt`) holds wherever a configuration is read by `core.reading`, headers of
+recordings included. What is usual holds for protocols that are about to be run: a value outside it is a slip
+(milliseconds for seconds, say). A struct that is made in Python checks by itself what its own arithmetic
+needs.
 """
 
 import math
@@ -85,7 +86,8 @@ def number(
         gt: lowest value, excluded.
         le: highest value, included.
         lt: highest value, excluded.
-        usual: lowest and highest value of a protocol that is about to be run, both included; None: the whole range.
+        usual: lowest and highest value of a protocol that is about to be run, both included; None: the whole
+        range.
     """
     return msgspec.Meta(extra={RANGE: Range(unit, ge, gt, le, lt, usual)})
 

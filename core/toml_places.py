@@ -43,7 +43,7 @@ def places(text: str) -> dict[Path, int]:
 
 
 def line_of(path: Path, found: dict[Path, int]) -> int | None:
-    """Return the line of a setting, or of the nearest table around it; None where nothing of it is in the file."""
+    """Return the line of a setting, or of the nearest table around it; None where the file has neither."""
     for length in range(len(path), 0, -1):
         if path[:length] in found:
             return found[path[:length]]

@@ -19,7 +19,7 @@ class GroupOrder(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def fit_group(order: GroupOrder) -> GroupDelay:
-    """Return the middle of the group's delays: what a participant without trials of their own is expected to need.
+    """Return the middle of the group's delays: what a participant without trials is expected to need.
 
     Raises:
         FitError: fewer than five participants have finished the task.

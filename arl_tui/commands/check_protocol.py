@@ -20,7 +20,7 @@ WIDEST = 110
 INDENT = 10
 """Columns of the topics."""
 ENOUGH = 0.70
-"""Below this share the pace or the credit rule should be another one (docs/decisions/pace-of-a-session.md)."""
+"""Below this share another pace or credit rule is advised (docs/decisions/pace-of-a-session.md)."""
 
 
 def check_protocol(path: Path, protocol: Protocol) -> None:
@@ -34,7 +34,7 @@ def check_protocol(path: Path, protocol: Protocol) -> None:
 
 
 def tell_start(protocol: Protocol, source: Mapping[str, str], recordings: Path, participant: str) -> None:
-    """Print for the experimenter what is about to start: how much, whose delay gives credit, what has no effect.
+    """Print what is about to start: how much, whose delay gives credit, what has no effect.
 
     Neither the protocol's name nor the weight of the participant is in it: the participant may see this page.
     """
@@ -60,7 +60,7 @@ def _tell(topics: Sequence[tuple[str, str]]) -> None:
 def notes(protocol: Protocol) -> Iterator[str]:
     """Yield what has no effect in a live session, and what an experimenter may not have meant."""
     yield from map(str, idle(protocol, DEFAULTS[protocol.game], ["live"]))
-    yield from warnings_of(protocol, "live")
+    yield from warnings_of(protocol)
 
 
 def _reach(protocol: Protocol) -> str:

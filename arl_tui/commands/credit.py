@@ -47,7 +47,8 @@ def settle_credit(
 ) -> tuple[Protocol, dict[str, str]]:
     """Return the protocol with its credit rule in numbers, and where that comes from, for the recording's header.
 
-    The rule is the same for every participant, with or without a protocol file (`docs/decisions/one-rule-of-credit.md`).
+    The rule is the same for every participant, with or without a protocol file
+    (`docs/decisions/one-rule-of-credit.md`).
 
     Args:
         protocol: its `delay_of` counts where the command line says nothing.
@@ -59,15 +60,20 @@ def settle_credit(
     by = {"credit_asked_by": "protocol" if option is None else "command line"}
     if asked == "rule":
         choice = rule_as_written(protocol.agent.credit.delay)
-    elif asked in MEASURED and not is_measured(asked, recordings, participant, protocol.game):
-        choice = _without_measurement(protocol, asked, recordings, participant)
     else:
-        choice = credit_of(asked, recordings, participant, protocol.game)
+        choice = _choice_of(protocol, asked, recordings, participant)
     return with_credit(protocol, choice), choice.source | by
 
 
+def _choice_of(protocol: Protocol, asked: str, recordings: Path, participant: str) -> CreditChoice:
+    """Return the rule that `asked` names for a participant, or what the protocol says where they have none."""
+    if asked in MEASURED and not is_measured(asked, recordings, participant, protocol.game):
+        return _without_measurement(protocol, asked, recordings, participant)
+    return credit_of(asked, recordings, participant, protocol.game)
+
+
 def _without_measurement(protocol: Protocol, asked: str, recordings: Path, participant: str) -> CreditChoice:
-    """Return the rule of a participant whose delay was not measured, as the protocol's `delay_if_missing` says."""
+    """Return the rule of a participant without a measured delay, as `delay_if_missing` says."""
     missing = {"credit_missing": f"{participant} has no measured delay: {protocol.delay_if_missing}"}
     match protocol.delay_if_missing:
         case "refuse":
@@ -85,7 +91,7 @@ def _without_measurement(protocol: Protocol, asked: str, recordings: Path, parti
 
 
 def is_measured(asked: str, recordings: Path, participant: str, game: str) -> bool:
-    """Return whether the participant has the delay that `asked` names; stop where the file of delays is damaged."""
+    """Return whether a participant has the delay that `asked` names; stop where its file is damaged."""
     try:
         known = read_delays(recordings, participant)
     except ParticipantError as error:
@@ -101,7 +107,8 @@ def credit_lines(source: Mapping[str, str], recordings: Path, participant: str, 
     if "credit_missing" in source:
         yield source["credit_missing"]
     if "credit_files" in source:
-        yield f"task {source['credit_task']}, fitted {source['credit_fitted_utc']} from {source['credit_files']}"
+        fitted = f"fitted {source['credit_fitted_utc']} from {source['credit_files']}"
+        yield f"task {source['credit_task']}, {fitted}"
     elif source["credit"] != "paper" and is_measured("feedback-lag", recordings, participant, game):
         yield (
             f"{participant} has a measured delay of judging, which is not used: "
@@ -129,7 +136,7 @@ def what_if_delays(texts: Sequence[str], recording: Recording, protocol: Protoco
         if text == "rule":
             choice = rule_as_written(protocol.agent.credit.delay)
         else:
-            choice = credit_of(text, home_of(recording.path), recording.header.participant, protocol.game)
+            choice = _choice_of(protocol, text, home_of(recording.path), recording.header.participant)
         words = "; ".join(f"{name.removeprefix('credit_')} {value}" for name, value in choice.source.items())
         if text in CHOICES:
             click.echo(f"Credit: {words}")

@@ -19,7 +19,7 @@ WIDE = 100
 
 
 def print_protocol(game: str | None, path: Path | None) -> None:
-    """Print a protocol (the default one of a game, or a file's) with every setting and what it means, as TOML."""
+    """Print a protocol (a game's default, or a file's) with every setting and what it means, as TOML."""
     click.echo("\n".join(protocol_lines(read_protocol(path, game))))
 
 
@@ -29,13 +29,14 @@ def protocol_lines(protocol: Protocol) -> Iterator[str]:
     A setting without effect in this protocol, and one that has no value, is there as a comment.
     """
     yield from _comment(
-        f"A protocol of {protocol.game}: every setting with its default or value. What is left out of a file has the "
-        "default. `arl protocol --check FILE` says what a file will do."
+        f"A protocol of {protocol.game}: every setting with its default or value. What is left out of a file has "
+        'the default. A key without a line "Has an effect ..." has one in every session. '
+        "`arl protocol --check FILE` says what a file will do."
     )
-    yield from _table_lines(protocol, "", Idle(protocol))
+    yield from _table_lines(protocol, "", Unused(protocol))
 
 
-class Idle:
+class Unused:
     """Which settings have no effect in any session of a protocol, whatever their value."""
 
     def __init__(self, protocol: Protocol) -> None:
@@ -43,13 +44,13 @@ class Idle:
         self._changed = {".".join(map(str, each.path)) for each in idle(protocol, DEFAULTS[protocol.game])}
 
     def commented(self, path: str) -> bool:
-        """Return whether a setting is printed as a comment: it has no effect, and its value is the default."""
+        """Return whether a setting is printed as a comment: at its default, and without effect."""
         return path not in self._changed and not any(
             all(use.when(self._protocol, mode) for use in uses_of(path)) for mode in MODES
         )
 
 
-def _table_lines(table: msgspec.Struct, heading: str, unused: Idle) -> Iterator[str]:
+def _table_lines(table: msgspec.Struct, heading: str, unused: Unused) -> Iterator[str]:
     settings = settings_of(type(table))
     inner = {key: value for key in settings if isinstance(value := getattr(table, key), msgspec.Struct)}
     if tag_of(table):
@@ -74,7 +75,7 @@ def _table_lines(table: msgspec.Struct, heading: str, unused: Idle) -> Iterator[
         yield from _table_lines(value, path, unused)
 
 
-def _setting_lines(setting: Setting, value: object, path: str, unused: Idle) -> Iterator[str]:
+def _setting_lines(setting: Setting, value: object, path: str, unused: Unused) -> Iterator[str]:
     yield from _comment(setting.doc)
     yield from _comment(_values_in_words(setting.kind))
     own = [use for use in uses_of(path) if path in use.settings]

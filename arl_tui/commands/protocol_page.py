@@ -13,13 +13,14 @@ from core.protocol import DEFAULTS, Protocol
 
 OPENING = """# Every setting of a protocol
 
-Made from the program by `arl protocol --markdown > docs/protocol.md`; do not edit it. A protocol is a TOML file for
-`arl play --protocol FILE`. What a file leaves out has the default of its game, so an empty file is a protocol.
-`arl protocol tetris` and `arl protocol keepaway` print complete files to start from; `arl protocol --check FILE` says
-what a file will do. A key that a table does not have, a value out of range, and a value that nobody means (a delay of
-minutes) are refused with file, line and what is allowed. So is a setting that has no effect in the protocol; one that
-has none in a live session is named before it starts. A table with types is chosen by its key `type`; a type alone, as
-in `scheme = "annealed"` under `[agent]`, stands for the table of that type with its defaults.
+Made from the program by `arl protocol --markdown > docs/protocol.md`; do not edit it. A protocol is a TOML
+file for `arl play --protocol FILE`. What a file leaves out has the default of its game, so an empty file is a
+protocol. `arl protocol tetris` and `arl protocol keepaway` print complete files to start from; `arl protocol
+--check FILE` says what a file will do. A key that a table does not have, a value out of range, and a value
+that nobody means (a delay of minutes) are refused with file, line and what is allowed. So is a setting that
+has no effect in the protocol; one that has none in a live session is named before it starts. A table with
+types is chosen by its key `type`; a type alone, as in `scheme = "annealed"` under `[agent]`, stands for the
+table of that type with its defaults.
 
 The wider range holds for headers of recordings: what was once run can always be replayed.
 """
@@ -70,7 +71,13 @@ def _table(struct: Struct, tetris: object, keepaway: object) -> Iterator[str]:
     for setting in settings:
         # Each game's own default, where its default protocol has a table of this type.
         ours = [getattr(each, setting.key) for each in (tetris, keepaway) if isinstance(each, struct)]
-        yield f"| `{setting.key}` | {_values(setting.kind)} | {_defaults(ours or [setting.default])} | {_cell(setting)} |"
+        cells = (
+            f"`{setting.key}`",
+            _values(setting.kind),
+            _defaults(ours or [setting.default]),
+            _cell(setting),
+        )
+        yield f"| {' | '.join(cells)} |"
     yield ""
 
 
@@ -97,7 +104,7 @@ def _cell(setting: Setting) -> str:
 
 def _uses() -> Iterator[str]:
     yield "## Which settings have an effect where\n"
-    yield "All others have one wherever their table is used. What is refused is refused when the file is read.\n"
+    yield "All others have one wherever their table is used. Refused means: when the file is read.\n"
     yield "| settings | have an effect | otherwise |"
     yield "|---|---|---|"
     for use in USES:

@@ -13,8 +13,9 @@ from arl_tui.commands.exact import GETTING_READY, need_outputs, protocol_of, rea
 from arl_tui.commands.play import read_protocol
 from arl_tui.commands.what_if_table import table, write_csv
 from arl_tui.words import words_of
+from core.effects import idle
 from core.feedback.delays import describe
-from core.protocol import Protocol
+from core.protocol import DEFAULTS, Protocol
 from core.recording.reader import RecordingError
 
 if TYPE_CHECKING:
@@ -47,6 +48,9 @@ def replay_recording(
         return
     need_outputs(recording)
     chosen = protocol_of(recording) if protocol is None else read_protocol(protocol)
+    if protocol is not None:
+        for each in idle(chosen, DEFAULTS[chosen.game], ["what-if"]):
+            click.echo(f"Beware: {each}.", err=True)
     delays = what_if_delays(credits or [chosen.delay_of], recording, chosen)
     rows = compare(
         recording.path,

@@ -6,8 +6,12 @@ import numpy as np
 import pytest
 
 from arl_tui.calibration.fitting import FitOrder, fit_files, is_late
+from arl_tui.calibration.group import GroupOrder, fit_group
+from arl_tui.commands.credit import settle_credit
 from arl_tui.participants import choose_credit, read_delays
 from core.feedback.credit import GammaDelay
+from core.protocol import protocol_from
+from studies.reaction_time.sample import FitError
 from studies.reaction_time.schedule import make_schedule
 from tests.arl_tui.calibrating import quick
 from tests.arl_tui.trial_files import judgements, record_of, write_session
@@ -31,6 +35,25 @@ def test_a_fit_is_kept_per_task_and_pooled_from_five_people_on(tmp_path: Path) -
     assert read_delays(tmp_path, "P4") is not None
     assert choose_credit("participant", tmp_path, "P4").delay == delay.delay
     assert isinstance(choose_credit("pooled", tmp_path, "P4").delay, GammaDelay)
+
+
+def test_a_participant_without_trials_has_the_middle_of_the_group(tmp_path: Path) -> None:
+    schedule = make_schedule(quick("feedback-lag", n_trials=30, time_out_s=3.0), 3)
+    for k, mean in enumerate([0.55, 0.6, 0.65, 0.7, 0.75]):
+        write_session(tmp_path, f"P{k}", schedule, judgements(k, 30, mean), planned="feedback-lag")
+    group = fit_group(GroupOrder(recordings=str(tmp_path), game="tetris"))
+    assert group.n_people == len(group.files) == 5
+    means = [np.mean(judgements(k, 30, mean)) for k, mean in enumerate([0.55, 0.6, 0.65, 0.7, 0.75])]
+    assert group.delay.mean_s == pytest.approx(np.mean(means), rel=0.05)
+    protocol = protocol_from({"delay_of": "feedback-lag", "delay_if_missing": "pooled"}, to_run=True)
+    settled, source = settle_credit(protocol, None, tmp_path, "P9")
+    assert settled.agent.credit.delay == group.delay
+    assert source["credit"] == "pooled"
+    assert source["credit_people"] == "5"
+    assert source["credit_files"].split() == list(group.files)
+    assert source["credit_missing"] == "P9 has no measured delay: pooled"
+    with pytest.raises(FitError, match="at least 5"):
+        fit_group(GroupOrder(recordings=str(tmp_path), game="keepaway"))
 
 
 def test_too_few_answers_are_a_failure_with_its_reason_and_do_not_stop_other_tasks(tmp_path: Path) -> None:

@@ -7,17 +7,22 @@ import msgspec
 import pytest
 from click.testing import CliRunner, Result
 
+from arl_tui.app import Outcome
 from arl_tui.cli import main
+from arl_tui.commands import play
 from arl_tui.commands.check_protocol import tell_start
+from arl_tui.commands.demo import demo_protocol
 from arl_tui.commands.protocol import protocol_lines
 from arl_tui.commands.protocol_page import page
+from arl_tui.live import Tally
 from core.catalogue import settings_of, tables_of
 from core.combination.config import SCHEMES
 from core.feedback.config import TrainerConfig
+from core.feedback.delays import GammaDelay
 from core.protocol import DEFAULTS, Protocol, load_protocol, protocol_from
+from studies.demo import simulate_session
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
-SHARED = Path("/nonexistent")
 
 
 def run(*arguments: object) -> Result:
@@ -150,3 +155,73 @@ def test_the_start_tells_the_experimenter_much_and_not_the_condition(
         assert part in told
     assert "[trainer] mistake_rate has no effect here" in told
     assert "annealed" not in told
+
+
+def start(
+    monkeypatch: pytest.MonkeyPatch, folder: Path, text: str, *more: str
+) -> tuple[Result, list[Protocol], list[object]]:
+    """Run `arl play` up to the moment in which the app would start."""
+    path = folder / "study.toml"
+    path.write_text(text)
+    protocols: list[Protocol] = []
+    sources: list[object] = []
+
+    def run_live(protocol: Protocol, *, source: object, **_: object) -> Outcome:
+        protocols.append(protocol)
+        sources.append(source)
+        return Outcome(None, Tally())
+
+    monkeypatch.setattr(play, "need_terminal", lambda *_, **__: None)
+    monkeypatch.setattr(play, "run_live", run_live)
+    result = run("play", "tetris", "--protocol", path, "--recordings", folder, *more)
+    return result, protocols, sources
+
+
+def test_what_is_told_before_the_app_starts_is_what_the_header_says(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = 'name = "arm B"\ndelay_of = "feedback-lag"\ndelay_if_missing = "paper"\n[trainer]\nmistake_rate = 0.5\n'
+    result, (protocol,), (source,) = start(monkeypatch, tmp_path, text, "--participant", "P09")
+    assert result.exit_code == 0, result.output
+    told = " ".join(result.output.split())
+    assert "Credit gamma:2.5,0.3 (paper, asked for by the protocol); P09 has no measured delay: paper" in told
+    assert "Beware [trainer] mistake_rate has no effect here" in told
+    assert "arm B" not in told  # the participant may read it
+    assert protocol.agent.credit.delay == GammaDelay()
+    assert protocol.delay_of == "rule"
+    assert source == {
+        "credit": "paper",
+        "credit_rule": "gamma:2.5,0.3",
+        "credit_asked": "feedback-lag",
+        "credit_missing": "P09 has no measured delay: paper",
+        "credit_asked_by": "protocol",
+    }
+
+
+def test_a_live_session_has_no_others(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    result, protocols, _ = start(monkeypatch, tmp_path, "[[others]]\n")
+    assert result.exit_code == 1
+    assert "a live session has one participant" in result.output
+    assert protocols == []
+
+
+@pytest.mark.parametrize("rule", ["gamma:2.5,300", "uniform:200,800"])
+def test_a_delay_of_minutes_is_refused_on_the_command_line_too(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, rule: str
+) -> None:
+    result, protocols, _ = start(monkeypatch, tmp_path, "", "--credit", rule)
+    assert result.exit_code == 2
+    assert "seconds is one that nobody means" in " ".join(result.output.split())
+    assert protocols == []
+
+
+@pytest.mark.jit
+def test_a_what_if_names_what_has_no_effect_in_it(tmp_path: Path) -> None:
+    recording, path = tmp_path / "P01-x.jsonl", tmp_path / "study.toml"
+    simulate_session(demo_protocol("tetris"), 4, recording, software={})
+    path.write_text("[screen]\ntick_ms = 150\n")
+    result = run(
+        "replay", recording, "--protocol", path, "--scheme", "human-only", "--games", 1, "--workers", 1
+    )
+    assert result.exit_code == 0, result.output
+    assert "Beware: [screen] tick_ms has no effect here" in result.output

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import msgspec
 import pytest
-from hypothesis import given, settings
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from core.catalogue import TAG, Kind, settings_of, tables_of
@@ -319,3 +319,21 @@ def test_what_is_left_out_has_the_default_of_the_game() -> None:
         episodes=3, unseen_between=0, watched_steps=1200, unseen_steps=12000
     )
     assert protocol_from({}).agent.credit.delay == PreviousStep()
+
+
+LINES = (
+    "[agent]", "[agent.scheme]", "[learner]", "[session]", "[[others]]", "[agent.credit.delay]", 'type = "gamma"',
+    'type = "keepaway"', 'scheme = "coach"', "beta_0 = inf", "shape = 1e300", "episodes = 2", "others = [{}]", "x = [[",
+    "a.b.c = 1", '"\u00e9" = 1', "d = 1979-05-27", "see_phases = [9]", "= 3", 'delay = "uniform"', "noise = 3",
+)  # fmt: skip
+
+
+@given(st.lists(st.sampled_from(LINES), max_size=7), st.binary(max_size=3), st.sampled_from(sorted(DEFAULTS)))
+@settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_whatever_a_file_holds_the_answer_is_a_protocol_or_the_documented_error(
+    tmp_path: Path, lines: list[str], noise: bytes, game: str
+) -> None:
+    path = tmp_path / "study.toml"
+    path.write_bytes("\n".join(lines).encode() + noise)
+    with contextlib.suppress(ProtocolError):  # any other error fails the test
+        load_protocol(path, game=game)

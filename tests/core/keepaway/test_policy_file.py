@@ -1,5 +1,6 @@
 """Learned policies on disk."""
 
+import re
 from pathlib import Path
 
 import msgspec
@@ -118,3 +119,23 @@ def test_files_of_another_kind_or_version_are_named_with_the_reason(tmp_path: Pa
 def test_a_file_that_is_not_there_is_an_error_of_the_system(tmp_path: Path):
     with pytest.raises(OSError, match=r"none\.npz"):
         load_policy(tmp_path / "none.npz")
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"n_tilings": 10**9}, "n_tilings is 1..128 tilings, got 1000000000"),
+        ({"n_tilings": 0}, "n_tilings is 1..128"),
+        ({"task": KeepawayConfig(length_m=1e6)}, "expected a number 10 to 200 metres"),
+        ({"learner": SarsaConfig(step_size=1e300)}, "expected a number 0 to 1000000"),
+    ],
+)
+def test_a_header_that_asks_for_the_impossible_is_refused_before_any_memory_is(tmp_path: Path, changes, told):
+    header = msgspec.structs.replace(HEADER, **changes)
+    path = write_archive(
+        tmp_path / "p.npz",
+        header=np.frombuffer(msgspec.json.encode(header), np.uint8),
+        weights=np.zeros((3, 3, 10)),
+    )
+    with pytest.raises(PolicyFileError, match=re.escape(told)):
+        load_policy(path)
