@@ -14,7 +14,7 @@ from core.combination.agent import ArlAgent, EpisodePolicy
 from core.combination.human_learner import HumanLearner
 from core.domain import Choices, Domain
 from core.episode import EpisodeEnded, StepTaken
-from core.feedback.viewing import Viewing
+from core.feedback.viewing import Viewing, Watched
 from core.keepaway.pitch import KeepawayConfig
 from core.protocol import Protocol
 from core.rollout import Played
@@ -65,6 +65,10 @@ class Game(Interface):
 
     def viewing(self, protocol: Protocol) -> Viewing:
         """Return how long everything is on screen."""
+        ...
+
+    def steps_on_screen(self, protocol: Protocol) -> Sequence[Watched]:
+        """Return how some hundred steps are seen at the protocol's pace, in order; the same at every call."""
         ...
 
     def recorded(self, domain: Domain[Any], step: StepTaken) -> tuple[Choices, NDArray[np.float64]]:

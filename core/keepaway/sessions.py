@@ -15,6 +15,7 @@ from core.feedback.config import Knowledge
 from core.feedback.viewing import Watched
 from core.games import Oracle, Player
 from core.keepaway.domain import HOLD, Keepaway, KeepawayState
+from core.keepaway.pace import options_on_screen
 from core.keepaway.person import lay_choice, noticed_per_cycle
 from core.keepaway.person_config import KeepawayPersonConfig
 from core.keepaway.pitch import CYCLE_NS, CYCLE_S, KeepawayConfig
@@ -128,6 +129,10 @@ class KeepawayGame:
         """Return cycles of 100 ms at the protocol's speed."""
         screen = protocol.screen
         return KeepawayViewing(screen.speed, round(screen.pause_between_episodes_s * NS_PER_S))
+
+    def steps_on_screen(self, protocol: Protocol) -> tuple[Watched, ...]:
+        """Return options of some episodes of an untrained and of a good team."""
+        return options_on_screen(self.domain(protocol), self.viewing(protocol))
 
     def recorded(self, domain: Domain[KeepawayState], step: StepTaken) -> tuple[Choices, NDArray[np.float64]]:
         """Return a decision as its keeper saw it."""

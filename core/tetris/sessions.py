@@ -11,7 +11,7 @@ from core.combination.config import Coach
 from core.combination.human_learner import HumanLearner
 from core.domain import Choices, Domain
 from core.episode import EpisodeEnded, StepTaken
-from core.feedback.viewing import SteadyViewing
+from core.feedback.viewing import SteadyViewing, Watched
 from core.games import Oracle, Player
 from core.keys import NS_PER_MS
 from core.learners.cross_entropy import CrossEntropyLearner
@@ -25,6 +25,7 @@ from core.tetris.combined import CombinedGame
 from core.tetris.config import TetrisConfig
 from core.tetris.features import feature_set
 from core.tetris.oracle import TetrisOracle
+from core.tetris.pace import pictures_per_piece
 from core.tetris.policy_gradient import PolicyGradientGame, placement_scales
 
 TICKS_PER_STEP = 14
@@ -77,6 +78,12 @@ class TetrisGame:
             step_ns=TICKS_PER_STEP * screen.tick_ms * NS_PER_MS,
             pause_ns=round(screen.pause_between_episodes_s * NS_PER_S),
         )
+
+    def steps_on_screen(self, protocol: Protocol) -> tuple[Watched, ...]:
+        """Return pieces of some games as a screen draws them; each is judged when it has landed."""
+        tick_ns = protocol.screen.tick_ms * NS_PER_MS
+        durations_ns = [pictures * tick_ns for pictures in pictures_per_piece(tetris_rules(protocol))]
+        return tuple(Watched(duration_ns, duration_ns) for duration_ns in durations_ns)
 
     def recorded(self, domain: Domain[TetrisState], step: StepTaken) -> tuple[Choices, NDArray[np.float64]]:
         """Return a step of an imported recording, from the boards as they were seen."""
