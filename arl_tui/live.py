@@ -25,6 +25,7 @@ from core.episode import (
     SessionEnded,
     StepTaken,
     StopAsked,
+    StopReason,
     UnseenPlayed,
     WrongPressAsked,
 )
@@ -33,7 +34,7 @@ from core.keys import KeyConfig, PressGate
 FRAMES_REMEMBERED = 256
 """About ten seconds: far more than a key's handler is ever late."""
 
-Cover = Literal["pause", "help", "quit-dialogue", "resize"]
+Cover = Literal["pause", "help", "quit-dialogue", "resize", "gap"]
 Occurrence = Event | Picture | PressSuggested | Ready
 
 
@@ -202,7 +203,7 @@ class LiveSession:
             self.gate.covered = False
             self._enter(Resumed(time_ns=self._clock.now_ns()))
 
-    def stop(self, reason: Literal["participant", "worker-died", "time-limit"] = "participant") -> None:
+    def stop(self, reason: StopReason = "participant") -> None:
         """End the session: the worker truncates the episode and says its last word."""
         if self.phase == "running":
             self.collect_frames()

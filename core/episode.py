@@ -41,7 +41,8 @@ class ScreenCleared(Record, frozen=True, kw_only=True, tag="screen-cleared"):
     """The step on screen was covered: a pause, a help page, a dialogue."""
 
     time_ns: int
-    reason: Literal["pause", "help", "quit-dialogue", "resize"]
+    reason: Literal["pause", "help", "quit-dialogue", "resize", "gap"]
+    """`gap`: the session paused by itself after a `TimeGap`."""
 
 
 class KeyPressed(Record, frozen=True, kw_only=True, tag="key-pressed"):
@@ -66,6 +67,10 @@ class KeyPressed(Record, frozen=True, kw_only=True, tag="key-pressed"):
     source: Literal["participant", "simulated"] = "participant"
     person: int = 0
     """Who pressed, where several do (simulated sessions): the protocol's trainer is 0, its others are 1, 2, ..."""
+    read_as: str = ""
+    """The letter that stands on this key in the Latin layout, where `key` is of another one; "" where it is not."""
+    layout: str = ""
+    """The layout by which `read_as` was found (`core.layouts`); "" where `key` is a Latin letter or unknown."""
 
 
 class PressRetracted(Record, frozen=True, kw_only=True, tag="press-retracted"):
@@ -90,14 +95,63 @@ class Resumed(Record, frozen=True, kw_only=True, tag="resumed"):
     time_ns: int
 
 
+class TimeGap(Record, frozen=True, kw_only=True, tag="time-gap"):
+    """The program did not run for more than a second: the machine slept, or the process was stopped.
+
+    No press after the gap is credited to what was on screen before it. Version 2 of the format.
+    """
+
+    last_ns: int
+    """When the program was last known to run; `time_ns` or earlier."""
+    time_ns: int
+    """When it ran again."""
+    suspended_ns: int = 0
+    """How long the machine was suspended: this clock does not count that time on Linux. >= 0."""
+
+
+class FocusLost(Record, frozen=True, kw_only=True, tag="focus-lost"):
+    """The terminal's window no longer receives keys. Only terminals that report it. Version 2 of the format."""
+
+    time_ns: int
+
+
+class FocusRegained(Record, frozen=True, kw_only=True, tag="focus-regained"):
+    """The terminal's window receives keys again. Only terminals that report it. Version 2 of the format."""
+
+    time_ns: int
+
+
+StopReason = Literal["participant", "window-closed", "signal", "worker-died", "time-limit", "disk-failed"]
+"""Why a session ends before its last game.
+
+`participant`: by a key. `window-closed`: the terminal went away (SIGHUP, or its end of the line closed). `signal`: the
+process was asked to end (SIGTERM). `worker-died`: the learner failed or did not answer. `time-limit`: the protocol's
+time was over. `disk-failed`: the recording could not be written any more.
+
+Version 1 knows participant, worker-died and time-limit only: there, "participant" may also be a closed window, a
+signal or a full disk.
+"""
+
+
 class StopAsked(Record, frozen=True, kw_only=True, tag="stop-asked"):
     """The session is to end: the episode on screen is truncated."""
 
     time_ns: int
-    reason: Literal["participant", "worker-died", "time-limit"]
+    reason: StopReason
 
 
-Input = FrameShown | ScreenCleared | KeyPressed | PressRetracted | WrongPressAsked | Resumed | StopAsked
+Input = (
+    FrameShown
+    | ScreenCleared
+    | KeyPressed
+    | PressRetracted
+    | WrongPressAsked
+    | Resumed
+    | TimeGap
+    | FocusLost
+    | FocusRegained
+    | StopAsked
+)
 
 
 # --- outputs: what the domain and the agent did -----------------------------------------------------------------

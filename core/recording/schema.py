@@ -58,7 +58,16 @@ class End(Record, frozen=True, kw_only=True, tag="end"):
 Line = Header | Event | End
 
 DURABLE = frozenset(
-    {"KeyPressed", "PressRetracted", "EpisodeEnded", "UnseenPlayed", "StopAsked", "SessionEnded", "End"}
+    {
+        "KeyPressed",
+        "PressRetracted",
+        "TimeGap",
+        "EpisodeEnded",
+        "UnseenPlayed",
+        "StopAsked",
+        "SessionEnded",
+        "End",
+    }
 )
 """Records that are forced to the disk at once; the others are on their way to it."""
 
