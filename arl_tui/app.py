@@ -12,9 +12,10 @@ from textual import constants, events
 
 from arl_tui.driver import FlushClock, stamped_driver
 from arl_tui.garbage import GarbageControl
-from arl_tui.link import Link, PressSuggested, Ready
+from arl_tui.link import Link, Preparing, PressSuggested, Ready
 from arl_tui.live import LiveSession, Occurrence, Tally
 from arl_tui.once import after
+from arl_tui.pace import pace_facts, pace_warning
 from arl_tui.palette import palette_for
 from arl_tui.plain_app import PlainApp
 from arl_tui.recordings import new_path, rescue
@@ -57,6 +58,8 @@ class Outcome:
     tally: Tally
     trouble: str | None = None
     """Why the session ended early, if something failed."""
+    warning: str = ""
+    """What the experimenter is told of the pace, if presses often miss their step."""
 
 
 class ArlApp(PlainApp[Outcome]):
@@ -92,6 +95,7 @@ class ArlApp(PlainApp[Outcome]):
         self._link = link
         self._garbage = GarbageControl()
         self._recorder: Recorder | None = None
+        self._worker_ready: Ready | None = None
         self._stamps_without_driver: list[tuple[int, int]] = []
         self._simulated_keys: set[int] = set()
         self._ended_by: signal.Signals | None = None
@@ -171,7 +175,7 @@ class ArlApp(PlainApp[Outcome]):
             software=facts.software(),
             terminal=terminal | timing_facts(self.sitting.recordings, terminal, created_utc),
             departures=protocol.departures(),
-            source=dict(self.sitting.source),
+            source=dict(self.sitting.source) | pace_facts(self._worker_ready),
         )
 
     # --- keys and frames ----------------------------------------------------------------------------------------
@@ -211,8 +215,11 @@ class ArlApp(PlainApp[Outcome]):
 
     def _on_occurrence(self, occurrence: Occurrence) -> None:
         match occurrence:
+            case Preparing():
+                self.welcome.show_progress(occurrence)
             case Ready():
-                self.welcome.show_ready()
+                self._worker_ready = occurrence
+                self.welcome.show_ready(occurrence)
             case EpisodeStarted():
                 self._garbage.hold()
             case EpisodeEnded():
@@ -247,13 +254,18 @@ class ArlApp(PlainApp[Outcome]):
             path = self._recorder.path
             problem = await asyncio.to_thread(close_recorder, self._recorder)
             trouble = "\n\n".join(part for part in (problem, trouble) if part) or None
-        outcome = Outcome(path, self.live.tally, trouble)
+        sitting = self.sitting
+        warning = "" if sitting.simulated else pace_warning(sitting.protocol, self._worker_ready)
+        outcome = Outcome(path, self.live.tally, trouble, warning)
         if self._ended_by is not None:
             self._go(outcome)
             return
         while len(self.screen_stack) > 1:
             self.pop_screen()
-        self.push_screen(ClosingScreen(outcome, words_of(self.sitting.protocol.game)))
+        protocol = self.sitting.protocol
+        self.push_screen(
+            ClosingScreen(outcome, words_of(protocol.game), show_weight=protocol.screen.show_weight)
+        )
 
     def _on_loop_error(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
         """Fail loudly where a callback of the event loop fails: asyncio would only log it, behind the screen."""

@@ -9,7 +9,17 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Literal, Protocol
 
-from arl_tui.link import Begin, Crashed, FromWorker, Link, Picture, PressSuggested, Ready
+from arl_tui.link import (
+    Begin,
+    Crashed,
+    FromWorker,
+    Link,
+    Picture,
+    Preparing,
+    PressSuggested,
+    Ready,
+    TakenFor,
+)
 from core.clock import Clock
 from core.episode import (
     EpisodeEnded,
@@ -34,8 +44,8 @@ from core.keys import KeyConfig, PressGate
 FRAMES_REMEMBERED = 256
 """About ten seconds: far more than a key's handler is ever late."""
 
-Cover = Literal["pause", "help", "quit-dialogue", "resize", "gap"]
-Occurrence = Event | Picture | PressSuggested | Ready
+Cover = Literal["pause", "help", "quit-dialogue", "resize", "gap", "count-down"]
+Occurrence = Event | Picture | PressSuggested | Preparing | Ready | TakenFor
 
 
 class EventSink(Protocol):
@@ -96,8 +106,14 @@ class Tally:
     good: int = 0
     bad: int = 0
     taken_back: int = 0
-    w_h: float = 0.0
+    weight: float | None = None
+    """Of the human in the last watched game; None before the first."""
     steps: int = 0
+
+
+def weight_in_use(episode: EpisodeStarted) -> float:
+    """Return the weight that the human has in an episode: in control sharing, the chance of a handover."""
+    return episode.share if episode.share > 0 else episode.w_h
 
 
 def uniform_draws(root_seed: int) -> Iterator[float]:
@@ -203,6 +219,11 @@ class LiveSession:
             self.gate.covered = False
             self._enter(Resumed(time_ns=self._clock.now_ns()))
 
+    def count_down(self) -> None:
+        """Note that a count-down is on screen in the step's place; after a page, that page is over."""
+        self.uncover()
+        self.cover("count-down")
+
     def stop(self, reason: StopReason = "participant") -> None:
         """End the session: the worker truncates the episode and says its last word."""
         if self.phase == "running":
@@ -224,7 +245,7 @@ class LiveSession:
         """Act on a message of the worker."""
         if isinstance(message, Crashed):
             self._worker_error = f"{message.error}\n\n{message.trace}"
-        elif isinstance(message, Picture | PressSuggested):
+        elif isinstance(message, Picture | PressSuggested | Preparing | TakenFor):
             self._listener(message)
         elif isinstance(message, Ready):
             self.ready = True
@@ -245,16 +266,15 @@ class LiveSession:
         match output:
             case EpisodeStarted():
                 self.gate.episode_started()
+                self.tally.weight = weight_in_use(output)
             case StepTaken():
                 self.tally.steps += 1
                 self._ask_wrong_press(output.step)
             case EpisodeEnded():
                 self.tally.performances.append(output.performance)
-                self.tally.w_h = output.w_h
             case UnseenPlayed():
                 self.tally.unseen += len(output.policies)
                 self.tally.practised.append(sum(output.performances) / len(output.performances))
-                self.tally.w_h = output.w_h
         self._listener(output)
         if isinstance(output, SessionEnded):
             self.phase = "over"

@@ -14,7 +14,9 @@ from tests.arl_tui.test_widgets_board import contrast
 
 
 def tally(practised: list[float]) -> Tally:
-    return Tally(performances=[0.0, 3.0], unseen=200, practised=practised, good=2, bad=1, w_h=0.2, steps=28)
+    return Tally(
+        performances=[0.0, 3.0], unseen=200, practised=practised, good=2, bad=1, weight=0.2, steps=28
+    )
 
 
 class Closing(App[None]):
