@@ -13,9 +13,10 @@ from textual import constants, events
 from arl_tui.driver import FlushClock, stamped_driver
 from arl_tui.gaps import LOOKS_PER_S, GapWatch
 from arl_tui.garbage import GarbageControl
-from arl_tui.link import Link, PressSuggested, Ready
+from arl_tui.link import Link, Preparing, PressSuggested, Ready
 from arl_tui.live import LiveSession, Occurrence, Tally
 from arl_tui.once import after
+from arl_tui.pace import pace_facts, pace_warning
 from arl_tui.palette import palette_for
 from arl_tui.plain_app import PlainApp
 from arl_tui.recordings import create_new, rescue, rescue_whole
@@ -74,6 +75,8 @@ class Outcome:
     """Why the session ended early, if something failed."""
     kept: Kept | None = None
     """How much of the session is in the file, and how much of that the disk has confirmed."""
+    warning: str = ""
+    """What the experimenter is told of the pace, if presses often miss their step."""
 
 
 class ArlApp(PlainApp[Outcome]):
@@ -110,6 +113,7 @@ class ArlApp(PlainApp[Outcome]):
         self._link = link
         self._garbage = GarbageControl()
         self._recorder: Recorder | None = None
+        self._worker_ready: Ready | None = None
         self._stamps_without_driver: list[tuple[int, int]] = []
         self._simulated_keys: set[int] = set()
         self._outcome: Outcome | None = None
@@ -205,7 +209,7 @@ class ArlApp(PlainApp[Outcome]):
             software=facts.software(),
             terminal=terminal | timing_facts(self.sitting.recordings, terminal, created_utc),
             departures=protocol.departures(),
-            source=dict(self.sitting.source),
+            source=dict(self.sitting.source) | pace_facts(self._worker_ready),
         )
 
     # --- keys and frames ----------------------------------------------------------------------------------------
@@ -252,8 +256,11 @@ class ArlApp(PlainApp[Outcome]):
 
     def _on_occurrence(self, occurrence: Occurrence) -> None:
         match occurrence:
+            case Preparing():
+                self.welcome.show_progress(occurrence)
             case Ready():
-                self.welcome.show_ready()
+                self._worker_ready = occurrence
+                self.welcome.show_ready(occurrence)
             case EpisodeStarted():
                 self._garbage.hold()
             case EpisodeEnded():
@@ -312,13 +319,18 @@ class ArlApp(PlainApp[Outcome]):
             problem, path = await asyncio.to_thread(close_recorder, self._recorder, closing_s)
             kept = self._recorder.kept
             trouble = "\n\n".join(part for part in (problem, trouble) if part) or None
-        outcome = self._outcome = Outcome(path, self.live.tally, trouble, kept)
+        sitting = self.sitting
+        warning = "" if sitting.simulated else pace_warning(sitting.protocol, self._worker_ready)
+        outcome = self._outcome = Outcome(path, self.live.tally, trouble, kept=kept, warning=warning)
         if self.ended_by is not None:
             self._go(outcome)
             return
         while len(self.screen_stack) > 1:
             self.pop_screen()
-        self.push_screen(ClosingScreen(outcome, words_of(self.sitting.protocol.game)))
+        protocol = self.sitting.protocol
+        self.push_screen(
+            ClosingScreen(outcome, words_of(protocol.game), show_weight=protocol.screen.show_weight)
+        )
 
     def _on_loop_error(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
         """Fail loudly where a callback of the event loop fails: asyncio would only log it, behind the screen."""

@@ -265,6 +265,11 @@ def import_evaluations(
     help="Which game is watched and judged in feedback-lag.",
 )
 @click.option(
+    "--protocol",
+    type=FILE,
+    help="TOML file of the sessions to come: feedback-lag shows its game at its pace.",
+)
+@click.option(
     "--refit",
     is_flag=True,
     help="Measure nothing: fit the newest finished trials again, pooled with everybody there is by now.",
@@ -278,6 +283,7 @@ def calibrate(
     recordings: Path,
     dry_run: bool,
     game: Literal["tetris", "keepaway"],
+    protocol: Path | None,
     refit: bool,
 ) -> None:
     """Measure how long a participant takes to react, and to judge what the agent does.
@@ -296,6 +302,7 @@ def calibrate(
         dry_run=dry_run,
         refit=refit,
         game=game,
+        protocol=protocol,
     )
 
 

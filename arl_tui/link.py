@@ -28,11 +28,24 @@ class Begin(Record, frozen=True, kw_only=True, tag="begin"):
     """To the worker: the participant has started the session."""
 
 
+class Preparing(Record, frozen=True, kw_only=True, tag="preparing"):
+    """From the worker: how far the preparation is. Several, before `Ready`."""
+
+    compiled: int
+    """Kernels that are compiled, or loaded from the cache."""
+    needed: int
+    """About how many the session needs, >= compiled."""
+
+
 class Ready(Record, frozen=True, kw_only=True, tag="ready"):
     """From the worker: everything is compiled and has run once."""
 
     warm_up_ns: int
     """How long that took."""
+    reach: float | None = None
+    """Share of a press that reaches the step it was meant for (`core.reach`), in [0, 1]."""
+    step_s: float = 0.0
+    """Mean time on screen of a step, in seconds."""
 
 
 class Picture(Record, frozen=True, kw_only=True, tag="picture"):
@@ -57,6 +70,22 @@ class PressSuggested(Record, frozen=True, kw_only=True, tag="press-suggested"):
     """When; not before the message arrives."""
 
 
+class TakenFor(Record, frozen=True, kw_only=True, tag="taken-for"):
+    """From the worker: what an accepted press was taken for. For the screen alone."""
+
+    press: int
+    value: float
+    """What the press says: > 0 good, < 0 bad."""
+    step: int
+    """The step that gets the largest share of it; -1 where none was on screen."""
+    blocks: tuple[tuple[int, int], ...] = ()
+    """Tetris: (row from the bottom, column) of what is left of the piece on the wall."""
+    player: int = -1
+    """Keepaway: the keeper who chose the option."""
+    target: int = -1
+    """Keepaway: the keeper it passed to; -1 where it held the ball."""
+
+
 class Crashed(Record, frozen=True, kw_only=True, tag="crashed"):
     """From the worker: its last message."""
 
@@ -74,7 +103,7 @@ ALIVE_EVERY_S = 0.5
 """How often a waiting worker says so, seconds."""
 
 ToWorker = Begin | Input
-FromWorker = Ready | Alive | Picture | PressSuggested | Crashed | Output
+FromWorker = Preparing | Ready | Alive | Picture | PressSuggested | TakenFor | Crashed | Output
 
 _encoder = msgspec.msgpack.Encoder()
 _to_worker = msgspec.msgpack.Decoder(ToWorker)

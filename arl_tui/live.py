@@ -10,7 +10,18 @@ from dataclasses import dataclass, field
 from typing import Literal, Protocol
 
 from arl_tui.frames import FrameLedger
-from arl_tui.link import Alive, Begin, Crashed, FromWorker, Link, Picture, PressSuggested, Ready
+from arl_tui.link import (
+    Alive,
+    Begin,
+    Crashed,
+    FromWorker,
+    Link,
+    Picture,
+    Preparing,
+    PressSuggested,
+    Ready,
+    TakenFor,
+)
 from core.clock import NS_PER_S, Clock
 from core.episode import (
     EpisodeEnded,
@@ -34,8 +45,8 @@ from core.episode import (
 )
 from core.keys import KeyConfig, PressGate
 
-Cover = Literal["pause", "help", "quit-dialogue", "resize", "gap"]
-Occurrence = Event | Picture | PressSuggested | Ready
+Cover = Literal["pause", "help", "quit-dialogue", "resize", "gap", "count-down"]
+Occurrence = Event | Picture | PressSuggested | Preparing | Ready | TakenFor
 
 
 class EventSink(Protocol):
@@ -87,9 +98,14 @@ class Tally:
     taken_back: int = 0
     trust: float = 0.0
     """What the rule of trust says of the participant, after the last episode."""
-    weight: float = 0.0
-    """Weight of the participant's judgement that the scheme used in the last episode."""
+    weight: float | None = None
+    """Weight of the participant's judgement in the last watched game; None before the first."""
     steps: int = 0
+
+
+def weight_in_use(episode: EpisodeStarted) -> float:
+    """Return the weight that the human has in an episode: in control sharing, the chance of a handover."""
+    return episode.share if episode.share > 0 else episode.weight
 
 
 def uniform_draws(root_seed: int) -> Iterator[float]:
@@ -148,6 +164,8 @@ class LiveSession:
         self._wrong_next = self._draw_wrong()
         self._worker_error: str | None = None
         self._unconfirmed: deque[Unconfirmed] = deque()
+        self._taken: dict[int, TakenFor] = {}
+        """What presses were taken for that are not known to be in the file yet."""
         self._episodes_begun = 0
         self._heard_ns = clock.now_ns()
         self.presses_left = self.gate.presses_left
@@ -235,6 +253,11 @@ class LiveSession:
             self.gate.covered = False
             self._enter(Resumed(time_ns=self._clock.now_ns()))
 
+    def count_down(self) -> None:
+        """Note that a count-down is on screen in the step's place; after a page, that page is over."""
+        self.uncover()
+        self.cover("count-down")
+
     def confirm(self) -> None:
         """Pass on to the screens the presses that are in the file by now; none once the disk has failed."""
         sink = self._sink
@@ -248,6 +271,9 @@ class LiveSession:
             same = waiting.episode == self._episodes_begun
             self.presses_left = waiting.presses_left if same else self.gate.presses_left
             self._listener(waiting.event)
+            taken = self._taken.pop(waiting.event.press, None)
+            if taken is not None:
+                self._listener(taken)
 
     def unconfirmed_s(self) -> float:
         """Return for how long the oldest press has waited to be in the file, seconds; 0.0 where none waits."""
@@ -283,13 +309,22 @@ class LiveSession:
             return
         if isinstance(message, Crashed):
             self._worker_error = f"{message.error}\n\n{message.trace}"
-        elif isinstance(message, Picture | PressSuggested):
+        elif isinstance(message, TakenFor):
+            self._note_taken(message)
+        elif isinstance(message, Picture | PressSuggested | Preparing):
             self._listener(message)
         elif isinstance(message, Ready):
             self.ready = True
             self._listener(message)
         else:
             self._take_output(message)
+
+    def _note_taken(self, taken: TakenFor) -> None:
+        """Tell the screens what a press was taken for, after they have been told that it counts."""
+        if any(waiting.event.press == taken.press for waiting in self._unconfirmed):
+            self._taken[taken.press] = taken
+        else:
+            self._listener(taken)
 
     def worker_lost(self, reason: str) -> None:
         """Act on the end of the worker's process."""
@@ -304,10 +339,10 @@ class LiveSession:
         self._sink.record(output)
         match output:
             case EpisodeStarted():
-                self.tally.weight = output.weight
                 self.gate.episode_started()
                 self._episodes_begun += 1
                 self.presses_left = self.gate.presses_left
+                self.tally.weight = weight_in_use(output)
             case StepTaken():
                 self.tally.steps += 1
                 self._ask_wrong_press(output.step)
@@ -318,7 +353,6 @@ class LiveSession:
                 self.tally.unseen += len(output.policies)
                 self.tally.practised.append(sum(output.performances) / len(output.performances))
                 self.tally.trust = output.trust
-                self.tally.weight = output.weights[-1] if output.weights else self.tally.weight
         self._listener(output)
         if isinstance(output, SessionEnded):
             self.phase = "over"

@@ -20,6 +20,10 @@ TEXTURES: tuple[str, ...] = ("==", "[]", "++", "\\\\", "//", "<<", ">>", "..")
 """Two characters per block, in ASCII so that every font has them."""
 
 
+MARKS = {"good": "#1f7a4d", "bad": "#b3372f"}
+"""Background of what a press was taken for: the colours of the words GOOD and BAD."""
+
+
 @dataclass(frozen=True, slots=True)
 class Palette:
     """How blocks look."""
@@ -121,6 +125,8 @@ def component_classes() -> set[str]:
         "block--empty",
         "block--stripe",
         "block--cleared",
+        "block--good",
+        "block--bad",
     }
 
 
@@ -135,6 +141,10 @@ def _rules(widget: str, palette: Palette) -> Iterator[str]:
     yield f"{start}empty {{ background: {palette.empty}; color: {_grey(palette)}; }}"
     yield f"{start}stripe {{ background: {palette.stripe}; color: {_grey(palette)}; }}"
     yield f"{start}cleared {{ background: #ffffff; color: #000000; text-style: bold; }}"
+    plain = palette.name == "high-contrast"
+    for mark, colour_of in MARKS.items():
+        paper = "#000000" if plain else colour_of
+        yield f"{start}{mark} {{ background: {paper}; color: #ffffff; text-style: bold; }}"
     for block, text in zip(BLOCKS, palette.colours, strict=True):
         colour = Color.parse(text)
         settled = colour.blend(Color.parse("#000000"), palette.settled)

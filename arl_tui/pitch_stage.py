@@ -6,17 +6,22 @@ end, is the one a cycle earlier. So a hold has one picture and a pass in flight 
 
 import functools
 import itertools
+from collections import deque
 from typing import TYPE_CHECKING
 
 import msgspec
 
-from arl_tui.stage import Shot
+from arl_tui.stage import Place, Shot
 from core.episode import EpisodeStarted, StepTaken
 from core.keepaway.picture import NOBODY, PitchFrame
 from core.keepaway.pitch import CYCLE_NS, KeepawayConfig
 
 if TYPE_CHECKING:
     from core.keepaway.match import Match
+
+
+OPTIONS_REMEMBERED = 128
+"""About ten seconds of the game's time, if nobody passes."""
 
 
 class PitchStage:
@@ -41,6 +46,7 @@ class PitchStage:
         self._play = self._new_play(0)
         self._camera = self._new_camera()
         self._now = self._look(self._play.match)
+        self._options: deque[tuple[int, Place]] = deque(maxlen=OPTIONS_REMEMBERED)
 
     @property
     def picture(self) -> PitchFrame:
@@ -59,6 +65,7 @@ class PitchStage:
     def act(self, step: StepTaken) -> tuple[Shot, ...]:
         """Return the pictures from a decision to the cycle before the next one."""
         keeper, target = step.detail["keeper"], step.detail["target"]
+        self._options.append((step.step, Place(player=keeper, target=target)))
         pictures = [self._now]
         self._play.decide(step.action, lambda match: pictures.append(self._look(match)))
         shown = [msgspec.structs.replace(picture, decider=keeper, target=target) for picture in pictures[:-1]]
@@ -67,6 +74,10 @@ class PitchStage:
     def judged_after_ns(self, n_shots: int) -> int:
         """Return one cycle: then an option is seen to have been chosen."""
         return self.tick_ns
+
+    def place_of(self, step: int) -> Place:
+        """Return who chose an option, and who was passed to."""
+        return next((place for known, place in reversed(self._options) if known == step), Place())
 
     def _shots(self, pictures: list[PitchFrame]) -> tuple[Shot, ...]:
         """Return all but the last picture, which belongs to what comes now, each with the one after it."""

@@ -11,8 +11,12 @@ from core.keys import NS_PER_MS
 from core.protocol import Protocol
 from core.tetris.config import TetrisConfig
 from core.tetris.game import reachable_placements
-from core.tetris.picture import Counts, Snapshot, Wall, animate, snapshot
+from core.tetris.picture import Counts, PieceAnimation, Snapshot, Wall, animate, snapshot
 from core.tetris.practice import PIECE_STREAMS
+
+Blocks = tuple[tuple[int, int], ...]
+"""(row from the bottom, column) of blocks on a wall."""
+PIECES_REMEMBERED = 8
 
 
 class Shot(NamedTuple):
@@ -21,6 +25,17 @@ class Shot(NamedTuple):
     view: View
     ahead: PitchFrame | None = None
     """The picture of the tick after, where what lies between can be shown."""
+
+
+class Place(NamedTuple):
+    """Where a step that was judged is to be seen now."""
+
+    blocks: Blocks = ()
+    """Tetris: what is left of the piece."""
+    player: int = -1
+    """Keepaway: who chose."""
+    target: int = -1
+    """Keepaway: who was passed to; -1 for a hold."""
 
 
 class Stage(Interface):
@@ -46,6 +61,10 @@ class Stage(Interface):
 
     def judged_after_ns(self, n_shots: int) -> int:
         """Return from when on a step of so many pictures can be judged, since it came on screen."""
+        ...
+
+    def place_of(self, step: int) -> Place:
+        """Return where one of the last steps is to be seen while the newest one is on screen."""
         ...
 
 
@@ -74,10 +93,15 @@ class TetrisStage:
         self._wall = Wall(config.rows, config.columns)
         self._counts = Counts()
         self._episode_seed = 0
+        self._landed: dict[int, Blocks] = {}
+        """What is left of the last pieces on the wall, by step, oldest first."""
+        self._cleared: tuple[int, ...] = ()
+        """Rows that the newest piece has cleared; to the older ones that happens when it has landed."""
 
     def begin(self, episode: EpisodeStarted) -> tuple[Shot, ...]:
         """Clear the board."""
         self._wall = Wall(self._config.rows, self._config.columns)
+        self._landed, self._cleared = {}, ()
         self._episode_seed = episode.episode_seed
         self._counts = Counts(next_piece=self._piece_at(self._episode_seed, 0))
         self.picture = snapshot(self._wall, counts=self._counts)
@@ -101,6 +125,7 @@ class TetrisStage:
             counts=counts,
             clear_on_overflow=self._config.clear_on_overflow,
         )
+        self._note_landed(step.step, shown)
         self._wall = shown.wall
         self.picture = shown.frames[-1]
         self._counts = self.picture.counts
@@ -109,3 +134,23 @@ class TetrisStage:
     def judged_after_ns(self, n_shots: int) -> int:
         """Return the time on screen: a step is judged when the piece has landed."""
         return n_shots * self.tick_ns
+
+    def place_of(self, step: int) -> Place:
+        """Return the piece's blocks on the wall; none where all have been cleared, or it is too long ago."""
+        return Place(blocks=self._landed.get(step, ()))
+
+    def _note_landed(self, step: int, shown: PieceAnimation) -> None:
+        self._landed = {
+            known: _after_clearing(blocks, self._cleared)
+            for known, blocks in list(self._landed.items())[-PIECES_REMEMBERED:]
+        }
+        at_rest = next(frame.falling for frame in reversed(shown.frames) if frame.falling is not None)
+        self._cleared = shown.settled.cleared
+        self._landed[step] = _after_clearing(tuple(at_rest.cells()), self._cleared)
+
+
+def _after_clearing(blocks: Blocks, cleared: tuple[int, ...]) -> Blocks:
+    """Return where blocks are when rows have gone: what was above them is lower."""
+    return tuple(
+        (row - sum(gone < row for gone in cleared), column) for row, column in blocks if row not in cleared
+    )

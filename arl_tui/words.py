@@ -21,6 +21,8 @@ class Words:
     """Unit of what is counted, for one and for several."""
     steps: str
     """What the steps of a game are, in the plural."""
+    step: str
+    """The same for one."""
 
     def told(self, performance: float) -> str:
         """Return a performance with its unit."""
@@ -42,6 +44,7 @@ TETRIS = Words(
     performance="Lines cleared",
     units=("line", "lines"),
     steps="pieces",
+    step="piece",
 )
 KEEPAWAY = Words(
     heading="Teach a team to keep the ball",
@@ -60,6 +63,7 @@ KEEPAWAY = Words(
     performance="Seconds the ball was kept",
     units=("second", "seconds"),
     steps="decisions",
+    step="option",
 )
 _WORDS = {"tetris": TETRIS, "keepaway": KEEPAWAY}
 

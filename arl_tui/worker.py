@@ -11,8 +11,9 @@ import multiprocessing
 import os
 import signal
 import tempfile
+import threading
 import traceback
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -20,8 +21,9 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from arl_tui.companion import Companion
-from arl_tui.link import Begin, Crashed, Picture, Ready, WorkerLine, WorkerLink
+from arl_tui.link import Begin, Crashed, Picture, Preparing, Ready, TakenFor, WorkerLine, WorkerLink
 from arl_tui.stage import Shot, stage_of
+from arl_tui.taken import StepsShown
 from core.clock import NS_PER_S, Clock, ManualClock, MonotonicClock
 from core.episode import (
     EpisodeEnded,
@@ -43,6 +45,11 @@ if TYPE_CHECKING:
 
 LOG_PREFIX = "arl-worker-"
 """Of the file that takes a worker's error output; the number of the screen's process follows."""
+KERNELS_NEEDED = {"tetris": 53, "keepaway": 122}
+"""How many kernels a session compiles before its first game where none is in the cache, by game. (Counted with
+the default protocols; `tests/arl_tui/test_worker.py` keeps it near.)"""
+PROGRESS_S = 0.25
+"""How often the screen is told how many there are."""
 LAST_WORDS = 4000
 """Characters of a dead worker's error output that are shown."""
 
@@ -106,18 +113,48 @@ def worker_main(
     try:
         before_ns = clock.now_ns()
         # Here, not above: these compile, and the screen's process imports this module.
+        from core.reach import reach_of
         from core.session import build_session
 
-        rehearse(protocol)
-        session = build_session(protocol, root_seed)
-        companion = Companion(session, protocol, root_seed) if simulated else None
-        line.send(Ready(warm_up_ns=clock.now_ns() - before_ns))
+        with telling_progress(line, protocol.game):
+            rehearse(protocol)
+            session = build_session(protocol, root_seed)
+            companion = Companion(session, protocol, root_seed) if simulated else None
+            reach = reach_of(protocol)
+        line.send(
+            Ready(warm_up_ns=clock.now_ns() - before_ns, reach=reach.share, step_s=reach.step_s),
+        )
         Show(line, protocol, clock, companion).run(session)
     except (EOFError, BrokenPipeError, ConnectionResetError):
         return  # Nobody is looking any more.
     except Exception as error:  # noqa: BLE001 - whatever it was, the participant must be told
         with contextlib.suppress(OSError):
             line.send(Crashed(error=f"{type(error).__name__}: {error}", trace=traceback.format_exc()))
+
+
+@contextlib.contextmanager
+def telling_progress(line: WorkerLine, game: str) -> Iterator[None]:
+    """Tell the screen how many kernels are compiled, while the block runs; nothing else may be sent."""
+    from core.compiled import kernels_at_hand
+
+    over = threading.Event()
+
+    def tell() -> None:
+        told = -1
+        while not over.wait(PROGRESS_S):
+            compiled = kernels_at_hand()
+            if compiled != told:
+                told = compiled
+                with contextlib.suppress(OSError):  # the screen has gone: whoever reads next will notice
+                    line.send(Preparing(compiled=compiled, needed=max(compiled, KERNELS_NEEDED[game])))
+
+    teller = threading.Thread(target=tell, name="progress", daemon=True)
+    teller.start()
+    try:
+        yield
+    finally:
+        over.set()
+        teller.join()
 
 
 def _leave_the_terminal(log_path: str) -> None:
@@ -196,6 +233,8 @@ class Show:
         self._companion = companion
         self._stage = stage_of(protocol)
         self._break_ns = round(protocol.screen.pause_between_episodes_s * NS_PER_S)
+        self._steps_shown = StepsShown(protocol.agent.credit.delay)
+        self._marks_presses = protocol.screen.mark_presses
         self._arrived: list[Input] = []
         self._begun = False
         self._covered_since_ns: int | None = None
@@ -291,7 +330,10 @@ class Show:
                 self._arrived.append(message)
 
     def _note(self, message: Input) -> None:
+        self._steps_shown.note(message)
         match message:
+            case KeyPressed(verdict="accepted") if self._marks_presses:
+                self._tell_taken_for(message)
             case FrameShown(step=step):
                 self._step_on_screen = max(step, self._step_on_screen)
             case ScreenCleared(time_ns=time_ns):
@@ -301,3 +343,19 @@ class Show:
                 self._covered_since_ns = None
             case StopAsked():
                 self._stopped = True
+
+    def _tell_taken_for(self, press: KeyPressed) -> None:
+        """Tell the screen what a press was taken for."""
+        assert press.value is not None, "an accepted press means something"
+        step = self._steps_shown.taken_for(press)
+        place = self._stage.place_of(step)
+        self._line.send(
+            TakenFor(
+                press=press.press,
+                value=press.value,
+                step=step,
+                blocks=place.blocks,
+                player=place.player,
+                target=place.target,
+            )
+        )

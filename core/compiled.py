@@ -86,6 +86,15 @@ JIT_DISABLED: bool = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
 """True under NUMBA_DISABLE_JIT=1, where kernels run as plain Python."""
 
 
+_at_hand: set[str] = set()
+"""Names of the kernels that have been compiled, or loaded from the cache, in this process."""
+
+
+def kernels_at_hand() -> int:
+    """Return how many kernels have been compiled, or loaded from the cache, in this process so far."""
+    return len(_at_hand)
+
+
 def kernel(function: Function) -> Function:
     """Compile `function` on its first call; released GIL, cached on disk, no fast-math."""
     return _compiled(function)
@@ -125,7 +134,9 @@ def _one_process_at_a_time(compile_it: Callable[[Any], Any], name: str) -> Calla
             unliteral = cast(Any, numba.types.unliteral)
             signature = tuple(unliteral(argument) for argument in signature)
         with global_compiler_lock, _turn(lock_file):
-            return compile_it(signature)
+            compiled = compile_it(signature)
+        _at_hand.add(name)
+        return compiled
 
     return compile_in_turn
 

@@ -41,8 +41,9 @@ class ScreenCleared(Record, frozen=True, kw_only=True, tag="screen-cleared"):
     """The step on screen was covered: a pause, a help page, a dialogue."""
 
     time_ns: int
-    reason: Literal["pause", "help", "quit-dialogue", "resize", "gap"]
-    """`gap`: the session paused by itself after a `TimeGap`."""
+    reason: Literal["pause", "help", "quit-dialogue", "resize", "gap", "count-down"]
+    """`gap`: the session paused by itself after a `TimeGap`. `count-down`: a game is about to begin or to go on;
+    the participant sees a number in its place."""
 
 
 class KeyPressed(Record, frozen=True, kw_only=True, tag="key-pressed"):

@@ -66,13 +66,22 @@ class SessionConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
 class ScreenConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How the session looks and how fast it goes."""
 
-    tick_ms: Annotated[int, number("milliseconds", ge=10, le=2000)] = 80
-    """Tetris: time per primitive action and per row of gravity, in milliseconds (TAMER's demo: 150)."""
+    tick_ms: Annotated[int, number("milliseconds", ge=10, le=2000)] = 200
+    """Tetris: time per primitive action and per row of gravity, in milliseconds. At 200 a piece takes 1.6 s, and 92 % of
+    presses reach theirs under the paper's delay (`docs/decisions/pace-of-a-session.md`; TAMER's demo: 150)."""
     speed: Annotated[float, number("simulated seconds per second", ge=0.05, le=5)] = 1.0
-    """Keepaway: simulated seconds per second, in [0.05, 5]; below 1 is slow motion. Times of presses and of what was on
-    screen stay real. (The paper plays the simulator at its own speed.)"""
+    """Keepaway: simulated seconds per second; below 1 is slow motion. Times of presses and of what was on screen stay
+    real. A session of Keepaway plays at 0.2 by default, so that 73 % of a press reach the option it was meant for. (The
+    paper plays the simulator at its own speed, 1: there it is 34 %.)"""
     pause_between_episodes_s: Annotated[float, number("seconds", ge=0, le=60)] = 2.0
     """How long the final board of an episode stays, in seconds."""
+    count_down_s: Annotated[int, number("seconds", ge=0, le=10)] = 3
+    """Count-down before each game, and after a pause, a help page or a window that was too small; 0 leaves it out. No
+    step is on screen meanwhile, and no press counts."""
+    mark_presses: bool = True
+    """Whether the screen marks, for a moment, what an accepted press was taken for: piece or option."""
+    show_weight: bool = False
+    """Whether participants see the weight that their feedback has. Most studies hide it: it tells the condition."""
     palette: Literal["standard", "colour-blind", "high-contrast", "sixteen"] = "standard"
     """Colours of the pieces; each piece has its own texture, too, outside the standard palette."""
 
@@ -85,6 +94,8 @@ class ScreenConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
             raise ValueError(
                 f"pause_between_episodes_s is 0..60 seconds, got {self.pause_between_episodes_s}"
             )
+        if not 0 <= self.count_down_s <= 10:
+            raise ValueError(f"count_down_s is 0..10 whole seconds, got {self.count_down_s}")
 
 
 DelayIfMissing = Literal["refuse", "pooled", "paper"]
@@ -229,6 +240,8 @@ KEEPAWAY = Protocol(
     trainer=KeepawayPersonConfig().trainer,
     # An untrained team keeps the ball for about 7 s, a trained one for 12 s; a step takes 0.1 s or a pass.
     session=SessionConfig(episodes=20, unseen_between=0, watched_steps=1200, unseen_steps=12000),
+    # A pass then takes 3.2 s, in which it can be judged (docs/decisions/pace-of-a-session.md).
+    screen=ScreenConfig(speed=0.2),
 )
 DEFAULTS: dict[str, Protocol] = {"tetris": TETRIS, "keepaway": KEEPAWAY}
 """The default protocol of each game."""

@@ -10,7 +10,7 @@ import msgspec
 from textual import constants, events
 
 from arl_tui.app import key_name
-from arl_tui.calibration.clips import Clip
+from arl_tui.calibration.clips import Clip, cycle_ms
 from arl_tui.calibration.fitting import FitOrder, Fitted
 from arl_tui.calibration.helper import HelperError, ask_helper
 from arl_tui.calibration.pages import (
@@ -23,7 +23,7 @@ from arl_tui.calibration.pages import (
     page_before,
 )
 from arl_tui.calibration.plan import PLANNED, Part, Sitting, new_parts, unfinished
-from arl_tui.calibration.scenes import Scene
+from arl_tui.calibration.scenes import Scene, tick_ms
 from arl_tui.calibration.trial_screen import SMALLEST, TrialScreen
 from arl_tui.calibration.trial_store import TrialStore
 from arl_tui.calibration.views import BoxView, GameView, PitchView, View
@@ -235,8 +235,9 @@ class CalibrationApp(PlainApp[Outcome]):
             return None
         palette = palette_for("standard", self.console.color_system)
         if is_tetris:
-            return GameView(msgspec.json.decode(answer, type=list[Scene]), palette)
-        return PitchView(msgspec.json.decode(answer, type=list[Clip]), palette)
+            scenes = msgspec.json.decode(answer, type=list[Scene])
+            return GameView(scenes, palette, tick_ms(schedule), schedule.config.time_out_s)
+        return PitchView(msgspec.json.decode(answer, type=list[Clip]), palette, cycle_ms(schedule))
 
     async def _wait_for(self, module: str, question: object, page: WaitingPage) -> bytes | None:
         """Ask another process while a page says so; None where the participant would not wait.

@@ -14,11 +14,10 @@ import msgspec
 
 from core.keepaway.picture import NOBODY, PitchFrame
 from core.keepaway.pitch import CYCLE_S, ONGOING, KeepawayConfig
+from core.protocol import KEEPAWAY
 from core.streams import stream, stream_seed
 from studies.reaction_time.protocol import Schedule
 
-TICK_MS = round(1000 * CYCLE_S)
-"""A cycle is shown for as long as it takes in the game."""
 MARK = "NOW"
 """Short: it has to fit beside the longest words about an event in the smallest pitch."""
 LONGEST_S = 99.0
@@ -26,6 +25,11 @@ LONGEST_S = 99.0
 MOST_EPISODES = 20_000
 """Looking through more of them than this for possessions that are long enough means that there are none."""
 KEPT, LOST = "ball kept", "ball lost"
+
+
+def cycle_ms(schedule: Schedule) -> float:
+    """Return how long a cycle is shown: the session's pace."""
+    return schedule.config.picture_ms or 1000.0 * CYCLE_S / KEEPAWAY.screen.speed
 
 
 class Clip(msgspec.Struct, frozen=True, kw_only=True):
@@ -64,7 +68,7 @@ def make_clips(schedule: Schedule) -> list[Clip]:
     clips = []
     for plan in schedule.trials:
         seconds = plan.foreperiod_s + (schedule.config.time_out_s if plan.catch else 0.0)
-        n_ticks = int(1000 * seconds / TICK_MS) + 1
+        n_ticks = int(1000 * seconds / cycle_ms(schedule)) + 1
         rng = stream(schedule.root_seed, "feedback-lag clip", plan.index)
         wanted = (KEPT, LOST)[int(rng.integers(2))] if plan.catch else plan.condition
         looked_at: list[list[PitchFrame]] = []

@@ -245,8 +245,8 @@ class SummaryPage(Reading, inherit_bindings=False):
         tasks = {delay.task for delay in self._fitted.delays}
         if {SIMPLE, FEEDBACK_LAG} <= tasks:
             yield "[dim]Reacting is not judging: the agent is taught with the delay of judging.[/]"
-        for task, reason in self._fitted.failures.items():
-            yield f"[b]{title_of(task)}[/]: no result: {reason.replace('[', '(').replace(']', ')')}"
+        for task in self._fitted.failures:
+            yield f"[b]{title_of(task)}[/]: no result. The experimenter sees why."
 
 
 def title_of(task: str) -> str:
@@ -257,13 +257,10 @@ def title_of(task: str) -> str:
 
 
 def result_words(delay: TaskDelay) -> str:
-    """Return one task's result in plain words, in markup."""
+    """Return one task's result in plain words, in markup; warnings stand in the terminal only."""
     mean = delay.mean_s
     told = (
         f"[b]{TITLES[delay.task]}[/]: on average you took [b]{mean.estimate:.2f} s[/] "
         f"(95 % sure: {mean.low:.2f} to {mean.high:.2f} s; {delay.n_observed} answers"
     )
-    told += f", {delay.n_censored} without one)." if delay.n_censored else ")."
-    return told + "".join(
-        f"\n[$text-warning]For the experimenter:[/] [dim]{warning}[/]" for warning in delay.warnings
-    )
+    return told + (f", {delay.n_censored} without one)." if delay.n_censored else ").")

@@ -9,6 +9,8 @@ from typing import Literal
 import msgspec
 
 from arl_tui.recordings import CALIBRATION_FOLDER
+from core.keepaway.pitch import CYCLE_S
+from core.protocol import DEFAULTS, Protocol
 from studies.reaction_time.protocol import Schedule, Task, TaskConfig
 from studies.reaction_time.schedule import expected_minutes, make_schedule
 from studies.reaction_time.trial_log import LONGEST_PAUSE_H, TrialFile, read_trials
@@ -100,6 +102,7 @@ def configure(
     n_trials: int | None = None,
     n_practice: int | None = None,
     game: GameName = "tetris",
+    protocol: Protocol | None = None,
 ) -> tuple[TaskConfig, ...]:
     """Return the configuration of each task.
 
@@ -108,6 +111,8 @@ def configure(
         n_trials: scored trials per task; the task's default without.
         n_practice: practice trials per task; the task's default without.
         game: which one is watched in the feedback-lag task.
+        protocol: of the sessions for which the delay is measured; their pace is that of the task. The game's
+            default without.
     """
     changes: dict[str, int] = {}
     if n_trials is not None:
@@ -118,9 +123,17 @@ def configure(
     for name in names:
         config = msgspec.structs.replace(TaskConfig(task=TASKS[name]), **changes)
         if config.task == "feedback lag":
-            config = msgspec.structs.replace(config, time_out_s=JUDGING_S, game=game)
+            config = msgspec.structs.replace(
+                config, time_out_s=JUDGING_S, game=game, picture_ms=picture_ms(protocol or DEFAULTS[game])
+            )
         configs.append(config)
     return tuple(configs)
+
+
+def picture_ms(protocol: Protocol) -> float:
+    """Return how long a session shows a tick of Tetris, or a cycle of Keepaway, in milliseconds."""
+    screen = protocol.screen
+    return float(screen.tick_ms) if protocol.game == "tetris" else CYCLE_S * 1000.0 / screen.speed
 
 
 def slug(config: TaskConfig) -> str:

@@ -46,9 +46,9 @@ INSTRUCTIONS: dict[Task, str] = {
         f"The word was not in the list: press {cap(NO)}"
     ),
     "feedback lag": (
-        "You watch a computer play Tetris. Its piece is moved about at the top, then it [b]drops[/]. Full rows "
-        "disappear, so a piece should leave no holes and not stand out.\n\n"
-        f"It went to a good place: press {cap(YES)}\nIt went to a bad place:  press {cap(NO)}\n\n"
+        "You watch a computer play Tetris. A piece enters and is moved, then it [b]drops[/]; its shadow shows "
+        "where. Full rows disappear, so a piece should leave no holes and not stand out.\n\n"
+        f"It goes to a good place: press {cap(YES)}\nIt goes to a bad place:  press {cap(NO)}\n\n"
         "Press as soon as you have made up your mind. The computer's mistakes are put right before the next piece."
     ),
 }

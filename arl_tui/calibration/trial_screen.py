@@ -191,6 +191,7 @@ class TrialScreen(Screen[bool], inherit_bindings=False):
         self._trial = trial
         begun_ns = self._clock.now_ns()
         started_ns: int | None = None
+        presented_ns = 0
         while True:
             self._news.clear()
             action = trial.poll()
@@ -199,6 +200,7 @@ class TrialScreen(Screen[bool], inherit_bindings=False):
                 return trial.record
             if action.kind == "show stimulus":
                 self._view.present(plan)
+                presented_ns = now_ns
             elif action.kind == "release keys":
                 self._view.wait(plan, 0)
                 self._word.update(LET_GO if seconds(now_ns - begun_ns) > PATIENCE_S else "")
@@ -208,6 +210,8 @@ class TrialScreen(Screen[bool], inherit_bindings=False):
                     started_ns = now_ns
                     self._word.update("")
                 due_ns = self._tick(plan, now_ns - started_ns, now_ns, due_ns)
+            elif trial.phase in ("shown", "confirming"):
+                due_ns = self._follow(plan, now_ns - presented_ns, now_ns, due_ns)
             await self._wait_until(due_ns)
 
     def _tick(self, plan: TrialPlan, elapsed_ns: int, now_ns: int, due_ns: int | None) -> int | None:
@@ -215,8 +219,17 @@ class TrialScreen(Screen[bool], inherit_bindings=False):
         if self._view.tick_ns is None:
             self._view.wait(plan, 0)
             return due_ns
-        tick, over_ns = divmod(elapsed_ns, self._view.tick_ns)
+        tick, over_ns = divmod(elapsed_ns - self._view.early_ns(plan), self._view.tick_ns)
         self._view.wait(plan, tick)
+        next_ns = now_ns + self._view.tick_ns - over_ns
+        return next_ns if due_ns is None else min(due_ns, next_ns)
+
+    def _follow(self, plan: TrialPlan, elapsed_ns: int, now_ns: int, due_ns: int | None) -> int | None:
+        """Show what comes after the stimulus, and return when to come back."""
+        if self._view.tick_ns is None:
+            return due_ns
+        tick, over_ns = divmod(elapsed_ns, self._view.tick_ns)
+        self._view.follow(plan, tick)
         next_ns = now_ns + self._view.tick_ns - over_ns
         return next_ns if due_ns is None else min(due_ns, next_ns)
 

@@ -6,8 +6,7 @@ from typing import Protocol
 from textual.widget import Widget
 
 from arl_tui.calibration.clips import MARK, Clip
-from arl_tui.calibration.clips import TICK_MS as CYCLE_MS
-from arl_tui.calibration.scenes import TICK_MS, Scene
+from arl_tui.calibration.scenes import Scene
 from arl_tui.calibration.stimulus import StimulusBox
 from arl_tui.palette import Palette
 from arl_tui.widgets.board import TetrisBoard
@@ -16,8 +15,8 @@ from core.keepaway.picture import between
 from core.keys import NS_PER_MS
 from studies.reaction_time.protocol import TrialPlan
 
-PICTURES_PER_CYCLE = 3
-"""How often the pitch is drawn while a cycle of the game passes: 30 times a second."""
+PICTURES_PER_S = 30
+"""How often the pitch is drawn, as in a session."""
 
 
 class View(Protocol):
@@ -35,6 +34,10 @@ class View(Protocol):
         """Return a view like this one with a widget of its own: a widget goes with its screen."""
         ...
 
+    def early_ns(self, plan: TrialPlan) -> int:
+        """Return how long after the trial's start the first tick begins; before, it is tick -1."""
+        ...
+
     def study(self, item: str) -> None:
         """Show something to remember."""
         ...
@@ -45,6 +48,10 @@ class View(Protocol):
 
     def present(self, plan: TrialPlan) -> None:
         """Show the stimulus with the next paint."""
+        ...
+
+    def follow(self, plan: TrialPlan, tick: int) -> None:
+        """Show what is seen `tick` ticks after the stimulus, while the response is awaited."""
         ...
 
     def rest(self) -> None:
@@ -77,6 +84,10 @@ class BoxView:
         """Return a new box."""
         return BoxView()
 
+    def early_ns(self, plan: TrialPlan) -> int:
+        """Return 0."""
+        return 0
+
     def study(self, item: str) -> None:
         """Show an item in the middle."""
         self.box.show(item)
@@ -88,6 +99,9 @@ class BoxView:
     def present(self, plan: TrialPlan) -> None:
         """Show the stimulus."""
         self.box.show(plan.stimulus, plan.index)
+
+    def follow(self, plan: TrialPlan, tick: int) -> None:
+        """Leave the stimulus."""
 
     def rest(self) -> None:
         """Show nothing."""
@@ -104,15 +118,26 @@ class BoxView:
 
 
 class GameView:
-    """The real board: a piece hovers, then drops."""
+    """The real board: a piece enters, is moved and drops, picture by picture as in a session."""
 
-    tick_ns: int | None = TICK_MS * NS_PER_MS
+    def __init__(self, scenes: Sequence[Scene], palette: Palette, tick_ms: int, time_out_s: float) -> None:
+        """Show the first trial's board.
 
-    def __init__(self, scenes: Sequence[Scene], palette: Palette) -> None:
-        wall = scenes[0].wall
-        self.board = TetrisBoard(wall.rows, wall.columns, palette=palette)
+        Args:
+            scenes: of all trials.
+            palette: colours.
+            tick_ms: how long a picture is shown.
+            time_out_s: of the task: in a catch trial no piece drops before it.
+        """
+        first = scenes[0].waiting
+        self.board = TetrisBoard(first.rows, first.columns, palette=palette)
+        self.tick_ns: int | None = tick_ms * NS_PER_MS
+        self._given = (scenes, palette, tick_ms, time_out_s)
         self._scenes = scenes
-        self._palette = palette
+        self._tick_ms = tick_ms
+        self._time_out_s = time_out_s
+        self._dropped = -1
+        """The trial whose piece is falling; -1 where none is."""
 
     @property
     def widget(self) -> Widget:
@@ -121,26 +146,42 @@ class GameView:
 
     def renewed(self) -> "GameView":
         """Return the same game on a new board."""
-        return GameView(self._scenes, self._palette)
+        return GameView(*self._given)
+
+    def early_ns(self, plan: TrialPlan) -> int:
+        """Return what is left of the foreperiod beside whole ticks: every move is shown for a whole one."""
+        return round(plan.foreperiod_s * 1000 * NS_PER_MS) % (self._tick_ms * NS_PER_MS)
 
     def study(self, item: str) -> None:
         """Do nothing: there is nothing to remember in a game."""
 
     def wait(self, plan: TrialPlan, tick: int) -> None:
-        """Show the hovering piece."""
-        self.board.show(self._scenes[plan.index].hovering(tick))
+        """Show the board, then the piece that enters and is moved until the foreperiod is over."""
+        self._dropped = -1
+        waited_s = plan.foreperiod_s + (self._time_out_s if plan.catch else 0.0)
+        ticks = int(1000 * waited_s / self._tick_ms + 1e-9) + (1 if plan.catch else 0)
+        self.board.show(self._scenes[plan.index].at(max(1, ticks - tick)))
 
     def present(self, plan: TrialPlan) -> None:
-        """Drop the piece."""
-        self.board.show(self._scenes[plan.index].event(), plan.index)
+        """Begin the drop."""
+        self._dropped = plan.index
+        self.board.show(self._scenes[plan.index].event[0], plan.index)
+
+    def follow(self, plan: TrialPlan, tick: int) -> None:
+        """Let the piece fall and settle."""
+        event = self._scenes[plan.index].event
+        if tick > 0:
+            self.board.show(event[min(tick, len(event) - 1)])
 
     def rest(self) -> None:
-        """Leave the board as it is."""
+        """Show the settled board where a piece has dropped."""
+        if self._dropped >= 0:
+            self.board.show(self._scenes[self._dropped].event[-1])
+            self._dropped = -1
 
     def take_drawn(self) -> int:
         """Return what the board has drawn."""
-        drawn, self.board.drawn_frame = self.board.drawn_frame, -1
-        return drawn
+        return self.board.take_drawn()
 
     def note(self, plan: TrialPlan) -> str:
         """Return where the piece went."""
@@ -154,11 +195,20 @@ class PitchView:
     which would announce it, and nothing of the event slides in. The event is one whole picture of a cycle.
     """
 
-    tick_ns: int | None = CYCLE_MS * NS_PER_MS // PICTURES_PER_CYCLE
+    def __init__(self, clips: Sequence[Clip], palette: Palette, cycle_ms: float) -> None:
+        """Show an empty pitch.
 
-    def __init__(self, clips: Sequence[Clip], palette: Palette) -> None:
+        Args:
+            clips: of all trials.
+            palette: colours.
+            cycle_ms: how long a cycle is shown.
+        """
         first = clips[0].event
-        self.pitch = PitchWidget(first.length_m, first.width_m, palette=palette)
+        # Without words: what is going on, and how it ended, is what the participant is to say.
+        self.pitch = PitchWidget(first.length_m, first.width_m, palette=palette, caption=False)
+        self._cycle_ms = cycle_ms
+        self._per_cycle = max(1, round(cycle_ms * PICTURES_PER_S / 1000))
+        self.tick_ns: int | None = round(cycle_ms * NS_PER_MS / self._per_cycle)
         # As large as there is room for beside the words, in the smallest window.
         self.pitch.styles.width, self.pitch.styles.height = 34, 20
         self._clips = clips
@@ -171,7 +221,11 @@ class PitchView:
 
     def renewed(self) -> "PitchView":
         """Return the same game on a new pitch."""
-        return PitchView(self._clips, self._palette)
+        return PitchView(self._clips, self._palette, self._cycle_ms)
+
+    def early_ns(self, plan: TrialPlan) -> int:
+        """Return 0: pictures are drawn often enough."""
+        return 0
 
     def study(self, item: str) -> None:
         """Do nothing: there is nothing to remember in a game."""
@@ -179,8 +233,8 @@ class PitchView:
     def wait(self, plan: TrialPlan, tick: int) -> None:
         """Show the play before the event."""
         clip, foreperiod_ms = self._clips[plan.index], 1000.0 * plan.foreperiod_s
-        early_ms = foreperiod_ms - int(foreperiod_ms / CYCLE_MS) * CYCLE_MS
-        cycle, share = divmod(max(0.0, tick / PICTURES_PER_CYCLE - early_ms / CYCLE_MS), 1.0)
+        early_ms = foreperiod_ms % self._cycle_ms
+        cycle, share = divmod(max(0.0, tick / self._per_cycle - early_ms / self._cycle_ms), 1.0)
         self.pitch.note = ""
         self.pitch.show(between(clip.at(int(cycle)), clip.at(int(cycle) + 1), share))
 
@@ -188,6 +242,9 @@ class PitchView:
         """Show the event, with a mark: something changes on the screen whatever the event looks like."""
         self.pitch.show(self._clips[plan.index].event, plan.index)
         self.pitch.note = MARK
+
+    def follow(self, plan: TrialPlan, tick: int) -> None:
+        """Leave the event."""
 
     def rest(self) -> None:
         """Leave the pitch as it is."""

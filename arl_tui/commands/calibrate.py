@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from arl_tui.commands.play import FRAMES_PER_S, need_terminal
+from arl_tui.commands.play import FRAMES_PER_S, need_terminal, read_protocol
 from arl_tui.recordings import CALIBRATION_FOLDER
 
 if TYPE_CHECKING:
@@ -37,12 +37,16 @@ def calibrate(
     dry_run: bool,
     refit: bool = False,
     game: "GameName" = "tetris",
+    protocol: Path | None = None,
 ) -> None:
     """Run the tasks in this terminal, print what they would be, or fit what has been measured."""
     from arl_tui.calibration.plan import Sitting, configure, new_parts, task_names
 
+    sessions = read_protocol(protocol, game)
     try:
-        configs = configure(task_names(tasks), n_trials=trials, n_practice=practice, game=game)
+        configs = configure(
+            task_names(tasks), n_trials=trials, n_practice=practice, game=game, protocol=sessions
+        )
     except ValueError as error:
         raise click.BadParameter(str(error), param_hint="--tasks") from error
     if refit:

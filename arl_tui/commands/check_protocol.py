@@ -65,7 +65,7 @@ def notes(protocol: Protocol) -> Iterator[str]:
 
 def _reach(protocol: Protocol) -> str:
     """Return the share of a press that reaches the step it was meant for, under the delay in force."""
-    from core.feedback.reach import delay_in_force, reach_of  # here, not above: compiled code comes with it
+    from core.reach import delay_in_force, reach_of  # here, not above: compiled code comes with it
 
     measured = protocol.delay_of != "rule"
     if measured:

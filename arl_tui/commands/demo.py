@@ -22,7 +22,7 @@ PARTICIPANT = "demo"
 
 
 def demo_protocol(game: str, somebody: TrainerConfig | None = None) -> Protocol:
-    """Return a session of about a minute with somebody who speaks often.
+    """Return a session of about a minute with a participant who presses often; faster than real ones.
 
     Args:
         game: tetris or keepaway.
@@ -32,6 +32,7 @@ def demo_protocol(game: str, somebody: TrainerConfig | None = None) -> Protocol:
         return msgspec.structs.replace(
             KEEPAWAY,
             name="demo",
+            screen=ScreenConfig(speed=1.0, count_down_s=1),
             session=SessionConfig(episodes=5, unseen_between=100, watched_steps=300, unseen_steps=3000),
             trainer=msgspec.structs.replace(
                 somebody or KEEPAWAY.trainer,
@@ -43,7 +44,7 @@ def demo_protocol(game: str, somebody: TrainerConfig | None = None) -> Protocol:
     return Protocol(
         name="demo",
         session=SessionConfig(episodes=3, unseen_between=500, watched_steps=15),
-        screen=ScreenConfig(tick_ms=110, pause_between_episodes_s=2.0),
+        screen=ScreenConfig(tick_ms=110, pause_between_episodes_s=2.0, count_down_s=1),
         trainer=msgspec.structs.replace(
             somebody or TrainerConfig(), press_probability=0.35, mean_presses=None
         ),

@@ -124,5 +124,7 @@ def tell(outcome: "Outcome") -> None:
     """Print where the recording is; leave with status 1 where something failed."""
     if outcome.recording is not None:
         click.echo(f"Recording: {outcome.recording}")
+    if outcome.warning:
+        click.echo(f"Beware: {outcome.warning}", err=True)
     if outcome.trouble is not None:
         raise click.ClickException(outcome.trouble)

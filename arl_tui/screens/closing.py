@@ -26,15 +26,17 @@ class ClosingScreen(Page):
 
     VERTICAL_BREAKPOINTS = [(0, "-short"), (34, "-tall")]  # noqa: RUF012 - as Textual declares it
 
-    def __init__(self, outcome: "Outcome", words: Words) -> None:
+    def __init__(self, outcome: "Outcome", words: Words, *, show_weight: bool = False) -> None:
         """Prepare.
 
         Args:
             outcome: what is left of the session.
             words: of its game.
+            show_weight: whether the participant may see the weight that their feedback had.
         """
         super().__init__()
         self.outcome = outcome
+        self._show_weight = show_weight
         self._words = words
         self.HEADING = "Thank you!" if outcome.trouble is None else "The session had to end early"
 
@@ -71,9 +73,14 @@ class ClosingScreen(Page):
             f"You watched {games} {'game' if games == 1 else 'games'} ({tally.steps} {self._words.steps}).\n"
             f"{self._words.performance}: {lines}\n"
             f"What you told the computer: {told}\n"
-            f"{practised}"
-            f"How much it listens to you now: {tally.weight:.0%}"
-        )
+            f"{practised}{self._weight()}"
+        ).rstrip()
+
+    def _weight(self) -> str:
+        weight = self.outcome.tally.weight
+        if not self._show_weight or weight is None:
+            return ""
+        return f"Weight of your feedback in the last game: {weight:.2g}"
 
     def action_leave(self) -> None:
         """Close the program."""

@@ -6,7 +6,7 @@ from textual.geometry import Size
 from textual.widget import Widget
 from textual.widgets import Static
 
-from arl_tui.link import Picture
+from arl_tui.link import Picture, TakenFor
 from arl_tui.palette import Palette
 from arl_tui.screens.scene import SMALLEST, Progress
 from arl_tui.widgets.pitch import PitchWidget
@@ -79,7 +79,7 @@ class PitchScene:
         self.pitch.taken = drawn
         return fresh
 
-    def stage(self) -> Widget:
+    def stage(self) -> PitchWidget:
         """Return the pitch."""
         return self.pitch
 
@@ -103,6 +103,22 @@ class PitchScene:
     def title(self, text: str) -> None:
         """Write into the pitch's boundary."""
         self.pitch.title = text
+
+    def mark(self, taken: TakenFor) -> str:
+        """Mark the keeper who chose, and who was passed to."""
+        if taken.step < 0 or taken.player < 0:
+            return "but no option was on screen"
+        self.pitch.mark(taken.player, taken.target, good=taken.value > 0)
+        keeper = f"K{taken.player + 1}"
+        return (
+            f"for {keeper} holding the ball"
+            if taken.target < 0
+            else f"for {keeper}'s pass to K{taken.target + 1}"
+        )
+
+    def unmark(self) -> None:
+        """Take the mark away."""
+        self.pitch.unmark()
 
     def presses_left(self, presses: int) -> None:
         """Write them into the pitch's boundary, where the eye is."""

@@ -11,9 +11,10 @@ from textual.screen import Screen
 from textual.widgets import Static
 
 from arl_tui.gaps import length_s
-from arl_tui.link import Picture
-from arl_tui.live import Cover, LiveSession, Occurrence
+from arl_tui.link import Picture, TakenFor
+from arl_tui.live import Cover, LiveSession, Occurrence, weight_in_use
 from arl_tui.palette import Palette
+from arl_tui.screens.count_down import CountDown
 from arl_tui.screens.covers import HelpScreen, PauseScreen, SmallWindowScreen, StopScreen, fits_into
 from arl_tui.screens.page import Page, session_keys
 from arl_tui.screens.scene import Progress, scene_of
@@ -24,9 +25,9 @@ from core.episode import (
     EpisodeStarted,
     KeyPressed,
     PressRetracted,
+    SessionEnded,
     StopAsked,
     TimeGap,
-    UnseenPlayed,
     WrongPressAsked,
 )
 from core.protocol import Protocol
@@ -72,10 +73,15 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         self._live = live
         self._picture: Picture | None = None
         self._watched = 0
+        self._playing = False
+        """Whether a watched game has begun and not ended."""
         self._human_weights: list[float] = []
+        """In use, one per game so far; empty where they are not to be seen."""
+        self._shows_weight = protocol.screen.show_weight
+        self._counts = protocol.screen.count_down_s > 0
+        self._count_down = CountDown(self, self.scene.stage(), protocol.screen.count_down_s)
         self._said = ""
         self._silence_shown = False
-        self._between_games = True
         self._disk_failed = False
         used = {self._keys.good, self._keys.bad, self._keys.retract}
         self._letters = {letter: action for action, (letter, _) in COMMANDS.items() if letter not in used}
@@ -100,20 +106,22 @@ class PlayScreen(Screen[None], inherit_bindings=False):
                 self._show_picture(occurrence)
             case KeyPressed():
                 self._show_press(occurrence)
+            case TakenFor():
+                self.feedback.show_taken(self.scene.mark(occurrence))
             case PressRetracted():
+                self.scene.unmark()
                 self.feedback.show_retraction(occurrence, self._live.presses_left)
                 self.scene.presses_left(self._live.presses_left)
             case WrongPressAsked():
                 self.feedback.ask_wrong(True)
             case EpisodeStarted():
-                self._begin_episode()
+                self._begin_episode(occurrence)
             case EpisodeEnded():
                 self._end_episode(occurrence)
-            case UnseenPlayed():
-                self._human_weights.append(self._live.tally.weight)
             case TimeGap():
                 self._lay_over(PauseScreen(gap_s=length_s(occurrence)), "gap")
-            case StopAsked():
+            case StopAsked() | SessionEnded():
+                self._count_down.stop()
                 self._say("Stopping: everything is being saved ...")
 
     def take_painted(self) -> int | None:
@@ -136,17 +144,33 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         self.feedback.ask_wrong(self._live.gate.wrong_asked)
         self.scene.presses_left(self._live.presses_left)
 
-    def _begin_episode(self) -> None:
+    def _begin_episode(self, episode: EpisodeStarted) -> None:
         self._watched += 1
-        self._between_games = False
+        self._playing = True
+        if self._shows_weight:
+            self._human_weights.append(weight_in_use(episode))
         self.feedback.begin_episode(self._live.presses_left)
         self.scene.presses_left(self._live.presses_left)
         self.scene.title(f"Game {self._watched}")
+        self.scene.unmark()
         self._say("")
+        if not self._live.gate.covered:  # a page lies over the game: the count-down comes when it is left
+            self._count()
+
+    def _count(self) -> None:
+        """Count down; no step is on screen meanwhile."""
+        if not self._counts:
+            return
+        self._live.count_down()
+        self._count_down.start(f"Game {self._watched}", self._go_on)
+
+    def _go_on(self) -> None:
+        """Let the game go on, and draw once more: what was drawn before came too early to count."""
+        self._live.uncover()
+        self.scene.refresh()
 
     def _end_episode(self, episode: EpisodeEnded) -> None:
-        self._human_weights.append(self._live.tally.weight)
-        self._between_games = True
+        self._playing = False
         lines = self._words.told(episode.performance)
         self.scene.title("Game over" if episode.ended == "termination" else "End of this game")
         if self._watched >= self._episodes or self._live.phase != "running":
@@ -175,7 +199,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         """Say for how long the learner has not answered, seconds; None: it does."""
         if silent_s is not None:
             self._silence_shown = True
-            waits = "Still practising" if self._between_games else "The computer has not answered"
+            waits = "Still practising" if not self._playing else "The computer has not answered"
             key = "Q" if "q" in self._letters else "Ctrl+Q"
             self._status.update(f"{waits} for {silent_s:.0f} s.\n{key} ends the session; all is kept.")
         elif self._silence_shown:
@@ -210,16 +234,19 @@ class PlayScreen(Screen[None], inherit_bindings=False):
             )
 
     def _lay_over(self, page: Page, reason: Cover, then: Callable[[bool | None], None] | None = None) -> None:
+        if self._count_down.running:
+            self._count_down.stop()
+            self._live.uncover()
         if self._live.phase != "running" or self._live.gate.covered:
             return
         self._live.cover(reason)
 
         def uncover(answer: bool | None) -> None:
-            self._live.uncover()
-            # Draw once more: what was drawn before this call came too early to count.
-            self.scene.refresh()
+            self._go_on()
             if then is not None:
                 then(answer)
+            if self._live.phase == "running" and self._playing:
+                self._count()
 
         self.app.push_screen(page, uncover)
 

@@ -7,10 +7,11 @@ from typing import Protocol as Interface
 from textual.geometry import Size
 from textual.widget import Widget
 
-from arl_tui.link import Picture
+from arl_tui.link import Picture, TakenFor
 from arl_tui.palette import Palette
 from arl_tui.widgets.blocks import CELLS_PER_BLOCK
 from arl_tui.widgets.board import TetrisBoard
+from arl_tui.widgets.coverable import CoverableWidget
 from arl_tui.widgets.next_piece import NextPiece
 from arl_tui.widgets.stats import Figures, StatsPanel
 from core.keepaway.pitch import KeepawayConfig
@@ -35,7 +36,7 @@ class Progress:
     episodes: int
     """How many there will be."""
     human_weights: tuple[float, ...]
-    """Weight that the scheme used in each episode so far, oldest first."""
+    """Weight of the human in each game so far, oldest first; () where it is not to be seen."""
     performances: tuple[float, ...] = ()
     """Of the watched episodes so far, in the game's unit, oldest first."""
 
@@ -52,7 +53,7 @@ class Scene(Interface):
         """Return whether a picture has been drawn for the first time, or again after `refresh`, since the last call."""
         ...
 
-    def stage(self) -> Widget:
+    def stage(self) -> CoverableWidget:
         """Return the widget of the game itself."""
         ...
 
@@ -70,6 +71,14 @@ class Scene(Interface):
 
     def title(self, text: str) -> None:
         """Write a title to the game."""
+        ...
+
+    def mark(self, taken: TakenFor) -> str:
+        """Mark for a moment what a press was taken for; return it in words ("for the marked piece")."""
+        ...
+
+    def unmark(self) -> None:
+        """Take the mark away."""
         ...
 
     def presses_left(self, presses: int) -> None:
@@ -93,11 +102,10 @@ class TetrisScene:
         self._step = -1
 
     def take_drawn(self) -> bool:
-        """Return whether a line of the board has been drawn since the last call."""
-        drawn, self.board.drawn_frame = self.board.drawn_frame, -1
-        return drawn >= 0
+        """Return whether a line of the board has been drawn since the last call, other than for a mark."""
+        return self.board.take_drawn() >= 0
 
-    def stage(self) -> Widget:
+    def stage(self) -> CoverableWidget:
         """Return the board."""
         return self.board
 
@@ -132,6 +140,22 @@ class TetrisScene:
     def title(self, text: str) -> None:
         """Write into the board's border."""
         self.board.border_title = text
+
+    def mark(self, taken: TakenFor) -> str:
+        """Mark the piece, where it is falling or what is left of it on the wall."""
+        if taken.step < 0:
+            return "but no piece had landed"
+        if taken.step == self._step and self.board.shows_falling:
+            self.board.mark(None, good=taken.value > 0)
+        elif taken.blocks:
+            self.board.mark(taken.blocks, good=taken.value > 0)
+        else:
+            return "for the last piece, which is gone"
+        return "for the marked piece"
+
+    def unmark(self) -> None:
+        """Take the mark away."""
+        self.board.unmark()
 
     def presses_left(self, presses: int) -> None:
         """Say nothing: the feedback bar is near enough."""

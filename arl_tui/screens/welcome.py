@@ -3,34 +3,53 @@
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, ClassVar, cast
 
+from rich.text import Text
 from textual.binding import Binding, BindingType
 from textual.widget import Widget
 from textual.widgets import Static
 
+from arl_tui.link import Preparing, Ready
+from arl_tui.pace import pace_warning
 from arl_tui.screens.page import Page, feedback_keys
 from arl_tui.words import words_of
+from core.clock import NS_PER_S, Clock, MonotonicClock
 from core.protocol import Protocol
 
 if TYPE_CHECKING:
     from arl_tui.app import ArlApp
 
 
+AT_SCREEN_S = 10.0
+"""Whoever pressed the start key at most this long ago is taken to look at the screen still."""
+CALL = "Press [reverse] Enter [/] to start, [reverse] Q [/] to leave"
+
+
 class WelcomeScreen(Page):
-    """Explains, and waits for the start key while the worker warms up."""
+    """Explains, and waits for the start key while the worker gets ready.
+
+    A game begins only in front of a participant: where getting ready took longer than `AT_SCREEN_S` after the
+    start key was pressed, the key has to be pressed again.
+    """
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("enter", "start", "Start", id="welcome.start", tooltip="Start the session"),
         Binding("q,ctrl+q,ctrl+c", "leave", "Leave", id="welcome.leave", tooltip="Leave without starting"),
     ]
 
-    def __init__(self, protocol: Protocol, participant: str, *, simulated: bool) -> None:
+    def __init__(
+        self, protocol: Protocol, participant: str, *, simulated: bool, clock: Clock | None = None
+    ) -> None:
         super().__init__()
         self._protocol = protocol
         self._words = words_of(protocol.game)
         self.HEADING = self._words.heading
         self._participant = participant
         self._simulated = simulated
-        self._started = False
+        self._clock = clock or MonotonicClock()
+        self._asked_ns: int | None = None
+        """When the start key was pressed; None before."""
+        self._progress: Preparing | None = None
+        self._worker_ready: Ready | None = None
 
     def body(self) -> Iterable[Widget]:
         """Return the explanation."""
@@ -59,32 +78,62 @@ class WelcomeScreen(Page):
             "\n[dim]Your key presses and their times are written to a file on this computer under the code[/] "
             f"[b]{self._participant}[/][dim]. You can pause or stop at any time.[/]"
         )
+        yield Static(id="pace")
         yield Static(id="call", classes="call")
 
     def on_mount(self) -> None:
         """Say whether the start key works already."""
-        self.show_ready()
+        self._tell()
 
-    def show_ready(self) -> None:
-        """Update the last line, and start if that has been asked for."""
+    def show_progress(self, progress: Preparing) -> None:
+        """Say how far the preparation is."""
+        self._progress = progress
+        self._tell()
+
+    def show_ready(self, ready: Ready) -> None:
+        """Say that the start key works; start at once where it has just been pressed."""
+        self._worker_ready = ready
+        waited = self._asked_ns is not None
+        if waited and self._clock.now_ns() - (self._asked_ns or 0) <= AT_SCREEN_S * NS_PER_S:
+            cast("ArlApp", self.app).begin()
+            return
+        if waited:
+            self.app.bell()
+        self._tell()
+
+    def _tell(self) -> None:
+        """Write the last lines."""
         if not self.query("#call"):
             return  # Not laid out yet: `on_mount` comes back here.
-        app = cast("ArlApp", self.app)
-        if app.live.ready:
-            line = "Press [reverse] Enter [/] to start, [reverse] Q [/] to leave"
-        elif self._started:
-            line = "Getting ready ... the first time this takes a minute or two"
-        else:
-            line = "Press [reverse] Enter [/] to start, [reverse] Q [/] to leave  [dim](getting ready)[/]"
-        self.query_one("#call", Static).update(line)
-        if app.live.ready and self._started:
-            app.begin()
+        if warning := self._warning():
+            self.query_one("#pace", Static).update(Text(f"For the experimenter: {warning}", style="dim"))
+            self.query_one("#call").add_class("-close")  # the page is full in the smallest window
+        self.query_one("#call", Static).update(self._call())
+
+    def _warning(self) -> str:
+        """Return what the experimenter is told of the pace; nothing in a demonstration, which is no study."""
+        return "" if self._simulated else pace_warning(self._protocol, self._worker_ready)
+
+    def _call(self) -> str:
+        """Return two lines: what can be pressed, and how far the preparation is."""
+        if self._worker_ready is not None:
+            line = f"Ready. {CALL}" if self._asked_ns is not None else CALL
+            # The warning takes the room of the second line: nothing moves without one.
+            return line if self._warning() else f"{line}\n"
+        far = "getting ready"
+        if self._progress is not None and self._progress.compiled:
+            far = f"getting ready: {self._progress.compiled} of about {self._progress.needed} parts"
+        if self._asked_ns is None:
+            return f"{CALL}\n[dim]{far}[/]"
+        return f"Please wait: the first time this takes a minute or two\n[dim]{far}[/]"
 
     def action_start(self) -> None:
         """Start, or as soon as the worker is ready."""
-        if not self._started:
-            self._started = True
-            self.show_ready()
+        if self._worker_ready is not None:
+            cast("ArlApp", self.app).begin()
+            return
+        self._asked_ns = self._clock.now_ns()
+        self._tell()
 
     def action_leave(self) -> None:
         """Leave: nothing has been recorded."""

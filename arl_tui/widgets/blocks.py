@@ -15,6 +15,8 @@ from core.tetris.picture import CLEARED, EMPTY, FALLING, GHOST
 
 CELLS_PER_BLOCK = 2
 GHOST_TEXTURE = "░░"
+MARKED_GOOD, MARKED_BAD = 128, 192
+"""High bits of a marked block's code (`core.tetris.picture` leaves 128 free)."""
 
 
 class BlockWidget(Widget, inherit_bindings=False, can_focus=False):
@@ -83,6 +85,8 @@ class BlockWidget(Widget, inherit_bindings=False, can_focus=False):
         """Return the style's name (without its prefix) and the two characters for a code."""
         if key < 0:
             return ("empty", "stripe")[-1 - key], "  "
+        if key & MARKED_GOOD:
+            return ("bad", "--") if key & MARKED_BAD == MARKED_BAD else ("good", "++")
         block = (key & 15) - 1
         texture = self._palette.textures[block]
         if key & CLEARED:

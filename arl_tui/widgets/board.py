@@ -1,15 +1,21 @@
 """The board of Tetris."""
 
+from asyncio import TimerHandle
+from collections.abc import Iterable
 from typing import ClassVar
 
 from rich.segment import Segment
 from textual.geometry import Region, Size
 from textual.strip import Strip
 
+from arl_tui.once import after
 from arl_tui.palette import STANDARD, Palette
-from arl_tui.widgets.blocks import CELLS_PER_BLOCK, BlockWidget
+from arl_tui.widgets.blocks import CELLS_PER_BLOCK, MARKED_BAD, MARKED_GOOD, BlockWidget
 from arl_tui.widgets.coverable import CoverableWidget
-from core.tetris.picture import Snapshot
+from core.tetris.picture import FALLING, Snapshot
+
+MARK_S = 1.0
+"""How long a mark stays, seconds."""
 
 
 class TetrisBoard(BlockWidget, CoverableWidget):
@@ -48,6 +54,15 @@ class TetrisBoard(BlockWidget, CoverableWidget):
         self.drawn_frame = -1
         """Number of the newest frame of which at least one row has been drawn."""
         self._codes = bytes(rows * columns)
+        self._plain = self._codes
+        """The same without a mark."""
+        self._mark: tuple[frozenset[int] | None, int] | None = None
+        """What is marked (places in the codes; None for the falling piece), and with which code."""
+        self._mark_timer: TimerHandle | None = None
+        self._due = False
+        """Whether a picture is to be drawn, other than for a mark."""
+        self._silent = False
+        """Whether the next paint is for a mark alone, and no new picture."""
 
     def get_content_width(self, container: Size, viewport: Size) -> int:
         """Return the board's width in cells."""
@@ -75,19 +90,88 @@ class TetrisBoard(BlockWidget, CoverableWidget):
                 f"a board of {self.rows} x {self.columns} cannot show a snapshot of "
                 f"{snapshot.rows} x {snapshot.columns}: make the widget in the size of the game"
             )
-        before, after = self._codes, snapshot.codes()
-        self._codes = after
+        if snapshot.cleared:
+            self._forget_mark()  # what is above these rows is about to be elsewhere
+        before, plain_before = self._codes, self._plain
+        self._plain = snapshot.codes()
+        self._codes = self._with_mark()
         self.frame = frame
-        if self.hidden_whole or before == after:
+        if self.hidden_whole or (before == self._codes and plain_before == self._plain):
             return False
-        width = self.columns
+        self._due, self._silent = True, False
+        self._repaint(before)
+        return True
+
+    def take_drawn(self) -> int:
+        """Return the newest picture of which a row has been drawn since the last call; -1 where none has.
+
+        A mark that comes or goes is no picture: it is not counted.
+        """
+        drawn, self.drawn_frame = self.drawn_frame, -1
+        self._due, self._silent = False, False
+        return drawn
+
+    @property
+    def shows_falling(self) -> bool:
+        """Whether a piece is falling in the present picture."""
+        return any(code & FALLING for code in self._plain)
+
+    def mark(self, blocks: Iterable[tuple[int, int]] | None, *, good: bool) -> None:
+        """Mark blocks for a moment, over what the pictures show.
+
+        Args:
+            blocks: (row from the bottom, column) of settled blocks; None for the falling piece.
+            good: whether they were judged good.
+        """
+        self._forget_mark()
+        places = None
+        if blocks is not None:
+            places = frozenset(
+                (self.rows - 1 - row) * self.columns + column for row, column in blocks if row < self.rows
+            )
+        self._remark((places, MARKED_GOOD if good else MARKED_BAD))
+        self._mark_timer = after(self, MARK_S, self.unmark)
+
+    def unmark(self) -> None:
+        """Take the mark away."""
+        self._forget_mark()
+        self._remark(None)
+
+    def _forget_mark(self) -> None:
+        self._mark = None
+        if self._mark_timer is not None:
+            self._mark_timer.cancel()
+            self._mark_timer = None
+
+    def _remark(self, mark: tuple[frozenset[int] | None, int] | None) -> None:
+        before, self._mark = self._codes, mark
+        self._codes = self._with_mark()
+        if before != self._codes and not self.hidden_whole:
+            self._silent = not self._due
+            self._repaint(before)
+
+    def _with_mark(self) -> bytes:
+        """Return the codes of the present picture with the mark over them."""
+        if self._mark is None:
+            return self._plain
+        places, marked = self._mark
+        return bytes(
+            (code & 15) | marked
+            if (code & FALLING if places is None else place in places and 0 < code < FALLING)
+            else code
+            for place, code in enumerate(self._plain)
+        )
+
+    def _repaint(self, before: bytes) -> None:
+        """Ask for the rows to be painted that have changed."""
+        width, after_ = self.columns, self._codes
         changed = [
             Region(0, row, width * CELLS_PER_BLOCK, 1)
             for row in range(self.rows)
-            if before[row * width : (row + 1) * width] != after[row * width : (row + 1) * width]
+            if before[row * width : (row + 1) * width] != after_[row * width : (row + 1) * width]
         ]
-        self.refresh(*changed)
-        return True
+        if changed:
+            self.refresh(*changed)
 
     def render_line(self, y: int) -> Strip:
         """Return one line of the widget's content."""
@@ -96,7 +180,8 @@ class TetrisBoard(BlockWidget, CoverableWidget):
         words = self.covering(y, self.rows)
         if words is not None:
             return self._cover_line(words)
-        self.drawn_frame = self.frame
+        if not self._silent:
+            self.drawn_frame = self.frame
         return self.strip(self._codes[y * self.columns : (y + 1) * self.columns])
 
     def _cover_line(self, words: str) -> Strip:

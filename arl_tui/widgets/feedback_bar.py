@@ -32,7 +32,7 @@ SAVING = "saving ..."
 """What stands below the presses left while the disk is behind."""
 _REFUSALS = {
     "no-presses-left": "No presses left in this game: not counted",
-    "covered": "The game is covered: not counted",
+    "covered": "The game has not begun: not counted",
     "not-playing": "No game on screen: not counted",
     "other": "This key has no meaning here",
 }
@@ -102,6 +102,7 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
         self.saving = False
         """Whether the disk is behind with what has been recorded."""
         self._foreign_keys = ForeignKeys()
+        self._by = ""
         self._kind = "idle"
         self._hold_s = hold_s
         self._timer: TimerHandle | None = None
@@ -118,7 +119,7 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
     def show_press(self, press: KeyPressed, presses_left: int) -> None:
         """Confirm an accepted press, or say why one does not count; a held key's repeats change nothing."""
         self.presses_left = presses_left
-        by = " by the simulated participant" if press.source == "simulated" else ""
+        by = self._by = " by the simulated participant" if press.source == "simulated" else ""
         if press.verdict == "accepted":
             assert press.value is not None, f"an accepted press has a value: {press}"
             good = press.value > 0
@@ -127,6 +128,12 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
         elif press.verdict != "repeat" and (press.read_as or press.key) != self.keys.retract:
             advice = self._foreign_keys.advice(press.key, read=bool(press.read_as))
             self._say("", "idle", advice or _REFUSALS[press.verdict])
+
+    def show_taken(self, taken: str) -> None:
+        """Say what the press that has just been confirmed was taken for, while its word stands."""
+        if self.note == f"Counted{self._by}":
+            self.note += f" {taken}"
+            self.refresh()
 
     def show_retraction(self, retraction: PressRetracted, presses_left: int) -> None:
         """Say that a press does not count after all."""

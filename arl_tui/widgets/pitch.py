@@ -2,6 +2,7 @@
 
 import os
 import sys
+from asyncio import TimerHandle
 from collections.abc import Mapping
 from typing import ClassVar
 
@@ -11,11 +12,13 @@ from textual.cache import LRUCache
 from textual.geometry import Region, Size
 from textual.strip import Strip
 
+from arl_tui.once import after
 from arl_tui.palette import PALETTES, STANDARD, Palette
+from arl_tui.widgets.board import MARK_S
 from arl_tui.widgets.coverable import CoverableWidget
 from arl_tui.widgets.pitch_colours import component_classes, style_sheet
 from arl_tui.widgets.pitch_drawing import draw, fit
-from arl_tui.widgets.pitch_ink import GRASS, INKS, WORDS, Detail, Row, Shape
+from arl_tui.widgets.pitch_ink import GRASS, INKS, WORDS, Detail, Mark, Row, Shape
 from core.keepaway.picture import PitchFrame
 
 TOO_SMALL = "Too small a window to draw the pitch"
@@ -55,6 +58,7 @@ class PitchWidget(CoverableWidget):
         detail: Detail | None = None,
         beside: int = 0,
         palette: Palette = STANDARD,
+        caption: bool = True,
         id: str | None = None,
         classes: str | None = None,
     ) -> None:
@@ -66,6 +70,7 @@ class PitchWidget(CoverableWidget):
             detail: how fine; what the terminal can show by default.
             beside: columns to leave for others in the same row.
             palette: colours; the pitch is colour-blind safe in any.
+            caption: whether the boundary says what is going on, and how an episode ended.
             id: Textual's name of the widget.
             classes: Textual's style classes.
         """
@@ -78,6 +83,9 @@ class PitchWidget(CoverableWidget):
         self._detail: Detail = detail or detail_for()
         self._beside = beside
         self._note = ""
+        self._caption = caption
+        self._mark: Mark | None = None
+        self._mark_timer: TimerHandle | None = None
         self._title: str | None = None
         self._view: PitchFrame | None = None
         self._shape: Shape | None = None
@@ -142,6 +150,22 @@ class PitchWidget(CoverableWidget):
             self._title = title
             self._redraw()
 
+    def mark(self, player: int, target: int = -1, *, good: bool) -> None:
+        """Mark for a moment who chose an option, and who was passed to (-1: nobody)."""
+        self.unmark()
+        self._mark = Mark((player, target) if target >= 0 else (player,), good)
+        self._mark_timer = after(self, MARK_S, self.unmark)
+        self._redraw()
+
+    def unmark(self) -> None:
+        """Take the mark away."""
+        if self._mark_timer is not None:
+            self._mark_timer.cancel()
+            self._mark_timer = None
+        if self._mark is not None:
+            self._mark = None
+            self._redraw()
+
     # --- drawing --------------------------------------------------------------------------------------------------
 
     def get_content_width(self, container: Size, viewport: Size) -> int:
@@ -165,7 +189,16 @@ class PitchWidget(CoverableWidget):
         """Work the picture out; ask for its changed lines to be painted and return whether there are any."""
         if self._view is None or self._shape is None:
             return False
-        before, self._rows = self._rows, draw(self._view, self._shape, self._detail, self._note, self._title)
+        before = self._rows
+        self._rows = draw(
+            self._view,
+            self._shape,
+            self._detail,
+            self._note,
+            self._title,
+            caption=self._caption,
+            mark=self._mark,
+        )
         if self.hidden_whole or before == self._rows:
             return False
         if len(before) != len(self._rows):

@@ -25,6 +25,8 @@ _STANDARD: Final = {
     "keeper-name": "#000000",
     "taker-name": "#000000",
     "holder-name": "#000000",
+    "good": "#1f7a4d",
+    "bad": "#b3372f",
 }
 _BLACK_AND_WHITE: Final = {
     **dict.fromkeys(INKS, "#ffffff"),
@@ -37,6 +39,8 @@ _BLACK_AND_WHITE: Final = {
     "taker": "#505050",
     "keeper-name": "#000000",
     "holder-name": "#000000",
+    "good": "#000000",
+    "bad": "#000000",
 }
 _SIXTEEN: Final = {
     **dict.fromkeys(INKS, "#ffffff"),
@@ -51,6 +55,8 @@ _SIXTEEN: Final = {
     "keeper-name": "#000000",
     "taker-name": "#000000",
     "holder-name": "#000000",
+    "good": "#008000",
+    "bad": "#800000",
 }
 COLOURS: Final[Mapping[str, Mapping[str, str]]] = {
     "standard": _STANDARD,

@@ -7,7 +7,7 @@ aside for each other, and the ball for names. A character is taken to be twice a
 
 import math
 
-from arl_tui.widgets.pitch_ink import ASPECT, LEAST_LINES, MARKS, Detail, Row, Shape
+from arl_tui.widgets.pitch_ink import ASPECT, LEAST_LINES, MARKS, Detail, Mark, Row, Shape
 from arl_tui.widgets.pitch_sheet import Sheet
 from core.keepaway.picture import PitchFrame
 
@@ -36,7 +36,14 @@ def smallest(length_m: float, width_m: float) -> Shape:
 
 
 def draw(
-    frame: PitchFrame, shape: Shape, detail: Detail, note: str = "", title: str | None = None
+    frame: PitchFrame,
+    shape: Shape,
+    detail: Detail,
+    note: str = "",
+    title: str | None = None,
+    *,
+    caption: bool = True,
+    mark: Mark | None = None,
 ) -> tuple[Row, ...]:
     """Return the rows of a picture.
 
@@ -46,15 +53,21 @@ def draw(
         detail: how fine.
         note: written into the boundary at the bottom right, such as the presses left.
         title: written into it at the top left; the number of the episode by default.
+        caption: whether what is going on stands in it at the bottom left, lit up where it is an end.
+        mark: players to be marked.
     """
-    sheet = Sheet(frame, shape, detail)
+    sheet = Sheet(frame, shape, detail, mark)
     sheet.write_names()
     sheet.dot_centre()
     sheet.dot_pass()
     sheet.dot_trail()
     sheet.dot_players()
     sheet.place_ball()
-    edges = _edges(frame, shape, detail, note, f"Episode {frame.episode}" if title is None else title)
+    title = f"Episode {frame.episode}" if title is None else title
+    sheet.news = caption
+    edges = _edges(
+        shape, detail, (title, f"{frame.time_s:.1f} s"), (frame.caption() if caption else "", note)
+    )
     return tuple(sheet.row(line, edges.get(line)) for line in range(shape.lines))
 
 
@@ -63,14 +76,13 @@ def plain(rows: tuple[Row, ...]) -> list[str]:
     return ["".join(text for text, _, _ in row) for row in rows]
 
 
-def _edges(frame: PitchFrame, shape: Shape, detail: Detail, note: str, title: str) -> dict[int, str]:
-    """Return the boundary's first and last line with the words in them."""
+def _edges(shape: Shape, detail: Detail, first: tuple[str, str], last: tuple[str, str]) -> dict[int, str]:
+    """Return the boundary's first and last line with the words at their left and right ends in them."""
     corners, level = MARKS[detail].boundary[:4], MARKS[detail].boundary[4]
-    clock = f"{frame.time_s:.1f} s"
     dots = "…" if detail == "braille" else "..."
     width = shape.columns - 2
-    top = _between_ends(title, clock, width, level, dots)
-    bottom = _between_ends(frame.caption(), note, width, level, dots)
+    top = _between_ends(*first, width, level, dots)
+    bottom = _between_ends(*last, width, level, dots)
     return {0: corners[0] + top + corners[1], shape.lines - 1: corners[2] + bottom + corners[3]}
 
 

@@ -23,7 +23,9 @@ DETAILS: Final[tuple[Detail, ...]] = get_args(Detail)
     KEEPER_NAME,
     TAKER_NAME,
     HOLDER_NAME,
-) = range(14)
+    GOOD,
+    BAD,
+) = range(16)
 INKS: Final = (
     "grass",
     "stripe",
@@ -39,6 +41,8 @@ INKS: Final = (
     "keeper-name",
     "taker-name",
     "holder-name",
+    "good",
+    "bad",
 )
 """Names of the inks above, by number."""
 
@@ -58,6 +62,15 @@ DISC_FROM: Final = 0.9
 """Radius of a player's body, in lines, from which it is drawn: smaller ones hide behind the name."""
 PATH_GAP: Final = 1.0
 """Between two dots of a pass, in lines."""
+
+
+@dataclass(frozen=True, slots=True)
+class Mark:
+    """Players to be marked for a moment: what a press was taken for."""
+
+    players: tuple[int, ...]
+    good: bool
+    """Whether it was judged good."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,10 +8,12 @@ from itertools import pairwise
 from arl_tui.widgets.pitch_ink import (
     ASCII_DOTS,
     ASPECT,
+    BAD,
     BALL,
     BRAILLE_BITS,
     DISC_FROM,
     FAINT,
+    GOOD,
     GRASS,
     HOLDER_NAME,
     KEEPER,
@@ -30,6 +32,7 @@ from arl_tui.widgets.pitch_ink import (
     TRAIL,
     WORDS,
     Detail,
+    Mark,
     Row,
     Run,
     Shape,
@@ -57,8 +60,11 @@ def _nearest_first() -> tuple[tuple[int, int], ...]:
 class Sheet:
     """Characters and dots of one picture while it is being drawn."""
 
-    def __init__(self, frame: PitchFrame, shape: Shape, detail: Detail) -> None:
+    def __init__(self, frame: PitchFrame, shape: Shape, detail: Detail, mark: Mark | None = None) -> None:
         self.frame = frame
+        self.mark = mark
+        self.news = True
+        """Whether the end of an episode lights up in the boundary."""
         self.shape = shape
         self.detail = detail
         self.marks = MARKS[detail]
@@ -105,6 +111,20 @@ class Sheet:
             cells = self.texts.setdefault(row, {})
             for k, letter in enumerate(name):
                 cells[start + k] = (letter, ink, WORDS if ink == HOLDER_NAME else KEEPER if keeper else TAKER)
+        if self.mark is not None:
+            self._mark_names(self.mark)
+
+    def _mark_names(self, mark: Mark) -> None:
+        """Write marked players' names in the colour of the judgement, between + or - where there is room."""
+        paper, sign = (GOOD, "+") if mark.good else (BAD, "-")
+        for player in mark.players:
+            start, row, length = self.names[player]
+            cells = self.texts[row]
+            for column in range(start, start + length):
+                cells[column] = (cells[column][0], WORDS, paper)
+            for column in (start - 1, start + length):
+                if 0 < column < self.shape.columns - 1:
+                    cells.setdefault(column, (sign, WORDS, paper))
 
     def _free_place(self, column: int, line: int, length: int) -> tuple[int, int]:
         for down, right in _nearest_first():
@@ -208,7 +228,7 @@ class Sheet:
         if not (0 <= line < self.shape.lines and 0 <= column < self.shape.columns):
             return False
         cell = self.texts.get(line, {}).get(column)
-        return cell is None or cell[1] not in _NAMES
+        return cell is None or (cell[1] not in _NAMES and cell[2] not in (GOOD, BAD))
 
     # --- rows -----------------------------------------------------------------------------------------------------
 
@@ -229,7 +249,7 @@ class Sheet:
             cells[0] = cells[-1] = (boundary[5], LINE, paper)
         else:
             # How an episode ended is news, and lights up.
-            ended = line > 0 and self.frame.ended != ONGOING
+            ended = self.news and line > 0 and self.frame.ended != ONGOING
             words = (HOLDER_NAME, WORDS) if ended else (WORDS, paper)
             cells = [(letter, LINE, paper) if letter in boundary else (letter, *words) for letter in edge]
         for column, cell in self._characters(dots, paper):

@@ -67,6 +67,9 @@ class TaskConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     """Time each studied word or remembered item is shown, seconds."""
     game: Literal["tetris", "keepaway"] = "tetris"
     """Game watched in the feedback-lag task."""
+    picture_ms: float | None = None
+    """How long a picture of the watched game is on screen, milliseconds: a tick of Tetris, a cycle of Keepaway.
+    None: the default session's pace (in files written before this was a setting: 150 and 100)."""
 
     def __post_init__(self) -> None:
         problems = [
@@ -76,6 +79,7 @@ class TaskConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
             (0.0 < self.go_rate < 1.0, "go_rate in (0, 1)"),
             (0.0 < self.least_rt_s < self.time_out_s, "0 < least_rt_s < time_out_s"),
             (all(1 <= size <= 16 for size in self.set_sizes), "set sizes from 1 to 16"),
+            (self.picture_ms is None or 10.0 <= self.picture_ms <= 2000.0, "picture_ms in [10, 2000]"),
             (1 <= self.n_studied <= 24 and self.study_item_s > 0.0, "n_studied in 1..24, study_item_s > 0"),
         ]
         broken = [rule for holds, rule in problems if not holds]

@@ -16,7 +16,7 @@ def protocol() -> Protocol:
     return Protocol(
         keys=KeyConfig(max_presses_per_episode=2),
         session=SessionConfig(episodes=2, unseen_between=3, watched_steps=4),
-        screen=ScreenConfig(tick_ms=20, pause_between_episodes_s=0.1),
+        screen=ScreenConfig(tick_ms=20, pause_between_episodes_s=0.1, count_down_s=0),
     )
 
 

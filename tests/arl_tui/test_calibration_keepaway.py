@@ -71,7 +71,8 @@ def test_each_trial_plays_its_foreperiod_of_one_possession_up_to_its_event() -> 
     shown: set[tuple[int, int]] = set()
     for trial, clip in zip(schedule.trials, clips, strict=True):
         waited_s = trial.foreperiod_s + (config.time_out_s if trial.catch else 0.0)
-        assert 0.0 <= 0.1 * len(clip.before) - waited_s <= 0.1 + 1e-9
+        assert config.picture_ms == 500.0  # a fifth of the game's own speed, as sessions have it
+        assert 0.0 <= 0.5 * len(clip.before) - waited_s <= 0.5 + 1e-9
         everything = [*clip.before, clip.event]
         assert all((b.episode, b.cycle - a.cycle) == (a.episode, 1) for a, b in pairwise(everything))
         assert all(one.ended == ONGOING for one in clip.before)
@@ -89,7 +90,7 @@ def test_play_slides_from_cycle_to_cycle_reaches_the_last_at_the_event_and_shows
     (config,) = configure(["feedback-lag"], n_trials=1, n_practice=0, game="keepaway")
     trial = make_schedule(config, 4).trials[0]
     plan = msgspec.structs.replace(trial, index=0, foreperiod_s=foreperiod_s, catch=False)
-    view = PitchView([clip], STANDARD)
+    view = PitchView([clip], STANDARD, 100.0)
     shown: list[PitchFrame] = []
     view.pitch.show = lambda picture, number=-1: shown.append(picture)  # type: ignore[method-assign]
     assert view.tick_ns is not None
@@ -147,15 +148,22 @@ async def test_a_participant_judges_a_marked_picture_of_the_pitch(tmp_path: Path
     ],
     ids=str,
 )
-def test_the_mark_stands_beside_the_words_of_every_event_in_the_smallest_pitch(event, detail) -> None:
-    pitch = PitchView([Clip(before=(frame(1),), event=frame(2), note="")], STANDARD).pitch
+def test_nothing_but_the_players_and_the_ball_says_how_it_ended(event, detail) -> None:
+    pitch = PitchView([Clip(before=(frame(1),), event=frame(2), note="")], STANDARD, 500.0).pitch
     assert pitch.styles.width is not None
     assert pitch.styles.height is not None
     shape = fit(20.0, 20.0, int(pitch.styles.width.value), int(pitch.styles.height.value))
     assert shape is not None
-    picture = frame(990, time_s=LONGEST_S, **event)
-    assert picture.caption() in plain(draw(picture, shape, detail, MARK))[-1]
-    assert MARK in plain(draw(picture, shape, detail, MARK))[-1]
+    picture, other = frame(990, time_s=LONGEST_S, **event), frame(990, time_s=LONGEST_S)
+    last, others = (draw(each, shape, detail, MARK, caption=False)[-1] for each in (picture, other))
+    assert last == others  # neither words nor colours
+    assert MARK in plain((last,))[0]
+    assert "".join(plain((last,))).count(" ") == 2  # NOW alone
+    # The widget itself is drawn so.
+    pitch._shape = shape
+    pitch.show(picture)
+    pitch.note = MARK
+    assert pitch._rows[-1] == draw(picture, shape, pitch.detail, MARK, caption=False)[-1]
 
 
 def test_a_session_of_keepaway_takes_the_delay_that_was_measured_with_keepaway(tmp_path: Path) -> None:

@@ -32,6 +32,7 @@ from tests.arl_tui.calibrating import (
     trial_in,
     until,
 )
+from tests.arl_tui.test_participants import task_delay
 
 
 @pytest.fixture(autouse=True)
@@ -189,7 +190,17 @@ async def stop_in_second_task(folder: Path, given_seed: int = 3) -> None:
 )
 async def test_a_task_without_a_result_is_called_as_the_participant_knows_it(task: str, title: str) -> None:
     page = pages.SummaryPage(Fitted(failures={task: "only [3] responses"}), finished=True, trouble=None)
-    assert list(page.paragraphs()) == [f"[b]{title}[/]: no result: only (3) responses"]
+    assert list(page.paragraphs()) == [f"[b]{title}[/]: no result. The experimenter sees why."]
+
+
+async def test_what_the_experimenter_is_told_is_not_on_the_participants_page() -> None:
+    delay = task_delay(n_observed=12)
+    assert delay.warnings
+    page = pages.SummaryPage(Fitted(delays=(delay,)), finished=True, trouble=None)
+    text = "\n".join(page.paragraphs())
+    assert "on average you took" in text
+    assert "xperimenter" not in text
+    assert delay.warnings[0] not in text
 
 
 async def test_who_stops_goes_on_where_they_stopped(tmp_path: Path) -> None:
@@ -308,7 +319,10 @@ async def test_a_fit_that_fails_loses_no_trials(tmp_path: Path) -> None:
     app = quick_app(sitting(tmp_path, quick("simple", n_trials=1)), helper=broken)
     async with app.run_test() as pilot:
         await go_through(pilot, until_shown=pages.SummaryPage)
-        assert "it broke" in await text_of(pilot)
+        assert "no result" in await text_of(pilot)
+        await pilot.press("enter")
+    assert app.return_value is not None
+    assert "it broke" in app.return_value.fitted.failures["all"]
     assert len(files_in(tmp_path)[0].trials) == 1
 
 
@@ -347,7 +361,8 @@ def true_colour(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_stimulus_looks_as_it_did(
     snap_compare: Callable[..., bool], tmp_path: Path, true_colour: None, name: str
 ) -> None:
-    app = quick_app(sitting(tmp_path, quick(name)))
+    # A drop that stands still long enough to be photographed.
+    app = quick_app(sitting(tmp_path, quick(name, picture_ms=2000.0)))
 
     async def wait(pilot: Pilot) -> None:
         await go_through(pilot, until_shown=TrialScreen)

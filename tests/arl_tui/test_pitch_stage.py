@@ -99,3 +99,18 @@ def test_a_picture_travels_to_the_screen_and_back(shown):
     again = msgspec.msgpack.decode(msgspec.msgpack.encode(picture), type=Picture)
     assert again == picture
     assert np.isfinite(again.view.ball).all()
+
+
+def test_who_chose_an_option_is_known_for_the_last_ones(shown):
+    stage = stage_of(PROTOCOL)
+    last = None
+    for output, _ in shown:
+        if isinstance(output, EpisodeStarted):
+            stage.begin(output)
+        elif isinstance(output, StepTaken):
+            stage.act(output)
+            for step in filter(None, (last, output)):
+                place = stage.place_of(step.step)
+                assert (place.player, place.target) == (step.detail["keeper"], step.detail["target"])
+            last = output
+    assert stage.place_of(10_000).player == -1

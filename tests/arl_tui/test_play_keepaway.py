@@ -9,17 +9,17 @@ from textual.pilot import Pilot
 from textual.widgets import Static
 
 from arl_tui.app import ArlApp, Outcome
-from arl_tui.link import Picture, Ready
+from arl_tui.link import Picture, Ready, TakenFor
 from arl_tui.palette import STANDARD
 from arl_tui.screens.covers import SmallWindowScreen
 from arl_tui.screens.pitch_scene import PitchScene
 from core.episode import EpisodeEnded, FrameShown, StepTaken
 from core.keepaway.picture import PitchFrame
 from core.keepaway.pitch import TAKEN
-from core.protocol import KEEPAWAY, Protocol
+from core.protocol import KEEPAWAY, Protocol, ScreenConfig
 from core.recording.reader import read_recording
-from tests.arl_tui.driving import app_for
-from tests.arl_tui.fakes import FakeLink, episode_ended, episode_started
+from tests.arl_tui.driving import app_for, recorded
+from tests.arl_tui.fakes import FakeLink, episode_ended, episode_started, session_ended
 from tests.arl_tui.pitches import HOLDING, PASSING
 
 SIZE = (80, 24)
@@ -31,7 +31,11 @@ MOVED = msgspec.structs.replace(
 
 @pytest.fixture
 def protocol() -> Protocol:
-    return msgspec.structs.replace(KEEPAWAY, session=msgspec.structs.replace(KEEPAWAY.session, episodes=3))
+    return msgspec.structs.replace(
+        KEEPAWAY,
+        session=msgspec.structs.replace(KEEPAWAY.session, episodes=3),
+        screen=ScreenConfig(speed=1.0, count_down_s=0),
+    )
 
 
 @pytest.fixture
@@ -230,6 +234,52 @@ def test_a_session_of_keepaway_looks_as_it_did(
         worker.show(-1, HOLDING)
         worker.decide(0)
         worker.show(0, PASSING)
+        await pilot.pause(0.05)
+
+    assert snap_compare(app, terminal_size=size, run_before=play)
+
+
+async def test_a_press_marks_who_chose_and_is_no_frame(
+    app: ArlApp, link: FakeLink, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr("arl_tui.widgets.pitch.MARK_S", 0.3)
+    async with app.run_test(size=SIZE) as pilot:
+        worker = await begin(pilot, link)
+        worker.decide(0)
+        worker.show(0, PASSING)
+        await pilot.pause(0.05)
+        await pilot.press("f")
+        link.say(TakenFor(press=0, value=-1.0, step=0, player=0, target=1))
+        await pilot.pause(0.05)
+        assert "-K1" in screen_text(app)
+        assert "K2-" in screen_text(app)
+        assert app.play.feedback.note == "Counted for K1's pass to K2"
+        for _ in range(40):
+            await pilot.pause(0.05)
+            if "-K1" not in screen_text(app):
+                break
+        assert "-K1" not in screen_text(app)
+        link.say(session_ended())
+        await pilot.pause(0.1)
+    shown = [event.step for event in recorded(tmp_path).events if isinstance(event, FrameShown)]
+    assert shown.count(0) == 1
+
+
+def screen_text(app: ArlApp) -> str:
+    drawn = app.play.scene.pitch.drawn_frame
+    text = "\n".join(strip.text for strip in app.screen._compositor.render_strips())
+    app.play.scene.pitch.drawn_frame = drawn  # looking is no drawing
+    return text
+
+
+@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
+def test_a_marked_option_looks_as_it_did(snap_compare, app: ArlApp, link: FakeLink, size: tuple[int, int]):
+    async def play(pilot: Pilot[Outcome]) -> None:
+        worker = await begin(pilot, link)
+        worker.decide(0)
+        worker.show(0, PASSING)
+        await pilot.press("j")
+        link.say(TakenFor(press=0, value=1.0, step=0, player=0, target=1))
         await pilot.pause(0.05)
 
     assert snap_compare(app, terminal_size=size, run_before=play)

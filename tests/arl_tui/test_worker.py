@@ -2,14 +2,18 @@
 
 import itertools
 import multiprocessing
+import os
+import subprocess
+import sys
 from collections.abc import Iterable, Iterator
+from pathlib import Path
 
 import pytest
 
-from arl_tui.link import Begin, FromWorker, Picture, ToWorker, WorkerLine
-from arl_tui.worker import Show
+from arl_tui.link import Begin, FromWorker, Picture, TakenFor, ToWorker, WorkerLine
+from arl_tui.worker import KERNELS_NEEDED, Show
 from core.clock import NS_PER_S, Clock, ManualClock
-from core.episode import FrameShown, Input, Output, Resumed, ScreenCleared, StepTaken, StopAsked
+from core.episode import FrameShown, Input, KeyPressed, Output, Resumed, ScreenCleared, StepTaken, StopAsked
 from core.protocol import Protocol, ScreenConfig
 from core.rollout import FeedbackSource
 from tests.arl_tui.fakes import episode_ended, episode_started, session_ended, step_taken
@@ -182,3 +186,47 @@ def test_the_line_keeps_what_is_said_whole_and_in_order() -> None:
     ours.close()
     with pytest.raises(EOFError):
         line.receive()
+
+
+def test_the_screen_is_told_at_once_what_a_press_was_taken_for(line: ScriptedLine) -> None:
+    steps = (episode_started(), step_taken(0), step_taken(1, column=4), episode_ended(), session_ended())
+    run(line, steps)
+    second_ms = line.pictures(1)[0]
+    again = ScriptedLine(ManualClock())
+    time_ns = (second_ms + TICK_MS + 7) * MS
+    pressed = {"key": "j", "value": 1.0, "frame": 0, "step": 1}
+    again.at(second_ms + TICK_MS + 7, KeyPressed(press=4, time_ns=time_ns, verdict="accepted", **pressed))
+    again.at(
+        second_ms + TICK_MS + 9, KeyPressed(press=5, time_ns=time_ns, verdict="no-presses-left", **pressed)
+    )
+    run(again, steps)
+    ((told_ns, taken),) = [(at, each) for at, each in again.sent if isinstance(each, TakenFor)]
+    assert told_ns == time_ns  # not when the step is over
+    assert (taken.press, taken.value, taken.step) == (4, 1.0, 0)
+    assert len(taken.blocks) == 4
+
+
+def test_a_setting_leaves_the_marks_out(line: ScriptedLine) -> None:
+    line.at(
+        200, KeyPressed(press=0, time_ns=200 * MS, key="j", value=1.0, frame=0, step=0, verdict="accepted")
+    )
+    screen = ScreenConfig(tick_ms=TICK_MS, pause_between_episodes_s=1.0, mark_presses=False)
+    Show(line, Protocol(screen=screen), line.clock).run(ScriptedSession(TWO_STEPS))  # type: ignore[arg-type]
+    assert not any(isinstance(message, TakenFor) for _, message in line.sent)
+
+
+@pytest.mark.jit
+@pytest.mark.slow
+@pytest.mark.parametrize("game", ["tetris", "keepaway"])
+def test_the_number_of_kernels_that_a_first_start_needs_is_about_what_the_first_page_says(
+    game: str, tmp_path: Path
+) -> None:
+    script = (
+        "import sys; from core.protocol import DEFAULTS; from arl_tui.worker import rehearse; "
+        "from core.compiled import kernels_at_hand; rehearse(DEFAULTS[sys.argv[1]]); print(kernels_at_hand())"
+    )
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+    done = subprocess.run(
+        [sys.executable, "-c", script, game], env=environment, capture_output=True, text=True, check=True
+    )
+    assert int(done.stdout) == pytest.approx(KERNELS_NEEDED[game], rel=0.15)

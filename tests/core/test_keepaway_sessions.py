@@ -61,6 +61,7 @@ def keepaway(*, press_probability: float = 0.9, scheme=None, **changes) -> Proto
     settings = {
         "domain": EXACT,
         "session": SHORT,
+        "screen": ScreenConfig(),
         "agent": msgspec.structs.replace(KEEPAWAY.agent, scheme=scheme or Exponential()),
         "trainer": msgspec.structs.replace(KEEPAWAY.trainer, press_probability=press_probability),
     }

@@ -15,6 +15,7 @@ watched_steps = 7
 
 [screen]
 tick_ms = 70
+count_down_s = 0
 pause_between_episodes_s = 0.3
 
 [keys]

@@ -24,6 +24,8 @@ unseen_steps = 60
 watched_steps = 25
 
 [screen]
+speed = 1.0
+count_down_s = 0
 pause_between_episodes_s = 1.5
 """
 

@@ -9,9 +9,9 @@ import pytest
 from core.clock import NS_PER_S
 from core.feedback.credit import credit
 from core.feedback.delays import CurrentStep, Delay, GammaDelay, PreviousStep, UniformDelay
-from core.feedback.reach import MeasuredDelays, mean_time_s, reach_of, share_reached
 from core.feedback.viewing import Watched
 from core.protocol import KEEPAWAY, TETRIS, Protocol, ScreenConfig
+from core.reach import MeasuredDelays, mean_time_s, reach_of, share_reached
 from core.tetris.pace import pictures_per_piece
 from tests.data_folder import data_folder
 
