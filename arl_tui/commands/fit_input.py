@@ -176,6 +176,7 @@ def columns_of(request: Request) -> "Columns":
         waited_s=request.waited,
         trust_magnitudes=request.trust_magnitudes,
         of_list=request.of_list,
+        missing=request.missing,
         encoding=request.encoding,
     )
 
@@ -203,19 +204,26 @@ def refuse_faults(rows: "Sequence[Row]", selection: "Selection") -> None:
     """Stop where so many times are negative or absurd that they cannot be reaction times in the stated unit."""
     counts: dict[str, Counter[str]] = {}
     first: dict[str, str] = {}
+    values: dict[str, set[float]] = {}
     for row, verdict in zip(rows, selection.verdicts, strict=True):
         if row.rt_s is not None:
             file = row.source.rpartition(":")[0]
             counts.setdefault(file, Counter())[verdict] += 1
             if verdict in FAULTS:
                 first.setdefault(file, f"{row.source} ({row.rt_s:g} s)")
+                values.setdefault(file, set()).add(row.rt_s)
     for file, counter in counts.items():
         n_faults, n = sum(counter[fault] for fault in FAULTS), counter.total()
+        code = (
+            f" All are {next(iter(values[file])):g} s: a code for no response? --missing says so."
+            if len(values.get(file, ())) == 1
+            else ""
+        )
         if n_faults > MOST_FAULTS * n:
             raise InputError(
                 f"{file}: {n_faults} of {n} times are negative or above {selection.policy.absurd_above_s:g} s, the "
                 f"first at {first[file]}. Is this the column of reaction times (--column rt=NAME), and is its unit "
-                "right (--unit)? --allow-faults leaves such rows out and fits the rest."
+                f"right (--unit)? --allow-faults leaves such rows out and fits the rest.{code}"
             )
 
 

@@ -12,9 +12,9 @@ FEWEST_TRIALS = 10
 """Two samples of fewer trials may agree by chance (times are often whole milliseconds)."""
 FEWEST_FOR_STEPS = 20
 """Fewer times may stand on a grid by chance."""
-SAME_STEP = 0.97
-"""Least mean resultant length of the times' phases in a step: 1 where all are whole steps apart. Times in whole
-milliseconds have 0.99 and more on a grid of 16.67 ms."""
+SAME_STEP = 0.9
+"""Least mean resultant length of the times' phases in a step: 1 where all are whole steps apart. Times on a
+grid of 16.67 ms have 0.99 in whole milliseconds, and 0.93 with a jitter of 1 ms."""
 STEPS_S = {
     0.1: "tenths of a second",
     0.05: "50 ms",

@@ -54,7 +54,7 @@ def read_files(
     """
     return [
         _read_recording(path)
-        if path.name.endswith(".jsonl")
+        if path.name.endswith(".jsonl") and preset is None
         else read_file(path, columns or Columns(), preset)
         for path in paths
     ]

@@ -92,11 +92,18 @@ def _separator_line(text: str) -> tuple[str, str | None]:
 
 def _delimiter(text: str) -> str:
     """Return what separates cells: of the first line, or where a title stands there, of the lines after it."""
-    first = list(itertools.islice(io.StringIO(text[:100_000], newline=""), _PREAMBLE))
-    for line in first:
-        if any(sign in line for sign in "\t;,"):
-            return max("\t;,", key=line.count)  # ties go to the tab, then the semicolon
-    return ","
+    lines = list(itertools.islice(io.StringIO(text[:100_000], newline=""), _PREAMBLE))
+    at = next((at for at, line in enumerate(lines) if any(sign in line for sign in "\t;,")), None)
+    if at is None:
+        return ","
+    first = max("\t;,", key=lines[at].count)  # ties go to the tab, then the semicolon
+    below = lines[at + 1 : -1] or lines[at + 1 :]
+    usual = {
+        sign: Counter(line.count(sign) for line in below).most_common(1)[0][0] for sign in "\t;," if below
+    }
+    if below and not usual[first]:
+        return max("\t;,", key=lambda sign: usual[sign]) if any(usual.values()) else first
+    return first
 
 
 def _rows(path: Path, text: str, delimiter: str) -> list[Line]:

@@ -1,4 +1,4 @@
-"""jsPsych's data, CSV or JSON: a row per trial of any plugin, times in milliseconds, null where there was no response.
+"""jsPsych's data, CSV or JSON: a row per trial of any plugin, times in milliseconds, null (before version 6: -1) where there was no response.
 
 A session holds instructions, fixations, surveys and the trials themselves. Trials are told from the rest by what the
 experimenter wrote beside them: a column such as `task` that names the parts, and whether parts are scored (`correct`).
@@ -63,17 +63,28 @@ _NOT_TRIALS = (
     "end",
     "fixation",
 )
-_REACTIONS = (
-    "response",
-    "categorize",
-    "iat-",
-    "same-different",
-    "go-no-go",
-    "serial-reaction-time",
-    "rdk",
-    "stroop",
+_NO_REACTIONS = (
+    "survey",
+    "instructions",
+    "fullscreen",
+    "preload",
+    "call-function",
+    "external-html",
+    "browser-check",
+    "virtual-chinrest",
+    "initialize-",
+    "webgazer",
+    "mirror-camera",
+    "resize",
+    "cloze",
+    "free-sort",
+    "maxdiff",
+    "sketchpad",
+    "consent",
+    "pause",
 )
-"""Parts of the names of plugins that measure a reaction (html-keyboard-response, image-button-response, ...)."""
+"""Beginnings of the names of plugins that measure no reaction; any other plugin (also one's own) may."""
+_MOST_PARTS = 12
 _OFTEN = 3
 
 
@@ -122,7 +133,7 @@ def _judge(table: Table, rt: str, *, scored: bool, chosen: bool) -> Callable[[Se
         if reason is not None:
             return reason
         practice = any(is_right(get(cells)) for get in flags) or any(is_practice(get(cells)) for get in parts)
-        if is_missing(time(cells)):
+        if is_missing(time(cells)) or time(cells) in ("-1", "-1.0"):
             withheld = scored and is_right(right(cells)) is True
             return Trial(rt="", outcome="withheld" if withheld else "no response", practice=practice)
         wrong = scored and is_right(right(cells)) is False
@@ -132,8 +143,7 @@ def _judge(table: Table, rt: str, *, scored: bool, chosen: bool) -> Callable[[Se
 
 
 def _measures_reactions(plugin: str) -> bool:
-    lower = plugin.lower()
-    return lower == "" or (any(word in lower for word in _REACTIONS) and not lower.startswith("survey"))
+    return not plugin.lower().removeprefix("jspsych-").startswith(_NO_REACTIONS)
 
 
 def _aside(
@@ -144,7 +154,8 @@ def _aside(
     scored: bool,
 ) -> Callable[[Sequence[str]], str | None]:
     """Return a function that says why a row is no trial of the experiment; None if it is one."""
-    part = next((name for name in _PARTS if name in table.header), None)
+    few = max(_MOST_PARTS, len(table.lines) // 10)
+    part = next((n for n in _PARTS if n in table.header and 1 < len(table.values(n)) <= few), None)
     if part is None:
         return _by_stimulus(table, time)
     get = table.getter(part)

@@ -59,14 +59,14 @@ def list_of(text: str) -> list[float | None] | None:
 
 
 def _one_of(times: list[float | None], text: str, where: str, columns: Columns) -> float | None:
-    if columns.of_list is None:
+    if columns.of_list is None and len(times) > 1:
         raise ReadError(
             f"{where} holds a list of {len(times)} times, {shown(text)}: every key press of the trial was stored. Which "
             "one is the reaction? `arl fit --list first` takes the first of each list, --list last the last; in "
             "PsychoPy 'Store: first key' writes one time"
         )
     numbers = [time for time in times if time is not None]
-    return (numbers[0] if columns.of_list == "first" else numbers[-1]) if numbers else None
+    return (numbers[-1] if columns.of_list == "last" else numbers[0]) if numbers else None
 
 
 def _plain(text: str, decimal: Literal[".", ","]) -> str:

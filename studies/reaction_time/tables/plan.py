@@ -129,7 +129,7 @@ def read_by(plan: Plan, columns: Columns, notes: Sequence[str] = ()) -> Reading:
             counts.left_out[trial] += 1
             continue
         row = _row(plan, columns, number, cells, trial)
-        counts.taken[_taken_words(plan, row, trial)] += 1
+        counts.taken[_taken_words(plan, columns, row, trial)] += 1
         rows.append(row)
         lines.append((number, cells))
     if not rows:
@@ -158,20 +158,23 @@ def _allowed(values: Sequence[str]) -> frozenset[str]:
     return frozenset(value.strip() for value in values)
 
 
-def _taken_words(plan: Plan, row: Row, trial: Trial) -> str:
+def _taken_words(plan: Plan, columns: Columns, row: Row, trial: Trial) -> str:
     words = plan.responses if trial.outcome == "response" else _WORDS[trial.outcome]
     if row.status == "time-out" and trial.outcome == "response":
-        words = "at the time-out"
+        words = "without a response" if trial.rt in columns.missing else "at the time-out"
     return f"{words} (practice)" if trial.practice else words
 
 
 def _row(plan: Plan, columns: Columns, number: int, cells: Sequence[str], trial: Trial) -> Row:
     table = plan.table
     where = f"{table.path}:{number}: column {shown(plan.rt)}"
-    rt = None if trial.outcome in ("no response", "withheld") else number_of(trial.rt, where, columns)
+    coded = trial.rt in columns.missing
+    rt = (
+        None if coded or trial.outcome in ("no response", "withheld") else number_of(trial.rt, where, columns)
+    )
     rt_s = None if rt is None else rt * SECONDS[plan.unit]
     waited_s = columns.waited_s if trial.waited_s is None else trial.waited_s
-    status = _STATUS.get(trial.outcome, "ok")
+    status = "time-out" if coded else _STATUS.get(trial.outcome, "ok")
     if rt_s is not None and columns.waited_s is not None and abs(rt_s - columns.waited_s) < _SAME_TIME_S:
         rt_s, status = None, "time-out"
     elif rt_s is not None and rt_s < 0.0 and plan.early_below_zero:

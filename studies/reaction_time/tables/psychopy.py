@@ -2,7 +2,7 @@
 
 A Keyboard component called `resp` writes `resp.keys` ("None" where there was no response), `resp.rt` and, if it stores
 what is correct, `resp.corr`. Rows of other routines leave these cells empty. A trial that asks for no response has
-"None" as its right answer.
+"None" as its right answer. PsychoJS leaves the keys of a missed trial empty, but not what was correct.
 """
 
 from collections.abc import Callable, Sequence
@@ -77,7 +77,7 @@ def _judge(
 ) -> Callable[[Sequence[str]], Trial | str]:
     component = rt.removesuffix(".rt")
     time, keys, right = (table.getter(name) for name in (rt, f"{component}.keys", f"{component}.corr"))
-    answer = table.getter("corrAns")
+    answer, started = table.getter("corrAns"), table.getter(f"{component}.started")
     in_loops = [(table.getter(name), is_practice(name)) for name in loops]
     chosen = bool(columns.keep)
 
@@ -89,7 +89,7 @@ def _judge(
         if not is_missing(time(cells)):
             wrong = scored and is_right(right(cells)) is False
             return Trial(rt=time(cells), outcome="wrong" if wrong else "response", practice=practice)
-        if keys(cells) == "":
+        if keys(cells) == right(cells) == started(cells) == "":
             return f"another routine's: {shown(component)} was not on"
         if answer(cells).lower() == "none":
             return Trial(rt="", outcome="withheld", practice=practice)

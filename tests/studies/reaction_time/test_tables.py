@@ -285,7 +285,7 @@ def test_a_participants_column_that_is_not_there_is_an_error_and_one_that_may_be
 def test_times_on_a_clock_are_refused_and_sorted_reactions_are_not(tmp_path):
     clock = "participant_id,rt_s\n" + "".join(f"K,{10 + 2.3 * i}\n" for i in range(12))
     with pytest.raises(
-        ReadError, match=r"only ever grows for 'K', from 10 to 35.3 s: it holds times on a clock"
+        ReadError, match=r"grows from row to row for 'K', from 10 to 35.3 s: it holds times on a clock"
     ):
         read(table(tmp_path, clock), Columns(rt="rt_s"))
     ordered = "participant_id,rt_ms\n" + "".join(f"K,{time}\n" for time in sorted(range(300, 900, 17)))
