@@ -1,7 +1,7 @@
 """What readers of tables take and give: the column mapping, the reading, and the error.
 
-A reading holds every row that was taken and counts every row that was not, with the reason: no reader drops a row
-in silence.
+A reading holds every row that was taken and counts every row that was not, with the reason: no reader drops a
+row in silence.
 """
 
 from collections import Counter

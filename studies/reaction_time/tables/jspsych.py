@@ -1,7 +1,10 @@
-"""jsPsych's data, CSV or JSON: a row per trial of any plugin, times in milliseconds, null (before version 6: -1) where there was no response.
+"""jsPsych's data, CSV or JSON: a row per trial of any plugin, times in milliseconds.
 
-A session holds instructions, fixations, surveys and the trials themselves. Trials are told from the rest by what the
-experimenter wrote beside them: a column such as `task` that names the parts, and whether parts are scored (`correct`).
+Without a response the time is null (before version 6: -1).
+
+A session holds instructions, fixations, surveys and the trials themselves. Trials are told from the rest by
+what the experimenter wrote beside them: a column such as `task` that names the parts, and whether parts are
+scored (`correct`).
 """
 
 import json
@@ -176,7 +179,7 @@ def _aside(
 
 
 def _by_stimulus(table: Table, time: Callable[[Sequence[str]], str]) -> Callable[[Sequence[str]], str | None]:
-    """Tell fixations from missed trials where no column does: a stimulus that comes often and never has a response."""
+    """Tell fixations from missed trials: stimuli that come often and never have a response."""
     stimulus = table.getter("stimulus")
     answered = {stimulus(cells) for _, cells in table.lines if not is_missing(time(cells))}
     often = Counter(stimulus(cells) for _, cells in table.lines)
@@ -190,7 +193,7 @@ def _by_stimulus(table: Table, time: Callable[[Sequence[str]], str]) -> Callable
     return reason
 
 
-# --- JSON -----------------------------------------------------------------------------------------------------------
+# --- JSON ---------------------------------------------------------------------------------------------------
 
 
 def _table_of_json(path: Path, text: str) -> Table:
@@ -223,8 +226,8 @@ def _data_sets(path: Path, text: str) -> Iterator[list[tuple[int, dict[str, obje
             where = at + (error.pos - at if isinstance(error, json.JSONDecodeError) else 0)
             line = text.count("\n", 0, where) + 1
             raise ReadError(
-                f"{path}:{line}: not whole JSON ({error}). Was the file cut off? The data before it are in the file, but "
-                "only a person can tell where they end"
+                f"{path}:{line}: not whole JSON ({error}). Was the file cut off? The data before it are in"
+                " the file, but only a person can tell where they end"
             ) from error
         line = text.count("\n", 0, at) + 1
         yield from _sessions(path, line, value)
@@ -241,7 +244,8 @@ def _sessions(path: Path, line: int, value: object) -> Iterator[list[tuple[int, 
         ]
         if len(inner) != 1:
             raise ReadError(
-                f"{path}:{line}: expected an array of jsPsych's trials, got an object with {len(value)} fields"
+                f"{path}:{line}: expected an array of jsPsych's trials, got an object with {len(value)}"
+                " fields"
             )
         value = inner[0]
     trials = [value] if isinstance(value, dict) else value

@@ -1,8 +1,8 @@
-"""OpenSesame's data files: every variable in every row, times in milliseconds, `NA` for a variable not yet set.
+"""OpenSesame's data files: every variable in every row, milliseconds, `NA` where not yet set.
 
-`response_time_ITEM` and `response_ITEM` belong to one response item, `response_time` to whichever came last. A time-out
-has the response "None" and, as its time, how long the item waited. Variables keep their values, so a logger that runs
-without a new response repeats the old one: `count_ITEM` tells.
+`response_time_ITEM` and `response_ITEM` belong to one response item, `response_time` to whichever came last.
+A time-out has the response "None" and, as its time, how long the item waited. Variables keep their values, so
+a logger that runs without a new response repeats the old one: `count_ITEM` tells.
 """
 
 from collections.abc import Callable, Sequence
@@ -65,7 +65,7 @@ def _candidates(table: Table) -> dict[str, int]:
 
 
 def _n_times(table: Table, name: str) -> int:
-    """Count the rows with a new response of this column's item: by its count, else by its time's being another."""
+    """Count the rows with a new response of this item: with another count, else another time."""
     ending = name.removeprefix("response_time")
     get, tell = (
         table.getter(name),

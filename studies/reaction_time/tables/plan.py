@@ -196,8 +196,8 @@ def _participant(plan: Plan, number: int, cells: Sequence[str], columns: Columns
         code = plan.table.getter(plan.participant)(cells)
         if is_missing(code):
             raise ReadError(
-                f"{plan.table.path}:{number}: no participant in column {shown(plan.participant)}, but {shown(code)}; leave "
-                "such rows out by the values of another column, or complete them"
+                f"{plan.table.path}:{number}: no participant in column {shown(plan.participant)}, but"
+                f" {shown(code)}; leave such rows out by the values of another column, or complete them"
             )
     conditions = (plan.table.getter(name)(cells) or "(none)" for name in columns.by)
     return printable(" ".join([code, *conditions]), longest=None)
@@ -213,7 +213,8 @@ def _nothing_left(plan: Plan, columns: Columns, left_out: Mapping[str, int]) -> 
         return f"{plan.table.path}: no row left to read: there is a header and nothing else"
     why = ", ".join(f"{n} {reason}" for reason, n in left_out.items())
     there = "; ".join(
-        f"{shown(name)} holds {', '.join(shown(value) for value, _ in plan.table.values(name).most_common(4))}"
+        f"{shown(name)} holds"
+        f" {', '.join(shown(value) for value, _ in plan.table.values(name).most_common(4))}"
         for name in columns.keep
     )
     return f"{plan.table.path}: no row left to read ({why})" + (f"; {there}" if there else "")
@@ -226,13 +227,14 @@ def _one_person(table: Table, columns: Columns, participant: str | None) -> tupl
         return ()
     return (
         (
-            f"no column {shown(columns.participant or '')}: all rows are taken as those of {shown(participant_of(table.path))}, "
-            f"from the file's name. Does {shown(likely[0])} tell them apart? --column participant=NAME"
+            f"no column {shown(columns.participant or '')}: all rows are taken as those of"
+            f" {shown(participant_of(table.path))}, from the file's name. Does {shown(likely[0])} tell them"
+            " apart? --column participant=NAME"
         ),
     )
 
 
-# --- what several presets need --------------------------------------------------------------------------------------
+# --- what several presets need ------------------------------------------------------------------------------
 
 
 def participant_of(path: Path) -> str:
@@ -244,7 +246,7 @@ def participant_of(path: Path) -> str:
 
 
 def participant_column(table: Table, columns: Columns, candidates: Sequence[str]) -> str | None:
-    """Return the column of participants: the one that was named, else the first candidate with values, else None.
+    """Return the column of participants: the named one, else the first candidate with values.
 
     Raises:
         ReadError: the named column is not there.
@@ -284,8 +286,8 @@ def rt_column(table: Table, columns: Columns, candidates: Mapping[str, int], pro
     if len(rivals) > 1:
         more = ", ..." if len(rivals) > 5 else ""
         raise ReadError(
-            f"{table.path}: {program} recorded responses of several kinds, {', '.join(rivals[:5])}{more}: which are the "
-            "reactions? --column rt=NAME"
+            f"{table.path}: {program} recorded responses of several kinds, {', '.join(rivals[:5])}{more}:"
+            " which are the reactions? --column rt=NAME"
         )
     return ranked[0][0]
 
@@ -305,7 +307,10 @@ def scores(table: Table, column: str) -> tuple[bool, tuple[str, ...]]:
         return True, ()
     if False in verdicts:
         return False, (
-            f"the column {shown(column)} calls no answer right: no right answer was defined, so it is not used",
+            (
+                f"the column {shown(column)} calls no answer right: no right answer was defined, so it is not"
+                " used"
+            ),
         )
     return False, ()
 

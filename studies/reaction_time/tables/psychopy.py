@@ -1,8 +1,9 @@
 """PsychoPy's data files: one CSV per session, a row per pass of a loop, times in seconds.
 
-A Keyboard component called `resp` writes `resp.keys` ("None" where there was no response), `resp.rt` and, if it stores
-what is correct, `resp.corr`. Rows of other routines leave these cells empty. A trial that asks for no response has
-"None" as its right answer. PsychoJS leaves the keys of a missed trial empty, but not what was correct.
+A Keyboard component called `resp` writes `resp.keys` ("None" where there was no response), `resp.rt` and, if
+it stores what is correct, `resp.corr`. Rows of other routines leave these cells empty. A trial that asks for
+no response has "None" as its right answer. PsychoJS leaves the keys of a missed trial empty, but not what was
+correct.
 """
 
 from collections.abc import Callable, Sequence
@@ -46,8 +47,8 @@ class PsychoPy:
         table, columns = source.table, source.columns
         if not any(name.endswith(".rt") for name in table.header) and not columns.rt:
             raise ReadError(
-                f"{table.path}: this is PsychoPy's summary, or no component stored times: there is no column that ends in "
-                "'.rt'. Take the 'trial-by-trial' CSV of the same session"
+                f"{table.path}: this is PsychoPy's summary, or no component stored times: there is no column"
+                " that ends in '.rt'. Take the 'trial-by-trial' CSV of the same session"
             )
         loops = [name for name in table.header if name.endswith(".thisN")]
         rt = rt_column(table, columns, _candidates(table, loops), self.title)

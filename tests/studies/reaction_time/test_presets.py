@@ -1,4 +1,4 @@
-"""Files of other programs: recognised by their marks, each with its way of saying no response, late, wrong, practice."""
+"""Files of other programs: recognised by marks, each with its way of saying late, wrong, practice."""
 
 import csv
 from collections import Counter
@@ -186,7 +186,7 @@ def test_a_named_column_reads_a_programs_file_as_a_table_and_says_so(tmp_path):
     assert "--from opensesame" in reading.notes[0]
 
 
-# --- files made for these programs by others ------------------------------------------------------------------------
+# --- files made for these programs by others ----------------------------------------------------------------
 
 CASES = data_root().parent / "cases"
 
@@ -221,7 +221,7 @@ def test_psychopys_and_eprimes_cases_are_read():
         read(case("psychopy", "lists", "P09_stroop_2026-03-04_14h05.51.902.csv"))
 
 
-# --- variants of the formats ----------------------------------------------------------------------------------------
+# --- variants of the formats --------------------------------------------------------------------------------
 
 
 def test_psychojs_leaves_the_keys_of_a_missed_trial_empty(tmp_path):
