@@ -1,8 +1,9 @@
 """Text that came from a file, made safe to show: on a terminal, on a page, in a plot, in an error message.
 
-A terminal obeys escape sequences wherever they come from: a participant code in somebody else's table can clear the
-screen or set the window's title. Bidirectional overrides change the order in which a line is read. Every text that
-this program did not write itself goes through `printable` or `printable_lines` before a person sees it.
+A terminal obeys escape sequences wherever they come from: a participant code in somebody else's table can
+clear the screen or set the window's title. Bidirectional overrides change the order in which a line is read.
+Every text that this program did not write itself goes through `printable` or `printable_lines` before a
+person sees it.
 """
 
 import unicodedata
@@ -20,11 +21,12 @@ _HARMLESS = frozenset("\u00ad\u200c\u200d")
 
 
 def printable(text: str, *, longest: int | None = LONGEST) -> str:
-    r"""Return a text in one line: control, format and separator characters as escapes, e.g. `\x1b` or `\u202e`.
+    r"""Return a text in one line, with escapes such as `\x1b` for what would move the cursor or reorder it.
 
     Args:
         text: any text, whatever it holds.
-        longest: characters that are kept; the rest is replaced by `...` and how many there were. None keeps all.
+        longest: characters that are kept; the rest is replaced by `...` and how many there were. None keeps
+            all.
 
     Returns:
         Text without any character that a terminal obeys. A text of plain characters is returned as it is.
@@ -38,7 +40,7 @@ def printable(text: str, *, longest: int | None = LONGEST) -> str:
 
 
 def printable_lines(text: str) -> str:
-    """Return a text of several lines with each line made `printable`; line feeds stay, and nothing else that moves."""
+    """Return a text of several lines with each line made `printable`; only line feeds stay."""
     return "\n".join(printable(line, longest=LONGEST_LINE) for line in text.split("\n"))
 
 

@@ -78,6 +78,12 @@ _PATH = ToWrite()
     help="Which time counts in a cell that holds a list of times; by default such cells are refused.",
 )
 @click.option(
+    "--missing",
+    multiple=True,
+    metavar="TEXT",
+    help="A cell of the rt column that means no response, such as -1 or 9999.",
+)
+@click.option(
     "--encoding",
     metavar="NAME",
     help="Code page of the tables, e.g. cp1250; UTF-8, UTF-16 or else Windows-1252 by default.",

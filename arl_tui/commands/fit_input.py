@@ -38,8 +38,8 @@ def read(files: Sequence[Path], request: Request) -> "list[Reading]":
         return read_files(files, columns_of(request), request.preset)
     except ReadError as error:
         hint = (
-            "Options that may help: --from PROGRAM, --column rt=NAME, --unit s|ms|us|ns, --keep COLUMN=VALUE, "
-            "--trust-magnitudes."
+            "Options that may help: --from PROGRAM, --column rt=NAME, --unit s|ms|us|ns, --keep COLUMN=VALUE,"
+            " --trust-magnitudes."
         )
         raise InputError(f"{error}\n{hint}") from error
     except OSError as error:
@@ -86,7 +86,7 @@ def select_from(
 
 
 def source_lines(readings: "Sequence[Reading]") -> Iterator[str]:
-    """Yield what each file was recognised as, which rows were taken and left out, and what was odd about it."""
+    """Yield what each file was recognised as, what was taken and left out, and what was odd about it."""
     groups: dict[tuple[str, str, str], list[Reading]] = {}
     for reading in readings:
         alone = "" if len(readings) > FILES_IN_FULL else str(reading.path)
@@ -137,18 +137,18 @@ def limit_lines(rows: "Sequence[Row]", selection: "Selection", request: Request,
             else ""
         )
         yield (
-            f"Warning: the limit for {kind}s of {policy.slow_above_s:g} s leaves out {counts['slow']} of {n} responses "
-            f"({counts['slow'] / n:.1%}, up to {longest:.3g} s): the fits describe the faster ones only. {other}"
-            "--slow-above SECONDS sets the limit."
+            f"Warning: the limit for {kind}s of {policy.slow_above_s:g} s leaves out {counts['slow']} of {n}"
+            f" responses ({counts['slow'] / n:.1%}, up to {longest:.3g} s): the fits describe the faster ones"
+            f" only. {other}--slow-above SECONDS sets the limit."
         )
     if (
         request.anticipation_below == policy.anticipation_below_s
         and counts["anticipation"] > WORTH_A_WARNING * n
     ):
         yield (
-            f"Warning: {counts['anticipation']} of {n} responses ({counts['anticipation'] / n:.1%}) are called "
-            f"anticipations (faster than {policy.anticipation_below_s:g} s, or by the file's own word) and left out. "
-            "--anticipation-below SECONDS sets the limit."
+            f"Warning: {counts['anticipation']} of {n} responses ({counts['anticipation'] / n:.1%}) are"
+            f" called anticipations (faster than {policy.anticipation_below_s:g} s, or by the file's own"
+            " word) and left out. --anticipation-below SECONDS sets the limit."
         )
 
 
@@ -176,6 +176,7 @@ def columns_of(request: Request) -> "Columns":
         waited_s=request.waited,
         trust_magnitudes=request.trust_magnitudes,
         of_list=request.of_list,
+        missing=request.missing,
         encoding=request.encoding,
     )
 
@@ -200,22 +201,30 @@ def _pair(text: str, option: str) -> tuple[str, str]:
 
 
 def refuse_faults(rows: "Sequence[Row]", selection: "Selection") -> None:
-    """Stop where so many times are negative or absurd that they cannot be reaction times in the stated unit."""
+    """Stop where too many times are negative or absurd to be reaction times in the stated unit."""
     counts: dict[str, Counter[str]] = {}
     first: dict[str, str] = {}
+    values: dict[str, set[float]] = {}
     for row, verdict in zip(rows, selection.verdicts, strict=True):
         if row.rt_s is not None:
             file = row.source.rpartition(":")[0]
             counts.setdefault(file, Counter())[verdict] += 1
             if verdict in FAULTS:
                 first.setdefault(file, f"{row.source} ({row.rt_s:g} s)")
+                values.setdefault(file, set()).add(row.rt_s)
     for file, counter in counts.items():
         n_faults, n = sum(counter[fault] for fault in FAULTS), counter.total()
+        code = (
+            f" All are {next(iter(values[file])):g} s: a code for no response? --missing says so."
+            if len(values.get(file, ())) == 1
+            else ""
+        )
         if n_faults > MOST_FAULTS * n:
             raise InputError(
-                f"{file}: {n_faults} of {n} times are negative or above {selection.policy.absurd_above_s:g} s, the "
-                f"first at {first[file]}. Is this the column of reaction times (--column rt=NAME), and is its unit "
-                "right (--unit)? --allow-faults leaves such rows out and fits the rest."
+                f"{file}: {n_faults} of {n} times are negative or above {selection.policy.absurd_above_s:g}"
+                f" s, the first at {first[file]}. Is this the column of reaction times (--column rt=NAME),"
+                " and is its unit right (--unit)? --allow-faults leaves such rows out and fits the"
+                f" rest.{code}"
             )
 
 

@@ -42,6 +42,7 @@ class Request:
     decimal: Literal[".", ","]
     waited: float | None
     of_list: Literal["first", "last"] | None
+    missing: tuple[str, ...]
     encoding: str | None
     trust_magnitudes: bool
     allow_faults: bool

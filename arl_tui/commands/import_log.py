@@ -1,4 +1,4 @@
-"""`arl import`: other people's files as recordings, by an importer of the program's own or of another package."""
+"""`arl import`: other people's files as recordings, by our own importers or another package's."""
 
 from collections.abc import Mapping
 from pathlib import Path

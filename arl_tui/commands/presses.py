@@ -31,8 +31,9 @@ if TYPE_CHECKING:
 def presses(recordings: tuple[Path, ...], each: bool, burst_within: float, csv_path: Path | None) -> None:
     """Report the accepted presses in RECORDINGS: how often each value, how long after what, in which bursts.
 
-    Delays are measured from the event that was judged (imported evaluations), else from the appearance of the step on
-    screen at the press, which need not be the step that it judges. `arl fit` fits the delays of imported evaluations.
+    Delays are measured from the event that was judged (imported evaluations), else from the appearance of the
+    step on screen at the press, which need not be the step that it judges. `arl fit` fits the delays of
+    imported evaluations.
     """
     from core.recording.reader import RecordingError, read_recording
     from studies.evaluations.presses import presses_of, report_lines

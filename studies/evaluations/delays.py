@@ -1,9 +1,10 @@
 """How long real people take to react and to evaluate, and how much credit reaches what they judged.
 
-Credit is measured on held-out presses: a density is fitted to one half of a person's delays and shares out the presses
-of the other half among steps that follow each other without gaps. What was judged happens u seconds after its step of T
-seconds appeared; the press comes d seconds later and gives that step the density's mass between u + d - T and u + d
-(section 3.3). Either u is anywhere in the step, or 0: the step's appearance is what was judged.
+Credit is measured on held-out presses: a density is fitted to one half of a person's delays and shares out
+the presses of the other half among steps that follow each other without gaps. What was judged happens u
+seconds after its step of T seconds appeared; the press comes d seconds later and gives that step the
+density's mass between u + d - T and u + d (section 3.3). Either u is anywhere in the step, or 0: the step's
+appearance is what was judged.
 """
 
 from collections import Counter
@@ -149,7 +150,7 @@ def evaluations(folder: Path) -> Delays:
     )
 
 
-# --- how the delay depends on the value -----------------------------------------------------------------------------
+# --- how the delay depends on the value ---------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -211,7 +212,7 @@ def shares_of_variance(delays: Delays) -> dict[str, float]:
     return shares
 
 
-# --- credit ---------------------------------------------------------------------------------------------------------
+# --- credit -------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -226,8 +227,8 @@ class CreditOnTarget:
 def credit_on_target(delays: Delays, moments: Sequence[float] = MOMENTS) -> list[CreditOnTarget]:
     """Return, for several rules, the credit that reaches the judged step, on held-out presses of each person.
 
-    Each person's delays are taken alternately into two halves; each half is scored with the fit of the other. What is
-    common to all people is fitted to the other people's delays.
+    Each person's delays are taken alternately into two halves; each half is scored with the fit of the other.
+    What is common to all people is fitted to the other people's delays.
 
     Args:
         delays: of one task; people with fewer than `FEWEST` are left out.

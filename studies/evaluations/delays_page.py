@@ -1,8 +1,8 @@
 """Makes the page *What people's delays look like*: reactions and evaluations of real people side by side.
 
-`python -m studies.evaluations.delays_page docs` reads the folder of real data that ARL_DATA names (or `--data FOLDER`)
-and writes `results/delays.md` and its figure below the folder of documentation. Every number is from that run, which
-takes half a minute. The page holds figures only: no data are copied.
+`python -m studies.evaluations.delays_page docs` reads the folder of real data that ARL_DATA names (or `--data
+FOLDER`) and writes `results/delays.md` and its figure below the folder of documentation. Every number is from
+that run, which takes half a minute. The page holds figures only: no data are copied.
 """
 
 import argparse
@@ -56,8 +56,8 @@ def page(sets: Sequence[Delays], judged: Delays) -> str:
         "# What people's delays look like",
         "Data: " + "; ".join(_source(one) for one in sets) + ".",
         (
-            "Made by `python -m studies.evaluations.delays_page docs` from the folder that `ARL_DATA` names. Limits: "
-            "nothing below 0.1 s; nothing above "
+            "Made by `python -m studies.evaluations.delays_page docs` from the folder that `ARL_DATA` names."
+            " Limits: nothing below 0.1 s; nothing above "
             + ", ".join(f"{one.slow_above_s:g} s ({one.name})" for one in sets)
             + "."
         ),
@@ -102,22 +102,28 @@ def _in_short(
     return "\n".join(
         [
             (
-                f"- An evaluation takes {np.median(judged.together):.2f} s in the median, a reaction {times}. Simple reactions do "
-                "not tell the delay of evaluations."
+                f"- An evaluation takes {np.median(judged.together):.2f} s in the median, a reaction {times}."
+                " Simple reactions do not tell the delay of evaluations."
             ),
             (
-                f"- A gamma of all evaluations has shape {gamma['shape']:.2f} and scale {gamma['scale_s']:.2f} s: the paper's "
-                "shape of 2.5 is right in kind, its scale of 0.3 s is too short here."
+                f"- A gamma of all evaluations has shape {gamma['shape']:.2f} and scale"
+                f" {gamma['scale_s']:.2f} s: the paper's shape of 2.5 is right in kind, its scale of 0.3 s is"
+                " too short here."
             ),
             (
-                f"- People differ: their medians go from {judged.medians.min():.2f} to {judged.medians.max():.2f} s. Still the "
-                f"person explains only {shares['person']:.0%} of the variance of log delays, and the value "
-                f"{shares['value']:.0%} more; the rest is from press to press."
+                f"- People differ: their medians go from {judged.medians.min():.2f} to"
+                f" {judged.medians.max():.2f} s. Still the person explains only {shares['person']:.0%} of the"
+                f" variance of log delays, and the value {shares['value']:.0%} more; the rest is from press"
+                " to press."
             ),
-            f"- Strong evaluations are quick: {strong:.2f} of a person's usual delay for values of {sizes[-1]:g}, {weak:.2f} for {sizes[0]:g}.",
             (
-                f"- With steps of {MIDDLE_STEP_S:g} s, a gamma fitted to the person gives the judged step {_words(own_others)} more "
-                f"of the credit than one fitted to all others, and {_words(own_paper)} more than the paper's density."
+                f"- Strong evaluations are quick: {strong:.2f} of a person's usual delay for values of"
+                f" {sizes[-1]:g}, {weak:.2f} for {sizes[0]:g}."
+            ),
+            (
+                f"- With steps of {MIDDLE_STEP_S:g} s, a gamma fitted to the person gives the judged step"
+                f" {_words(own_others)} more of the credit than one fitted to all others, and"
+                f" {_words(own_paper)} more than the paper's density."
             ),
         ]
     )
@@ -219,19 +225,20 @@ def _value_words(judged: Delays, values: Sequence[OfValue]) -> str:
         if m.value == -p.value
     )
     return (
-        "*By the person's usual delay*: geometric mean over people of the person's delay at this value by that at all values, "
-        f"with a 95 % interval over people. The size of the value matters, its sign does not ({pairs}). Within people the value "
-        f"explains {shares['value'] / (1.0 - shares['person']):.0%} of the variance of log delays."
+        "*By the person's usual delay*: geometric mean over people of the person's delay at this value by"
+        " that at all values, with a 95 % interval over people. The size of the value matters, its sign does"
+        f" not ({pairs}). Within people the value explains {shares['value'] / (1.0 - shares['person']):.0%}"
+        " of the variance of log delays."
     )
 
 
 def _credit_words() -> str:
     return (
-        "The share of a press's credit that reaches the step in which the judged thing happened. Steps follow each other "
-        f"without gaps; what is judged happens anywhere in its step. People with at least {FEWEST} delays; each half of their "
-        "delays is scored with the fit of the other half, and what is common to people is fitted to the others only. Means "
-        "over people; the difference to *one gamma of all others* has a 95 % bootstrap interval over people "
-        f"(root seed {ROOT_SEED})."
+        "The share of a press's credit that reaches the step in which the judged thing happened. Steps"
+        " follow each other without gaps; what is judged happens anywhere in its step. People with at least"
+        f" {FEWEST} delays; each half of their delays is scored with the fit of the other half, and what is"
+        " common to people is fitted to the others only. Means over people; the difference to *one gamma of"
+        f" all others* has a 95 % bootstrap interval over people (root seed {ROOT_SEED})."
     )
 
 
@@ -258,10 +265,11 @@ def _own_words(sets: Sequence[Delays], credit: dict[str, list[CreditOnTarget]], 
     gains = ", ".join(f"{_words(_difference(credit[one.name], OWN, OTHERS))} ({one.name})" for one in sets)
     value = _words(_difference(credit[judged.name], BY_VALUE, OWN))
     return (
-        f"Knowing the person: {gains}, for steps of {MIDDLE_STEP_S:g} s. Knowing the value's size beyond the person: {value}. "
-        "A density that is narrower and earlier than the delays can reach as much credit as a true one, because it bets on "
-        "the quick presses; it misplaces the slow ones entirely. Reactions are placed far better than evaluations under "
-        "every rule: the spread from press to press, which no fit removes, is what limits credit."
+        f"Knowing the person: {gains}, for steps of {MIDDLE_STEP_S:g} s. Knowing the value's size beyond the"
+        f" person: {value}. A density that is narrower and earlier than the delays can reach as much credit"
+        " as a true one, because it bets on the quick presses; it misplaces the slow ones entirely."
+        " Reactions are placed far better than evaluations under every rule: the spread from press to press,"
+        " which no fit removes, is what limits credit."
     )
 
 
@@ -269,11 +277,11 @@ def _onset_words(found: Sequence[CreditOnTarget]) -> str:
     shares = {one.rule: one.share[MIDDLE_STEP_S].mean() for one in found}
     words = ", ".join(f"{share:.2f} ({rule})" for rule, share in shares.items())
     return (
-        "If people judge a step by its appearance (u = 0) rather than by something inside it, a true density gives at most "
-        "half of the credit to that step on average, however long it is: half of the density lies at longer delays than the "
-        "one at hand, and that mass goes to steps before. Evaluations, steps of "
-        f"{MIDDLE_STEP_S:g} s: {words}. Section 3.3 integrates over the whole time on screen, hence assumes that what is "
-        "judged may come at any moment of it."
+        "If people judge a step by its appearance (u = 0) rather than by something inside it, a true density"
+        " gives at most half of the credit to that step on average, however long it is: half of the density"
+        " lies at longer delays than the one at hand, and that mass goes to steps before. Evaluations, steps"
+        f" of {MIDDLE_STEP_S:g} s: {words}. Section 3.3 integrates over the whole time on screen, hence"
+        " assumes that what is judged may come at any moment of it."
     )
 
 

@@ -1,7 +1,8 @@
 """Turn tables of evaluations into recordings: presses and the events they judge, without boards or actions.
 
-Such a recording gives delays (`arl fit`), bursts and reports (`arl presses`). It gives no replay: what the agent saw and
-did is not in it. Times begin at 0 in each recording, because a table's clock often is the wall's.
+Such a recording gives delays (`arl fit`), bursts and reports (`arl presses`). It gives no replay: what the
+agent saw and did is not in it. Times begin at 0 in each recording, because a table's clock often is the
+wall's.
 """
 
 import hashlib
@@ -83,7 +84,10 @@ def _write(
         protocol={},
         software={},
         departures=[
-            "imported: presses, values and delays are those of the source; each frame is the event that a press judges",
+            (
+                "imported: presses, values and delays are those of the source; each frame is the event that a"
+                " press judges"
+            ),
             "what the agent saw and did is not in the source: nothing can be replayed",
         ],
         source={"format": FORMAT, "file": source.name, "sha256": digest, **conditions},

@@ -11,8 +11,8 @@ from core.episode import Event, FrameShown, KeyPressed, PressRetracted
 from core.recording.reader import Recording
 
 BURST_WITHIN_S = 0.5
-"""Presses of the same sign within this time of the one before are one burst. TAMER's logs: 0.18 to 0.20 s between the
-presses of a burst. (Our choice.)"""
+"""Presses of the same sign within this time of the one before are one burst. TAMER's logs: 0.18 to 0.20 s
+between the presses of a burst. (Our choice.)"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,7 +25,7 @@ class Press:
     """Since the recording's first event."""
     value: float
     delay_s: float | None
-    """Since the event that it judges (imported evaluations), else since the step on screen appeared; None if unknown."""
+    """Since the event judged (imported evaluations), else since the step appeared; None if unknown."""
     burst: int
     """Number of the burst in its recording, from 0; a press alone is a burst of one."""
 
@@ -99,12 +99,16 @@ def report_lines(presses: Sequence[Press], *, delays_of_what: str) -> list[str]:
     lines = [
         f"{len(presses)} presses in {len(bursts)} bursts ({(sizes > 1).sum()} of more than one press"
         + (f", {np.median(gaps):.2f} s between their presses)" if gaps.size else ")"),
-        f"{'value':>7}{'presses':>9}{'share':>7}   delay {delays_of_what} (s): 5 %   25 %   50 %   75 %   95 %",
+        (
+            f"{'value':>7}{'presses':>9}{'share':>7}   delay {delays_of_what} (s): 5 %   25 %   50 %   75 %  "
+            " 95 %"
+        ),
     ]
     for value in sorted({press.value for press in presses}):
         some = [press for press in presses if press.value == value]
         lines.append(
-            f"{value:>+7g}{len(some):>9}{len(some) / len(presses):>7.0%}   {'':<{len(delays_of_what)}}{_quantiles(some)}"
+            f"{value:>+7g}{len(some):>9}{len(some) / len(presses):>7.0%}  "
+            f" {'':<{len(delays_of_what)}}{_quantiles(some)}"
         )
     lines.append(f"{'all':>7}{len(presses):>9}{1:>7.0%}   {'':<{len(delays_of_what)}}{_quantiles(presses)}")
     return lines

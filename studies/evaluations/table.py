@@ -54,7 +54,7 @@ class EvaluationTable:
     """A table as read: sessions of participants, each sorted by time."""
 
     sessions: dict[tuple[str, ...], list[Evaluation]]
-    """Participant and values of the `by` columns, in the table's order, to evaluations in the order of their times."""
+    """Participant and values of the `by` columns to evaluations in the order of their times."""
     has_delays: bool
     left_out: Counter[str]
     """Reason to the number of rows without an evaluation."""
@@ -67,7 +67,8 @@ def read_evaluations(path: Path, columns: EvaluationColumns) -> EvaluationTable:
     """Read a CSV or TSV table.
 
     Raises:
-        ImporterError: a column is missing or has no unit, or a cell cannot be understood (file, line, column).
+        ImporterError: a column is missing or has no unit, or a cell cannot be understood (file, line,
+    column).
     """
     try:
         text = read_text(path, columns.encoding)
@@ -138,7 +139,8 @@ def _factor(table: Table, name: str, columns: EvaluationColumns) -> float:
     unit = columns.unit or unit_in_name(name)
     if unit is None:
         raise ReadError(
-            f"{table.path}: column {shown(name)} has no unit: state it (--unit s) or name the column {name}_s or {name}_ms"
+            f"{table.path}: column {shown(name)} has no unit: state it (--unit s) or name the column {name}_s"
+            f" or {name}_ms"
         )
     return SECONDS[unit]
 
@@ -146,8 +148,8 @@ def _factor(table: Table, name: str, columns: EvaluationColumns) -> float:
 def _code(table: Table, line: int, text: str) -> str:
     if not _CODE.fullmatch(text):
         raise ReadError(
-            f"{table.path}:{line}: the participant is {shown(text)}; expected a code of up to 32 letters, digits, '-' or "
-            "'_', because it names a file. Never a name"
+            f"{table.path}:{line}: the participant is {shown(text)}; expected a code of up to 32 letters,"
+            " digits, '-' or '_', because it names a file. Never a name"
         )
     return text
 
@@ -161,5 +163,6 @@ def _nanoseconds(table: Table, line: int, name: str, text: str, factor: float) -
     except (InvalidOperation, ValueError):
         pass
     raise ReadError(
-        f"{table.path}:{line}: column {shown(name)} holds {shown(text)}; expected a number of seconds, ms, ..."
+        f"{table.path}:{line}: column {shown(name)} holds {shown(text)}; expected a number of seconds,"
+        " ms, ..."
     )

@@ -46,12 +46,13 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
 
 
 SLOW_ABOVE_S: dict[str, float] = {"reaction": 3.0, "evaluation": 10.0}
-"""Kind of task to the default of `ExclusionPolicy.slow_above_s`. Reactions: rtdists. Evaluations: in 5,349 of a robot
-5 % take longer than 3 s, and none was slower than its window of 5 s (`docs/results/delays.md`). (Our choice.)"""
+"""Kind of task to the default of `ExclusionPolicy.slow_above_s`. Reactions: rtdists. Evaluations: in 5,349 of
+a robot 5 % take longer than 3 s, and none was slower than its window of 5 s (`docs/results/delays.md`). (Our
+choice.)"""
 
 
 def kind_of_task(task: str) -> Literal["reaction", "evaluation"]:
-    """Return whether a task's name says that an agent is judged ("evaluation", "feedback lag"), or a reaction."""
+    """Return whether a task's name says that an agent is judged (evaluation, feedback lag)."""
     lower = task.lower().replace("-", " ").replace("_", " ")
     words = ("evaluat", "feedback", "judg", "rating")
     return "evaluation" if any(word in lower for word in words) else "reaction"

@@ -12,9 +12,9 @@ FEWEST_TRIALS = 10
 """Two samples of fewer trials may agree by chance (times are often whole milliseconds)."""
 FEWEST_FOR_STEPS = 20
 """Fewer times may stand on a grid by chance."""
-SAME_STEP = 0.97
-"""Least mean resultant length of the times' phases in a step: 1 where all are whole steps apart. Times in whole
-milliseconds have 0.99 and more on a grid of 16.67 ms."""
+SAME_STEP = 0.9
+"""Least mean resultant length of the times' phases in a step: 1 where all are whole steps apart. Times on a
+grid of 16.67 ms have 0.99 in whole milliseconds, and 0.93 with a jitter of 1 ms."""
 STEPS_S = {
     0.1: "tenths of a second",
     0.05: "50 ms",
@@ -39,7 +39,7 @@ _SHOWN = 4
 
 
 def alike_names(names: Sequence[str]) -> Iterator[str]:
-    """Yield a sentence for participants whose codes differ in case, spaces, punctuation or leading zeros only."""
+    """Yield a sentence for codes that differ in case, spaces, punctuation or leading zeros only."""
     groups: dict[str, list[str]] = {}
     for name in names:
         key = re.sub(r"(?<!\d)0+(?=\d)|\.0$", "", name.lower())
@@ -50,7 +50,7 @@ def alike_names(names: Sequence[str]) -> Iterator[str]:
 
 
 def copied_times(samples: Mapping[str, Sample]) -> Iterator[str]:
-    """Yield a sentence for participants with the very same times, and for one whose times all come in pairs."""
+    """Yield a sentence for participants with the same times, or whose times all come in pairs."""
     first: dict[bytes, str] = {}
     for name, sample in samples.items():
         times = sample.observed_s
@@ -64,10 +64,11 @@ def copied_times(samples: Mapping[str, Sample]) -> Iterator[str]:
 
 
 def step_of(times_s: NDArray[np.float64]) -> float | None:
-    """Return the longest step (a key of `STEPS_S`) of which all times are whole multiples apart; None without one.
+    """Return the longest step of `STEPS_S` of which all times are whole multiples apart, or None.
 
     Args:
-        times_s: reaction times, shape (n,), seconds. Fewer than `FEWEST_FOR_STEPS`, or all within a few steps: None.
+        times_s: reaction times, shape (n,), seconds. Fewer than `FEWEST_FOR_STEPS`, or all within a few
+    steps: None.
     """
     if times_s.size < FEWEST_FOR_STEPS:
         return None
@@ -90,9 +91,10 @@ def steps_of_time(samples: Mapping[str, Sample]) -> Iterator[str]:
     for step_s, names in found.items():
         ms = 1000.0 * step_s
         yield (
-            f"the times of {_some(names)} stand in steps of {ms:.4g} ms ({STEPS_S[step_s]}): each is known to a step only. If "
-            f"presses were noticed at the end of a step, means and offsets are {ms / 2:.2g} ms too long; shapes change "
-            "little; with many trials the goodness-of-fit test rejects every density (docs/trusting-a-fit.md)"
+            f"the times of {_some(names)} stand in steps of {ms:.4g} ms ({STEPS_S[step_s]}): each is known to"
+            f" a step only. If presses were noticed at the end of a step, means and offsets are {ms / 2:.2g}"
+            " ms too long; shapes change little; with many trials the goodness-of-fit test rejects every"
+            " density (docs/trusting-a-fit.md)"
         )
 
 
@@ -109,8 +111,8 @@ def piles_at_the_maximum(samples: Mapping[str, Sample]) -> Iterator[str]:
             counts[longest] = counts.get(longest, 0) + int(n[-1])
     for longest, names in found.items():
         yield (
-            f"{counts[longest]} times of {_some(names)} are exactly {longest:g} s, the longest of all: trials that timed "
-            f"out, stored as times? --waited {longest:g} counts them as time-outs"
+            f"{counts[longest]} times of {_some(names)} are exactly {longest:g} s, the longest of all: trials"
+            f" that timed out, stored as times? --waited {longest:g} counts them as time-outs"
         )
 
 

@@ -1,7 +1,7 @@
 """Read reaction times: our own recordings, tables with named columns, and the files of well-known programs.
 
-The unit is never guessed: it is stated, or in the column's name, or in a BIDS sidecar, or fixed by BIDS or by the
-program that wrote the file. The magnitudes must then be those of human reactions.
+The unit is never guessed: it is stated, or in the column's name, or in a BIDS sidecar, or fixed by BIDS or by
+the program that wrote the file. The magnitudes must then be those of human reactions.
 """
 
 import csv
@@ -39,7 +39,7 @@ __all__ = [
 def read_files(
     paths: Iterable[Path], columns: Columns | None = None, preset: str | None = None
 ) -> list[Reading]:
-    """Read any of the supported files: `.jsonl` of ours, else a table or a program's file, each also as `.gz`.
+    """Read any of the supported files: our `.jsonl`, a table, or a program's file, also as `.gz`.
 
     Args:
         paths: files.
@@ -53,9 +53,11 @@ def read_files(
         ReadError: where a file, column, unit or value cannot be understood.
     """
     return [
-        _read_recording(path)
-        if path.name.endswith(".jsonl")
-        else read_file(path, columns or Columns(), preset)
+        (
+            _read_recording(path)
+            if path.name.endswith(".jsonl") and preset is None
+            else read_file(path, columns or Columns(), preset)
+        )
         for path in paths
     ]
 
@@ -87,7 +89,7 @@ def is_evaluations(path: Path) -> bool:
 
 
 def _read_evaluations(path: Path) -> Reading:
-    """Read the delays of imported evaluations; live sessions are refused, because nobody knows what a press judged."""
+    """Read the delays of imported evaluations; live sessions do not say what a press judged."""
     try:
         recording = read_recording(path)
     except RecordingError as error:
@@ -95,8 +97,8 @@ def _read_evaluations(path: Path) -> Reading:
     header = recording.header
     if header.source.get("format") != EVALUATIONS:
         raise ReadError(
-            f"{path}: a recorded session: what each press judged is not known, so its delay is not measured. `arl presses` "
-            "reports the presses, `arl calibrate` measures delays"
+            f"{path}: a recorded session: what each press judged is not known, so its delay is not measured."
+            " `arl presses` reports the presses, `arl calibrate` measures delays"
         )
     presses = presses_of(recording)
     rows = [

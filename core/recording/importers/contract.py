@@ -1,6 +1,7 @@
-"""What an importer is, and where importers of other packages are found: the entry point group `arl.importers`.
+"""What an importer is, and where other packages' are found: the entry point group `arl.importers`.
 
-An importer turns other programs' files into recordings. A package that has one names an instance in its metadata,
+An importer turns other programs' files into recordings. A package that has one names an instance in its
+metadata,
 
     [project.entry-points."arl.importers"]
     our-lab = "our_package.importer:IMPORTER"
@@ -65,7 +66,7 @@ class Importer(Protocol):
 
 
 def importer_names() -> dict[str, str]:
-    """Return the name of every importer there is and where it is, the program's own first, without loading any.
+    """Return every importer's name and where it is, the program's own first, without loading any.
 
     Raises:
         ImporterError: two packages have an importer of one name.
@@ -74,8 +75,8 @@ def importer_names() -> dict[str, str]:
     for point in entry_points(group=GROUP):
         if found.setdefault(point.name, point.value) != point.value:
             raise ImporterError(
-                f"two importers are called {point.name!r}: {found[point.name]} and {point.value}. Uninstall one of their "
-                "packages"
+                f"two importers are called {point.name!r}: {found[point.name]} and {point.value}. Uninstall"
+                " one of their packages"
             )
     return found
 
@@ -84,7 +85,8 @@ def load_importer(name: str) -> Importer:
     """Return an importer.
 
     Raises:
-        ImporterError: there is none of that name, its module cannot be imported, or it lacks a part of the contract.
+        ImporterError: there is none of that name, its module cannot be imported, or it lacks a part of the
+    contract.
     """
     names = importer_names()
     if name not in names:

@@ -1,1 +1,1 @@
-"""Read reaction times from tables: of any program by named columns, of well-known programs by their own marks."""
+"""Read reaction times from tables: by named columns, or by the marks of well-known programs."""

@@ -1,7 +1,7 @@
 r"""The cells of a delimited table, however it was exported: by a statistics package, a spreadsheet, or `cat`.
 
-Line numbers are those of the file. Lines end with \n, \r\n or \r; other characters that Unicode calls separators
-(U+2028, U+0085, form feeds) are part of a cell.
+Line numbers are those of the file. Lines end with \n, \r\n or \r; other characters that Unicode calls
+separators (U+2028, U+0085, form feeds) are part of a cell.
 """
 
 import csv
@@ -39,7 +39,7 @@ class Table:
     notes: list[str] = field(default_factory=list)
 
     def getter(self, name: str) -> Callable[[Sequence[str]], str]:
-        """Return a function from a row's cells to this column's, stripped; to "" where there is no such column."""
+        """Return a function from a row to this column's cell, stripped; to "" without such a column."""
         if name not in self.header:
             return lambda _cells: ""
         at = self.header.index(name)
@@ -60,8 +60,8 @@ def parse(path: Path, text: str, *, skip: int = 0) -> Table:
         skip: lines before the table that are known not to belong to it.
 
     Raises:
-        ReadError: no header, two columns of one name with different cells, a row with another number of cells, or
-            quotation marks that never close; with the line.
+        ReadError: no header, two columns of one name with different cells, a row with another number of
+            cells, or quotation marks that never close; with the line.
     """
     text, delimiter = _separator_line(text)
     delimiter = delimiter or _delimiter(text)
@@ -91,12 +91,19 @@ def _separator_line(text: str) -> tuple[str, str | None]:
 
 
 def _delimiter(text: str) -> str:
-    """Return what separates cells: of the first line, or where a title stands there, of the lines after it."""
-    first = list(itertools.islice(io.StringIO(text[:100_000], newline=""), _PREAMBLE))
-    for line in first:
-        if any(sign in line for sign in "\t;,"):
-            return max("\t;,", key=line.count)  # ties go to the tab, then the semicolon
-    return ","
+    """Return what separates cells: in the first line, or below it if a title stands there."""
+    lines = list(itertools.islice(io.StringIO(text[:100_000], newline=""), _PREAMBLE))
+    at = next((at for at, line in enumerate(lines) if any(sign in line for sign in "\t;,")), None)
+    if at is None:
+        return ","
+    first = max("\t;,", key=lines[at].count)  # ties go to the tab, then the semicolon
+    below = lines[at + 1 : -1] or lines[at + 1 :]
+    usual = {
+        sign: Counter(line.count(sign) for line in below).most_common(1)[0][0] for sign in "\t;," if below
+    }
+    if below and not usual[first]:
+        return max("\t;,", key=lambda sign: usual[sign]) if any(usual.values()) else first
+    return first
 
 
 def _rows(path: Path, text: str, delimiter: str) -> list[Line]:
@@ -114,8 +121,9 @@ def _rows(path: Path, text: str, delimiter: str) -> list[Line]:
                 size += len(cells) + 3
                 if size > MOST_CELLS:
                     raise ReadError(
-                        f"{path}:{begin}: more than {MOST_CELLS / 1e6:g} million cells up to this line; write the columns "
-                        "that are needed to a smaller table, or split it by participants (several files may be named)"
+                        f"{path}:{begin}: more than {MOST_CELLS / 1e6:g} million cells up to this line; write"
+                        " the columns that are needed to a smaller table, or split it by participants"
+                        " (several files may be named)"
                     )
             last, begin = begin, reader.line_num + 1
     except csv.Error as error:
@@ -124,8 +132,8 @@ def _rows(path: Path, text: str, delimiter: str) -> list[Line]:
         ) from error
     if rows and rows[-1][0] == last and reader.line_num > last and _never_closed(text, last):
         raise ReadError(
-            f"{path}:{last}: a quotation mark is opened in this line and never closed: all of the file behind it "
-            "would be one cell. Close it, or was the file cut off?"
+            f"{path}:{last}: a quotation mark is opened in this line and never closed: all of the file behind"
+            " it would be one cell. Close it, or was the file cut off?"
         )
     return rows
 
@@ -136,7 +144,7 @@ def _never_closed(text: str, line: int) -> bool:
 
 
 def _header_at(rows: Sequence[Line]) -> int:
-    """Return which row is the header: the first, unless most rows have another width and a later one fits them."""
+    """Return which row is the header: the first, unless most rows are as wide as a later one."""
     widths = [_width(cells) for _, cells in rows[: _SAMPLE + _PREAMBLE]]
     usual, n = Counter(widths[1:] or widths).most_common(1)[0]
     if (abs(widths[0] - usual) <= 1 and widths[0] > 1) or n < 3 or n < 0.6 * len(widths[1:]):
@@ -173,8 +181,8 @@ def _checked(table: Table, *, whole: bool, delimiter: str) -> Table:
         if len(names) > 1 and len(names) == len(header) and set(names) == set(header):
             if names != header:
                 raise ReadError(
-                    f"{table.path}:{number}: the header comes again with its columns in another order: these are joined "
-                    "files of different layout. Give the files one by one"
+                    f"{table.path}:{number}: the header comes again with its columns in another order: these"
+                    " are joined files of different layout. Give the files one by one"
                 )
             again.append(number)
             continue
@@ -206,8 +214,8 @@ def _without_doubles(table: Table) -> Table:
         at = [i for i, other in enumerate(table.header) if other == name]
         if any(cells[i] != cells[at[0]] for _, cells in table.lines for i in at[1:]) or not table.lines:
             raise ReadError(
-                f"{table.path}: two columns have the same name, {shown(name)} (columns {at[0] + 1} and {at[1] + 1}), and "
-                "different cells; rename one"
+                f"{table.path}: two columns have the same name, {shown(name)} (columns {at[0] + 1} and"
+                f" {at[1] + 1}), and different cells; rename one"
             )
         keep = [i for i in keep if i not in at[1:]]
         table.notes.append(

@@ -1,4 +1,4 @@
-"""Columns that may hold conditions and are not looked at: a fit over several conditions describes none of them."""
+"""Columns that may hold conditions: a fit over several conditions describes none of them."""
 
 import re
 from collections.abc import Sequence
@@ -12,8 +12,10 @@ MOST_COLUMNS = 5
 _SHOWN = 4
 _WRITTEN_BY_PROGRAMS = re.compile(
     r"\.(keys|corr|rt|duration|started|stopped|this\w+|ran|order|t)$|\.(RESP|ACC|RT|CRESP|\w*Time|\w*Delay)$|"
-    r"^(correct|response|reaction|response_time|count|time|acc|accuracy|average_response_time|avg_rt|total)(_|$)|"
-    r"^(Correct|Incorrect|Response|Response Type|Zone Type|Timed Out|Attempt|Participant .*|corrAns|Session|rt|"
+    r"^(correct|response|reaction|response_time|count|time|acc|accuracy)(_|$)|"
+    r"^(average_response_time|avg_rt|total)(_|$)|"
+    r"^(Correct|Incorrect|Response|Response Type|Zone Type|Timed Out|Attempt|Participant"
+    r" .*|corrAns|Session|rt|"
     r"trial_type|Procedure\[.*|Running\[.*|session|question)$"
 )
 """What a participant did or the program noted, in the presets' files: no conditions."""

@@ -1,7 +1,7 @@
 """What readers of tables take and give: the column mapping, the reading, and the error.
 
-A reading holds every row that was taken and counts every row that was not, with the reason: no reader drops a row
-in silence.
+A reading holds every row that was taken and counts every row that was not, with the reason: no reader drops a
+row in silence.
 """
 
 from collections import Counter
@@ -47,6 +47,8 @@ class Columns(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     """The task's time-out in seconds: for rows without a response, and for times that are equal to it."""
     trust_magnitudes: bool = False
     """Accept medians outside `PLAUSIBLE_MEDIAN_S`, and times that look like a clock's."""
+    missing: tuple[str, ...] = ()
+    """Cells of times that mean: no response within the time-out, e.g. ("-1", "9999")."""
     encoding: str | None = None
     """Code page of the file; None takes UTF-8, UTF-16, and else Windows-1252, and says so."""
     of_list: Literal["first", "last"] | None = None

@@ -1,6 +1,7 @@
 """DMDX's .azk files: one block for each subject, a line per item, milliseconds; a negative time is an error.
 
-A trial without a response is written as minus the time-out. Only the file's own numbers can tell that from a late
+A trial without a response is written as minus the time-out. Only the file's own numbers can tell that from a
+late
 error: a negative time that is the largest of all and comes at least twice is taken for the time-out.
 """
 
@@ -79,13 +80,19 @@ def _time_out(times: Sequence[float], columns: Columns) -> tuple[float | None, s
     longest = max(negative)
     n = sum(longest - time <= _SAME_MS for time in negative)
     if n < 2 or any(time > longest + _SAME_MS for time in times):
-        return None, (
-            "no time-out can be told from the errors (both are negative): all are taken as wrong answers. State it with "
-            "--waited SECONDS"
+        return (
+            None,
+            (
+                "no time-out can be told from the errors (both are negative): all are taken as wrong answers."
+                " State it with --waited SECONDS"
+            ),
         )
-    return longest, (
-        f"{n} times are -{longest:g} ms, the longest of all: taken as time-outs of {longest / 1000:g} s. --waited SECONDS "
-        "states another"
+    return (
+        longest,
+        (
+            f"{n} times are -{longest:g} ms, the longest of all: taken as time-outs of {longest / 1000:g} s."
+            " --waited SECONDS states another"
+        ),
     )
 
 

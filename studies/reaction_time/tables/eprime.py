@@ -1,8 +1,9 @@
-"""E-Prime: the merged export of E-DataAid (a table behind a line with a path) and the log files of single sessions.
+"""E-Prime: the merged export of E-DataAid (a table behind a path) and log files of sessions.
 
-Times are in milliseconds. An object called Stim writes Stim.RT, Stim.RESP, Stim.ACC and Stim.CRESP; without a response
-RESP is empty and RT is 0. Where no response is right, CRESP is empty and ACC 1. Log files list frames, a block's behind
-those of its trials; that of a session that crashed lacks the end, and then the header tells the participant.
+Times are in milliseconds. An object called Stim writes Stim.RT, Stim.RESP, Stim.ACC and Stim.CRESP; without a
+response RESP is empty and RT is 0. Where no response is right, CRESP is empty and ACC 1. Log files list
+frames, a block's behind those of its trials; that of a session that crashed lacks the end, and then the
+header tells the participant.
 """
 
 import re
@@ -93,7 +94,7 @@ def _judge(table: Table, rt: str, *, scored: bool) -> Callable[[Sequence[str]], 
     return judge
 
 
-# --- log files ------------------------------------------------------------------------------------------------------
+# --- log files ----------------------------------------------------------------------------------------------
 
 
 @dataclass
@@ -104,7 +105,7 @@ class _Frame:
 
 
 def _table_of_log(path: Path, text: str) -> Table:
-    """Return the frames of the deepest level as a table, with the header's and the blocks' fields beside them."""
+    """Return the deepest level's frames as a table, with the fields of header and blocks beside them."""
     session: dict[str, str] = {}
     levels: list[str] = []
     notes: list[str] = []
@@ -171,6 +172,6 @@ def _frames(
     if frame is not None:
         left_out["cut off in writing"] += 1
         notes.append(
-            f"the file ends inside the frame that begins in line {frame.line}: the session stopped there, and that frame "
-            "is left out"
+            f"the file ends inside the frame that begins in line {frame.line}: the session stopped there, and"
+            " that frame is left out"
         )

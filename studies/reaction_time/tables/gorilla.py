@@ -1,7 +1,8 @@
 """Gorilla's data files: long format, a row per event, times in milliseconds, `END OF FILE` in the last row.
 
-Task Builder 2 says what a row is in `Response Type`: response, timed out, too early, continue, action, info. Task
-Builder 1 says it in `Zone Type` (response_keyboard, response_button_text, ...), with `Timed Out` and `Attempt`.
+Task Builder 2 says what a row is in `Response Type`: response, timed out, too early, continue, action, info.
+Task Builder 1 says it in `Zone Type` (response_keyboard, response_button_text, ...), with `Timed Out` and
+`Attempt`.
 """
 
 from collections.abc import Callable, Sequence
@@ -45,8 +46,9 @@ class Gorilla:
         second = bool(types & {"response", "timed out", "too early"})
         if not second and "Zone Type" not in table.header:
             raise ReadError(
-                f"{table.path}: Gorilla's file has neither a 'Response Type' with responses nor a 'Zone Type': was it "
-                "edited, or is it a questionnaire's? Read it as a table: --from table --column rt=NAME --unit ms"
+                f"{table.path}: Gorilla's file has neither a 'Response Type' with responses nor a 'Zone"
+                " Type': was it edited, or is it a questionnaire's? Read it as a table: --from table"
+                " --column rt=NAME --unit ms"
             )
         scored, notes = scores(_responses(table, second=second), "Correct")
         if not columns.keep:
@@ -141,6 +143,6 @@ def _refuse_several(responses: Table) -> None:
         if len(found) > 1:
             words = ", ".join(f"{shown(value)} ({n})" for value, n in found.most_common(5))
             raise ReadError(
-                f"{responses.path}: responses stand in several values of {shown(name)}: {words}. Which are the reactions? "
-                f"--keep '{name}=VALUE'"
+                f"{responses.path}: responses stand in several values of {shown(name)}: {words}. Which are"
+                f" the reactions? --keep '{name}=VALUE'"
             )

@@ -1,7 +1,10 @@
-"""jsPsych's data, CSV or JSON: a row per trial of any plugin, times in milliseconds, null where there was no response.
+"""jsPsych's data, CSV or JSON: a row per trial of any plugin, times in milliseconds.
 
-A session holds instructions, fixations, surveys and the trials themselves. Trials are told from the rest by what the
-experimenter wrote beside them: a column such as `task` that names the parts, and whether parts are scored (`correct`).
+Without a response the time is null (before version 6: -1).
+
+A session holds instructions, fixations, surveys and the trials themselves. Trials are told from the rest by
+what the experimenter wrote beside them: a column such as `task` that names the parts, and whether parts are
+scored (`correct`).
 """
 
 import json
@@ -63,17 +66,28 @@ _NOT_TRIALS = (
     "end",
     "fixation",
 )
-_REACTIONS = (
-    "response",
-    "categorize",
-    "iat-",
-    "same-different",
-    "go-no-go",
-    "serial-reaction-time",
-    "rdk",
-    "stroop",
+_NO_REACTIONS = (
+    "survey",
+    "instructions",
+    "fullscreen",
+    "preload",
+    "call-function",
+    "external-html",
+    "browser-check",
+    "virtual-chinrest",
+    "initialize-",
+    "webgazer",
+    "mirror-camera",
+    "resize",
+    "cloze",
+    "free-sort",
+    "maxdiff",
+    "sketchpad",
+    "consent",
+    "pause",
 )
-"""Parts of the names of plugins that measure a reaction (html-keyboard-response, image-button-response, ...)."""
+"""Beginnings of the names of plugins that measure no reaction; any other plugin (also one's own) may."""
+_MOST_PARTS = 12
 _OFTEN = 3
 
 
@@ -122,7 +136,7 @@ def _judge(table: Table, rt: str, *, scored: bool, chosen: bool) -> Callable[[Se
         if reason is not None:
             return reason
         practice = any(is_right(get(cells)) for get in flags) or any(is_practice(get(cells)) for get in parts)
-        if is_missing(time(cells)):
+        if is_missing(time(cells)) or time(cells) in ("-1", "-1.0"):
             withheld = scored and is_right(right(cells)) is True
             return Trial(rt="", outcome="withheld" if withheld else "no response", practice=practice)
         wrong = scored and is_right(right(cells)) is False
@@ -132,8 +146,7 @@ def _judge(table: Table, rt: str, *, scored: bool, chosen: bool) -> Callable[[Se
 
 
 def _measures_reactions(plugin: str) -> bool:
-    lower = plugin.lower()
-    return lower == "" or (any(word in lower for word in _REACTIONS) and not lower.startswith("survey"))
+    return not plugin.lower().removeprefix("jspsych-").startswith(_NO_REACTIONS)
 
 
 def _aside(
@@ -144,7 +157,8 @@ def _aside(
     scored: bool,
 ) -> Callable[[Sequence[str]], str | None]:
     """Return a function that says why a row is no trial of the experiment; None if it is one."""
-    part = next((name for name in _PARTS if name in table.header), None)
+    few = max(_MOST_PARTS, len(table.lines) // 10)
+    part = next((n for n in _PARTS if n in table.header and 1 < len(table.values(n)) <= few), None)
     if part is None:
         return _by_stimulus(table, time)
     get = table.getter(part)
@@ -165,7 +179,7 @@ def _aside(
 
 
 def _by_stimulus(table: Table, time: Callable[[Sequence[str]], str]) -> Callable[[Sequence[str]], str | None]:
-    """Tell fixations from missed trials where no column does: a stimulus that comes often and never has a response."""
+    """Tell fixations from missed trials: stimuli that come often and never have a response."""
     stimulus = table.getter("stimulus")
     answered = {stimulus(cells) for _, cells in table.lines if not is_missing(time(cells))}
     often = Counter(stimulus(cells) for _, cells in table.lines)
@@ -179,7 +193,7 @@ def _by_stimulus(table: Table, time: Callable[[Sequence[str]], str]) -> Callable
     return reason
 
 
-# --- JSON -----------------------------------------------------------------------------------------------------------
+# --- JSON ---------------------------------------------------------------------------------------------------
 
 
 def _table_of_json(path: Path, text: str) -> Table:
@@ -212,8 +226,8 @@ def _data_sets(path: Path, text: str) -> Iterator[list[tuple[int, dict[str, obje
             where = at + (error.pos - at if isinstance(error, json.JSONDecodeError) else 0)
             line = text.count("\n", 0, where) + 1
             raise ReadError(
-                f"{path}:{line}: not whole JSON ({error}). Was the file cut off? The data before it are in the file, but "
-                "only a person can tell where they end"
+                f"{path}:{line}: not whole JSON ({error}). Was the file cut off? The data before it are in"
+                " the file, but only a person can tell where they end"
             ) from error
         line = text.count("\n", 0, at) + 1
         yield from _sessions(path, line, value)
@@ -230,7 +244,8 @@ def _sessions(path: Path, line: int, value: object) -> Iterator[list[tuple[int, 
         ]
         if len(inner) != 1:
             raise ReadError(
-                f"{path}:{line}: expected an array of jsPsych's trials, got an object with {len(value)} fields"
+                f"{path}:{line}: expected an array of jsPsych's trials, got an object with {len(value)}"
+                " fields"
             )
         value = inner[0]
     trials = [value] if isinstance(value, dict) else value

@@ -12,7 +12,7 @@ _GROUP = f"['\u2019{_SPACES}]"
 _WITH_COMMA = re.compile(
     rf"-?\d{{1,3}}(?:(?:{_GROUP}|\.)\d{{3}})+,\d+|-?\d{{1,3}}(?:{_GROUP}\d{{3}})+|-?\d*,?\d+"
 )
-"""What a decimal comma allows: 1.220,5 and 1 220,5 and 0,431; a point alone (1.023) may be either, so it is not."""
+"""What a decimal comma allows: 1.220,5 and 1 220,5 and 0,431, but not 1.023, which may be either."""
 _WITH_POINT = re.compile(rf"-?\d{{1,3}}(?:(?:{_GROUP}|,)\d{{3}})+\.\d+|-?\d{{1,3}}(?:{_GROUP}\d{{3}})+")
 _LOOKS_LIKE_A_COMMA = re.compile(rf"-?[\d.'\u2019{_SPACES}]*,\d+")
 
@@ -59,14 +59,14 @@ def list_of(text: str) -> list[float | None] | None:
 
 
 def _one_of(times: list[float | None], text: str, where: str, columns: Columns) -> float | None:
-    if columns.of_list is None:
+    if columns.of_list is None and len(times) > 1:
         raise ReadError(
-            f"{where} holds a list of {len(times)} times, {shown(text)}: every key press of the trial was stored. Which "
-            "one is the reaction? `arl fit --list first` takes the first of each list, --list last the last; in "
-            "PsychoPy 'Store: first key' writes one time"
+            f"{where} holds a list of {len(times)} times, {shown(text)}: every key press of the trial was"
+            " stored. Which one is the reaction? `arl fit --list first` takes the first of each list, --list"
+            " last the last; in PsychoPy 'Store: first key' writes one time"
         )
     numbers = [time for time in times if time is not None]
-    return (numbers[0] if columns.of_list == "first" else numbers[-1]) if numbers else None
+    return (numbers[-1] if columns.of_list == "last" else numbers[0]) if numbers else None
 
 
 def _plain(text: str, decimal: Literal[".", ","]) -> str:

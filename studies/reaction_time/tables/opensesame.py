@@ -1,8 +1,8 @@
-"""OpenSesame's data files: every variable in every row, times in milliseconds, `NA` for a variable not yet set.
+"""OpenSesame's data files: every variable in every row, milliseconds, `NA` where not yet set.
 
-`response_time_ITEM` and `response_ITEM` belong to one response item, `response_time` to whichever came last. A time-out
-has the response "None" and, as its time, how long the item waited. Variables keep their values, so a logger that runs
-without a new response repeats the old one: `count_ITEM` tells.
+`response_time_ITEM` and `response_ITEM` belong to one response item, `response_time` to whichever came last.
+A time-out has the response "None" and, as its time, how long the item waited. Variables keep their values, so
+a logger that runs without a new response repeats the old one: `count_ITEM` tells.
 """
 
 from collections.abc import Callable, Sequence
@@ -65,7 +65,7 @@ def _candidates(table: Table) -> dict[str, int]:
 
 
 def _n_times(table: Table, name: str) -> int:
-    """Count the rows with a new response of this column's item: by its count, else by its time's being another."""
+    """Count the rows with a new response of this item: with another count, else another time."""
     ending = name.removeprefix("response_time")
     get, tell = (
         table.getter(name),
@@ -81,7 +81,8 @@ def _n_times(table: Table, name: str) -> int:
 def _judge(
     table: Table, rt: str, ending: str, correct: str, columns: Columns
 ) -> Callable[[Sequence[str]], Trial | str]:
-    response = table.getter(f"response{ending}" if f"response{ending}" in table.header else "response")
+    answer = f"response{ending}" if f"response{ending}" in table.header else "response"
+    response, has_response = table.getter(answer), answer in table.header
     time, right = table.getter(rt), table.getter(correct)
     count, who = table.getter(f"count{ending}" if ending else ""), table.getter("subject_nr")
     blocks = [table.getter(name) for name in table.header if name.lower() in ("practice", "block", "phase")]
@@ -96,7 +97,7 @@ def _judge(
         if again:
             return "the response of the row before once more (logged without a new one)"
         practice = bool(is_right(flag(cells))) or any(is_practice(get(cells)) for get in blocks)
-        if response(cells).lower() == "none":
+        if has_response and is_missing(response(cells)):
             waited = number_of(time(cells), f"{table.path}: column {shown(rt)}", columns)
             return Trial(
                 rt="", outcome="no response", practice=practice, waited_s=waited / 1000.0 if waited else None

@@ -46,7 +46,7 @@ class Plain:
 
 
 def _maybe_cut(source: Source, table: Table, rt: str) -> tuple[str, ...]:
-    """Return a note where the file ends inside its last line, and the last time is shorter than all others."""
+    """Return a note where the file ends inside a line and its last time is shorter than all others."""
     if not table.lines or source.text.content.endswith(("\n", "\r")) or table.header[-1] != rt:
         return ()
     get = table.getter(rt)
@@ -55,7 +55,8 @@ def _maybe_cut(source: Source, table: Table, rt: str) -> tuple[str, ...]:
         return ()
     return (
         (
-            f"the file ends in line {table.lines[-1][0]} without an end of line, and its last time, {shown(texts[-1])}, is "
-            "shorter than all others: was it cut off in writing? Complete or remove that line"
+            f"the file ends in line {table.lines[-1][0]} without an end of line, and its last time,"
+            f" {shown(texts[-1])}, is shorter than all others: was it cut off in writing? Complete or remove"
+            " that line"
         ),
     )

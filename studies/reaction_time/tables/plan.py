@@ -129,7 +129,7 @@ def read_by(plan: Plan, columns: Columns, notes: Sequence[str] = ()) -> Reading:
             counts.left_out[trial] += 1
             continue
         row = _row(plan, columns, number, cells, trial)
-        counts.taken[_taken_words(plan, row, trial)] += 1
+        counts.taken[_taken_words(plan, columns, row, trial)] += 1
         rows.append(row)
         lines.append((number, cells))
     if not rows:
@@ -158,20 +158,23 @@ def _allowed(values: Sequence[str]) -> frozenset[str]:
     return frozenset(value.strip() for value in values)
 
 
-def _taken_words(plan: Plan, row: Row, trial: Trial) -> str:
+def _taken_words(plan: Plan, columns: Columns, row: Row, trial: Trial) -> str:
     words = plan.responses if trial.outcome == "response" else _WORDS[trial.outcome]
     if row.status == "time-out" and trial.outcome == "response":
-        words = "at the time-out"
+        words = "without a response" if trial.rt in columns.missing else "at the time-out"
     return f"{words} (practice)" if trial.practice else words
 
 
 def _row(plan: Plan, columns: Columns, number: int, cells: Sequence[str], trial: Trial) -> Row:
     table = plan.table
     where = f"{table.path}:{number}: column {shown(plan.rt)}"
-    rt = None if trial.outcome in ("no response", "withheld") else number_of(trial.rt, where, columns)
+    coded = trial.rt in columns.missing
+    rt = (
+        None if coded or trial.outcome in ("no response", "withheld") else number_of(trial.rt, where, columns)
+    )
     rt_s = None if rt is None else rt * SECONDS[plan.unit]
     waited_s = columns.waited_s if trial.waited_s is None else trial.waited_s
-    status = _STATUS.get(trial.outcome, "ok")
+    status = "time-out" if coded else _STATUS.get(trial.outcome, "ok")
     if rt_s is not None and columns.waited_s is not None and abs(rt_s - columns.waited_s) < _SAME_TIME_S:
         rt_s, status = None, "time-out"
     elif rt_s is not None and rt_s < 0.0 and plan.early_below_zero:
@@ -193,8 +196,8 @@ def _participant(plan: Plan, number: int, cells: Sequence[str], columns: Columns
         code = plan.table.getter(plan.participant)(cells)
         if is_missing(code):
             raise ReadError(
-                f"{plan.table.path}:{number}: no participant in column {shown(plan.participant)}, but {shown(code)}; leave "
-                "such rows out by the values of another column, or complete them"
+                f"{plan.table.path}:{number}: no participant in column {shown(plan.participant)}, but"
+                f" {shown(code)}; leave such rows out by the values of another column, or complete them"
             )
     conditions = (plan.table.getter(name)(cells) or "(none)" for name in columns.by)
     return printable(" ".join([code, *conditions]), longest=None)
@@ -210,7 +213,8 @@ def _nothing_left(plan: Plan, columns: Columns, left_out: Mapping[str, int]) -> 
         return f"{plan.table.path}: no row left to read: there is a header and nothing else"
     why = ", ".join(f"{n} {reason}" for reason, n in left_out.items())
     there = "; ".join(
-        f"{shown(name)} holds {', '.join(shown(value) for value, _ in plan.table.values(name).most_common(4))}"
+        f"{shown(name)} holds"
+        f" {', '.join(shown(value) for value, _ in plan.table.values(name).most_common(4))}"
         for name in columns.keep
     )
     return f"{plan.table.path}: no row left to read ({why})" + (f"; {there}" if there else "")
@@ -223,13 +227,14 @@ def _one_person(table: Table, columns: Columns, participant: str | None) -> tupl
         return ()
     return (
         (
-            f"no column {shown(columns.participant or '')}: all rows are taken as those of {shown(participant_of(table.path))}, "
-            f"from the file's name. Does {shown(likely[0])} tell them apart? --column participant=NAME"
+            f"no column {shown(columns.participant or '')}: all rows are taken as those of"
+            f" {shown(participant_of(table.path))}, from the file's name. Does {shown(likely[0])} tell them"
+            " apart? --column participant=NAME"
         ),
     )
 
 
-# --- what several presets need --------------------------------------------------------------------------------------
+# --- what several presets need ------------------------------------------------------------------------------
 
 
 def participant_of(path: Path) -> str:
@@ -241,7 +246,7 @@ def participant_of(path: Path) -> str:
 
 
 def participant_column(table: Table, columns: Columns, candidates: Sequence[str]) -> str | None:
-    """Return the column of participants: the one that was named, else the first candidate with values, else None.
+    """Return the column of participants: the named one, else the first candidate with values.
 
     Raises:
         ReadError: the named column is not there.
@@ -281,8 +286,8 @@ def rt_column(table: Table, columns: Columns, candidates: Mapping[str, int], pro
     if len(rivals) > 1:
         more = ", ..." if len(rivals) > 5 else ""
         raise ReadError(
-            f"{table.path}: {program} recorded responses of several kinds, {', '.join(rivals[:5])}{more}: which are the "
-            "reactions? --column rt=NAME"
+            f"{table.path}: {program} recorded responses of several kinds, {', '.join(rivals[:5])}{more}:"
+            " which are the reactions? --column rt=NAME"
         )
     return ranked[0][0]
 
@@ -302,7 +307,10 @@ def scores(table: Table, column: str) -> tuple[bool, tuple[str, ...]]:
         return True, ()
     if False in verdicts:
         return False, (
-            f"the column {shown(column)} calls no answer right: no right answer was defined, so it is not used",
+            (
+                f"the column {shown(column)} calls no answer right: no right answer was defined, so it is not"
+                " used"
+            ),
         )
     return False, ()
 

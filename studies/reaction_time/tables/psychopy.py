@@ -1,8 +1,9 @@
 """PsychoPy's data files: one CSV per session, a row per pass of a loop, times in seconds.
 
-A Keyboard component called `resp` writes `resp.keys` ("None" where there was no response), `resp.rt` and, if it stores
-what is correct, `resp.corr`. Rows of other routines leave these cells empty. A trial that asks for no response has
-"None" as its right answer.
+A Keyboard component called `resp` writes `resp.keys` ("None" where there was no response), `resp.rt` and, if
+it stores what is correct, `resp.corr`. Rows of other routines leave these cells empty. A trial that asks for
+no response has "None" as its right answer. PsychoJS leaves the keys of a missed trial empty, but not what was
+correct.
 """
 
 from collections.abc import Callable, Sequence
@@ -46,8 +47,8 @@ class PsychoPy:
         table, columns = source.table, source.columns
         if not any(name.endswith(".rt") for name in table.header) and not columns.rt:
             raise ReadError(
-                f"{table.path}: this is PsychoPy's summary, or no component stored times: there is no column that ends in "
-                "'.rt'. Take the 'trial-by-trial' CSV of the same session"
+                f"{table.path}: this is PsychoPy's summary, or no component stored times: there is no column"
+                " that ends in '.rt'. Take the 'trial-by-trial' CSV of the same session"
             )
         loops = [name for name in table.header if name.endswith(".thisN")]
         rt = rt_column(table, columns, _candidates(table, loops), self.title)
@@ -77,7 +78,7 @@ def _judge(
 ) -> Callable[[Sequence[str]], Trial | str]:
     component = rt.removesuffix(".rt")
     time, keys, right = (table.getter(name) for name in (rt, f"{component}.keys", f"{component}.corr"))
-    answer = table.getter("corrAns")
+    answer, started = table.getter("corrAns"), table.getter(f"{component}.started")
     in_loops = [(table.getter(name), is_practice(name)) for name in loops]
     chosen = bool(columns.keep)
 
@@ -89,7 +90,7 @@ def _judge(
         if not is_missing(time(cells)):
             wrong = scored and is_right(right(cells)) is False
             return Trial(rt=time(cells), outcome="wrong" if wrong else "response", practice=practice)
-        if keys(cells) == "":
+        if keys(cells) == right(cells) == started(cells) == "":
             return f"another routine's: {shown(component)} was not on"
         if answer(cells).lower() == "none":
             return Trial(rt="", outcome="withheld", practice=practice)

@@ -1,7 +1,8 @@
-"""Qualtrics' timing questions: a row per person, four columns per question, times in seconds, three header rows.
+"""Qualtrics' timing questions: a row per person, four columns per question, seconds.
 
-A timing question Q1 writes `Q1_First Click`, `Q1_Last Click`, `Q1_Page Submit` and `Q1_Click Count`. The second row
-holds the questions' texts and the third import identifiers. A page without a click has First Click 0.
+A timing question Q1 writes `Q1_First Click`, `Q1_Last Click`, `Q1_Page Submit` and `Q1_Click Count`. The
+second row holds the questions' texts and the third import identifiers. A page without a click has First Click
+0.
 """
 
 import re
@@ -54,8 +55,8 @@ class Qualtrics:
             judge=_judge(table, kind),
             notes=(
                 (
-                    f"the times are {shown(kind)} of {len(names)} timing questions; --column rt='Page Submit' or 'Last Click' "
-                    "takes another of their times, --column rt=NAME one column alone"
+                    f"the times are {shown(kind)} of {len(names)} timing questions; --column rt='Page Submit'"
+                    " or 'Last Click' takes another of their times, --column rt=NAME one column alone"
                 ),
             ),
         )
@@ -70,7 +71,8 @@ def _questions(table: Table, columns: Columns) -> tuple[str, list[str]]:
     names = [name for name in table.header if (found := _ENDING.match(name)) and found["kind"] == kind]
     if not names:
         raise ReadError(
-            f"{table.path}: no timing question has a column {shown(kind)}; --column rt= one of {', '.join(KINDS)}"
+            f"{table.path}: no timing question has a column {shown(kind)}; --column rt= one of"
+            f" {', '.join(KINDS)}"
         )
     return kind, names
 

@@ -29,8 +29,8 @@ def preset_of(name: str) -> Preset:
 def read_file(path: Path, columns: Columns, preset: str | None = None) -> Reading:
     """Read a table by a preset, by its own marks, or by its columns' names.
 
-    A file that is recognised is read by its preset unless `columns.rt` names a column: then it is read as a table, as
-    it always was, and a note says so.
+    A file that is recognised is read by its preset unless `columns.rt` names a column: then it is read as a
+    table, as it always was, and a note says so.
 
     Args:
         path: the file.
@@ -60,8 +60,9 @@ def read_file(path: Path, columns: Columns, preset: str | None = None) -> Readin
         one = found[0][0]
         notes = (
             (
-                f"this looks like a file of {one.title} and is read as a table, because --column rt= names a column: every row "
-                f"is a trial. --from {one.name} knows {one.title}'s time-outs, wrong answers and practice"
+                f"this looks like a file of {one.title} and is read as a table, because --column rt= names a"
+                f" column: every row is a trial. --from {one.name} knows {one.title}'s time-outs, wrong"
+                " answers and practice"
             ),
         )
     return _read(PLAIN, source, "by its columns' names", notes)

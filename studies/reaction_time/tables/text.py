@@ -14,7 +14,9 @@ MOST_BYTES = 64 * 2**20
 """Unpacked bytes of one file. Its cells take some ten times as much memory."""
 _CHUNK = 2**20
 _BINARY = {
-    b"PK\x03\x04": "an Excel or OpenDocument workbook (or another zip archive); save the sheet as CSV in UTF-8",
+    b"PK\x03\x04": (
+        "an Excel or OpenDocument workbook (or another zip archive); save the sheet as CSV in UTF-8"
+    ),
     b"\xd0\xcf\x11\xe0": "an old Excel workbook or an E-Prime .edat; export it as text (E-DataAid: Export)",
     b"PAR1": "a Parquet file; write it as CSV, e.g. with pandas",
     b"\x89HDF": "an HDF5 file; write the table as CSV",
@@ -42,8 +44,8 @@ def read_text(path: Path, encoding: str | None = None) -> Text:
         encoding: its code page by Python's name; None takes UTF-8, UTF-16, and else Windows-1252 with a note.
 
     Raises:
-        ReadError: the file cannot be read, is cut off or damaged as a gzip file, unpacks to more than `MOST_BYTES`,
-            is no text, or is not in the stated encoding.
+        ReadError: the file cannot be read, is cut off or damaged as a gzip file, unpacks to more than
+            `MOST_BYTES`, is no text, or is not in the stated encoding.
     """
     raw = _bytes_of(path)
     for mark, what in _BINARY.items():
@@ -61,7 +63,8 @@ def read_text(path: Path, encoding: str | None = None) -> Text:
         at = raw.index(b"\0")
         line = raw[:at].count(b"\n") + 1
         raise ReadError(
-            f"{path}:{line}: a zero byte: this is no text file, or one damaged by a crash; export it as text again"
+            f"{path}:{line}: a zero byte: this is no text file, or one damaged by a crash; export it as text"
+            " again"
         )
     try:
         return Text(raw.decode("utf-8"), ())
@@ -87,8 +90,8 @@ def _bytes_of(path: Path) -> bytes:
         )
     if len(raw) > MOST_BYTES:
         raise ReadError(
-            f"{path}: more than {MOST_BYTES // 2**20} MB of text; write the columns that are needed to a smaller table, "
-            "or split it by participants (several files may be named)"
+            f"{path}: more than {MOST_BYTES // 2**20} MB of text; write the columns that are needed to a"
+            " smaller table, or split it by participants (several files may be named)"
         )
     return raw
 
@@ -121,8 +124,9 @@ def _unpacked(path: Path, packed: bytes) -> bytes:
 def _cut(path: Path, got: bytes, how: str) -> str:
     lines = got.count(b"\n")
     return (
-        f"{path}: cannot be read whole: the compressed file {how}, after line {lines} of the table. Was a copy or a "
-        f"download cut off? Fetch it again, or take the {lines} whole lines that can be had: gzip -cd FILE > FILE.csv"
+        f"{path}: cannot be read whole: the compressed file {how}, after line {lines} of the table. Was a"
+        f" copy or a download cut off? Fetch it again, or take the {lines} whole lines that can be had: gzip"
+        " -cd FILE > FILE.csv"
     )
 
 
@@ -159,8 +163,9 @@ def _windows_text(path: Path, raw: bytes, error: UnicodeDecodeError) -> Text:
         content = raw.decode("cp1252")
     except UnicodeDecodeError:
         raise ReadError(
-            f"{path}:{line}: cannot be read as text in UTF-8 (byte {raw[error.start]:#04x}), nor as Windows-1252; name "
-            "its encoding (`arl fit --encoding cp1250`, mac_roman, shift_jis ...) or save it as UTF-8"
+            f"{path}:{line}: cannot be read as text in UTF-8 (byte {raw[error.start]:#04x}), nor as"
+            " Windows-1252; name its encoding (`arl fit --encoding cp1250`, mac_roman, shift_jis ...) or"
+            " save it as UTF-8"
         ) from None
     words = content[max(0, error.start - 200) : error.start + 30]
     at = min(error.start, 200)
@@ -170,8 +175,8 @@ def _windows_text(path: Path, raw: bytes, error: UnicodeDecodeError) -> Text:
         content,
         (
             (
-                f"not UTF-8 (line {line}): read as Windows-1252, e.g. {shown(word)}. If letters are wrong, name the "
-                "encoding (--encoding); digits are the same in all"
+                f"not UTF-8 (line {line}): read as Windows-1252, e.g. {shown(word)}. If letters are wrong,"
+                " name the encoding (--encoding); digits are the same in all"
             ),
         ),
     )

@@ -1,4 +1,4 @@
-"""What the page of delays computes: the credit of judged steps, the part of people and of values, the page itself."""
+"""What the page of delays computes: credit of judged steps, the part of people and of values."""
 
 import re
 
@@ -23,7 +23,7 @@ N = 60
 
 
 def made(n_people: int = 8, *, spread: float = 1.0, strong: float = 1.0, name: str = "made") -> Delays:
-    """People whose gammas' scales go from 1/spread to spread; evaluations of size 2 take `strong` times as long."""
+    """People whose scales go from 1/spread to spread; values of size 2 take `strong` times as long."""
     times, values = {}, {}
     for k in range(n_people):
         rng = stream(7, "delays", k)
@@ -88,8 +88,10 @@ def test_knowing_the_person_helps_where_people_differ_and_not_where_they_do_not(
 
 def test_knowing_the_value_helps_where_it_matters():
     gain = {
-        strong: mean_shares(made(strong=strong))["one's own, by the value's size"]
-        - mean_shares(made(strong=strong))["a gamma of one's own"]
+        strong: (
+            mean_shares(made(strong=strong))["one's own, by the value's size"]
+            - mean_shares(made(strong=strong))["a gamma of one's own"]
+        )
         for strong in (0.4, 1.0)
     }
     assert gain[0.4] > 0.02

@@ -55,9 +55,11 @@ think?",Timing - First Click,Timing - Last Click,Timing - Page Submit,Timing - C
 """
 JSPSYCH = (
     '[{"rt":null,"stimulus":"+","response":null,"trial_type":"html-keyboard-response","trial_index":0},'
-    '{"rt":431,"stimulus":"<p>go\u2028 left</p>","response":"f","trial_type":"html-keyboard-response","trial_index":1},'
+    '{"rt":431,"stimulus":"<p>go\u2028'
+    ' left</p>","response":"f","trial_type":"html-keyboard-response","trial_index":1},'
     '{"rt":null,"stimulus":"+","response":null,"trial_type":"html-keyboard-response","trial_index":2},'
-    '{"rt":null,"stimulus":"<p>go right</p>","response":null,"trial_type":"html-keyboard-response","trial_index":3},'
+    '{"rt":null,"stimulus":"<p>go'
+    ' right</p>","response":null,"trial_type":"html-keyboard-response","trial_index":3},'
     '{"rt":null,"stimulus":"+","response":null,"trial_type":"html-keyboard-response","trial_index":4},'
     '{"rt":9000,"stimulus":"?","response":{"Q0":"x"},"trial_type":"survey-text","trial_index":5}]'
 )

@@ -1,4 +1,4 @@
-"""Files of other programs: recognised by their marks, each with its way of saying no response, late, wrong, practice."""
+"""Files of other programs: recognised by marks, each with its way of saying late, wrong, practice."""
 
 import csv
 from collections import Counter
@@ -186,7 +186,7 @@ def test_a_named_column_reads_a_programs_file_as_a_table_and_says_so(tmp_path):
     assert "--from opensesame" in reading.notes[0]
 
 
-# --- files made for these programs by others ------------------------------------------------------------------------
+# --- files made for these programs by others ----------------------------------------------------------------
 
 CASES = data_root().parent / "cases"
 
@@ -219,3 +219,63 @@ def test_psychopys_and_eprimes_cases_are_read():
     assert read(case("eprime", "simpleRT-21-1_crashed.txt")).left_out["cut off in writing"] == 1
     with pytest.raises(ReadError, match="holds a list of 2 times"):
         read(case("psychopy", "lists", "P09_stroop_2026-03-04_14h05.51.902.csv"))
+
+
+# --- variants of the formats --------------------------------------------------------------------------------
+
+
+def test_psychojs_leaves_the_keys_of_a_missed_trial_empty(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text(
+        "expName,trials.thisN,resp.keys,resp.corr,resp.rt\nx,0,f,1,0.4\nx,1,,0,\nx,2,f,1,[0.5]\nx,3,,,\n"
+    )
+    reading = read(path)
+    assert verdicts(reading) == ["kept", "no response", "kept"]  # a list of one time is that time
+    assert reading.left_out.total() == 1
+
+
+def test_e_primes_path_may_hold_another_separator_than_the_table(tmp_path):
+    path = tmp_path / "merged.txt"
+    path.write_text(
+        program_files.EPRIME_MERGED.replace("D:\\Lab\\all", "D:\\Lab, old; 2,0\\all"), encoding="utf-16"
+    )
+    assert len(read(path).rows) == 3
+
+
+def test_old_jspsych_says_minus_one_and_a_plugin_of_ones_own_is_read(tmp_path):
+    path = tmp_path / "a.csv"
+    head = "rt,key_press,trial_type,trial_index,internal_node_id,name\n"
+    rts = [401, -1, 377]
+    path.write_text(head + "".join(f"{rt},70,my-own-task,{i},0.0-{i},word{i}\n" for i, rt in enumerate(rts)))
+    assert verdicts(read(path)) == ["kept", "no response", "kept"]
+
+
+def test_opensesame_in_the_browser_has_no_answer_where_it_timed_out(tmp_path):
+    path = tmp_path / "a.csv"
+    head = "subject_nr,opensesame_version,response,response_time,correct\n"
+    path.write_text(head + "4,4.0,z,402,1\n4,4.0,,2000,0\n")
+    assert verdicts(read(path)) == ["kept", "timed out"]
+
+
+def test_a_code_for_no_response_can_be_stated(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text("participant_id,rt_ms\n" + "P,431\nP,-1\nP,402\nP,9999\n")
+    reading = read(path, Columns(rt="rt_ms", missing=("-1", "9999"), waited_s=2.0))
+    assert verdicts(reading) == ["kept", "timed out", "kept", "timed out"]
+    assert reading.taken == {"rows": 2, "without a response": 2}
+
+
+def test_a_clock_that_begins_anew_with_each_block_is_still_a_clock(tmp_path):
+    path = tmp_path / "a.csv"
+    rows = "".join(f"P,{(i % 15) * 1.7 + 2:.2f}\n" for i in range(30))
+    path.write_text("participant_id,rt_s\n" + rows)
+    with pytest.raises(ReadError, match="it holds times on a clock"):
+        read(path, Columns(rt="rt_s"))
+
+
+def test_a_preset_that_is_asked_for_is_not_overlooked_for_a_recordings_name(tmp_path):
+    path = tmp_path / "a.jsonl"
+    path.write_text(program_files.JSPSYCH + "\n", encoding="utf-8")
+    assert len(read(path, preset="jspsych").rows) == 2
+    with pytest.raises(ReadError, match="this is no file of Gorilla"):
+        read(path, preset="gorilla")

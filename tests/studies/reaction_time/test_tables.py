@@ -37,7 +37,7 @@ def times_ms(reading: Reading) -> list[float]:
     return [round(row.rt_s * 1000) for row in reading.rows if row.rt_s is not None]
 
 
-# --- layouts --------------------------------------------------------------------------------------------------------
+# --- layouts ------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
@@ -127,7 +127,7 @@ def test_a_last_number_that_may_be_cut_off_is_said(tmp_path):
     assert not read(table(tmp_path, "participant_id,rt_ms\n" + rows() + "D1,402")).notes
 
 
-# --- bytes ----------------------------------------------------------------------------------------------------------
+# --- bytes --------------------------------------------------------------------------------------------------
 
 
 def test_a_western_code_page_is_read_and_said(tmp_path):
@@ -189,10 +189,10 @@ def test_a_small_file_that_unpacks_to_gigabytes_is_refused_in_bounded_memory(tmp
     path = table(tmp_path, packed, "bomb.csv.gz")
     assert len(packed) < 5 * 2**20
     code = (
-        "import resource, sys\nfrom pathlib import Path\nfrom studies.reaction_time.tables.text import read_text\n"
-        "before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss\n"
-        f"try: read_text(Path({str(path)!r}))\nexcept ValueError as error: print(error)\n"
-        "print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)"
+        "import resource, sys\nfrom pathlib import Path\nfrom studies.reaction_time.tables.text import"
+        " read_text\nbefore = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss\ntry:"
+        f" read_text(Path({str(path)!r}))\nexcept ValueError as error:"
+        " print(error)\nprint(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)"
     )
     said = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True
@@ -201,7 +201,7 @@ def test_a_small_file_that_unpacks_to_gigabytes_is_refused_in_bounded_memory(tmp
     assert int(said[1]) * 1024 < 4 * MOST_BYTES
 
 
-# --- numbers --------------------------------------------------------------------------------------------------------
+# --- numbers ------------------------------------------------------------------------------------------------
 
 COMMA, POINT = Columns(decimal=","), Columns()
 
@@ -254,7 +254,7 @@ def test_a_number_with_german_signs_is_the_same_number(value, group):
     assert number_of(text, "x", COMMA) == pytest.approx(value)
 
 
-# --- columns and units ----------------------------------------------------------------------------------------------
+# --- columns and units --------------------------------------------------------------------------------------
 
 
 def test_a_missing_column_is_answered_with_the_likely_ones_and_never_with_all_names(tmp_path):
@@ -285,7 +285,7 @@ def test_a_participants_column_that_is_not_there_is_an_error_and_one_that_may_be
 def test_times_on_a_clock_are_refused_and_sorted_reactions_are_not(tmp_path):
     clock = "participant_id,rt_s\n" + "".join(f"K,{10 + 2.3 * i}\n" for i in range(12))
     with pytest.raises(
-        ReadError, match=r"only ever grows for 'K', from 10 to 35.3 s: it holds times on a clock"
+        ReadError, match=r"grows from row to row for 'K', from 10 to 35.3 s: it holds times on a clock"
     ):
         read(table(tmp_path, clock), Columns(rt="rt_s"))
     ordered = "participant_id,rt_ms\n" + "".join(f"K,{time}\n" for time in sorted(range(300, 900, 17)))
