@@ -12,8 +12,8 @@ import sys
 import msgspec
 import numpy as np
 
-from core.protocol import TETRIS
-from core.streams import stream, stream_seed
+from core.numerics.streams import stream, stream_seed
+from core.session.protocol import TETRIS
 from core.tetris.config import TetrisConfig
 from core.tetris.game import FallingPiece, landing_row, reachable_placements
 from core.tetris.picture import Counts, Snapshot, Wall, animate, snapshot

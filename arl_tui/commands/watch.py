@@ -11,9 +11,9 @@ import click
 
 if TYPE_CHECKING:
     from arl_tui.screens.watch import WatchApp
-    from core.keepaway.exhibition import Exhibition
     from core.keepaway.pitch import KeepawayConfig
     from core.keepaway.policy_file import SavedPolicy
+    from core.keepaway.viewed_match import Exhibition
 
 BENCHMARKS = {"hand": "hand-coded", "random": "random", "hold": "always hold"}
 VISIONS = ("exact", "360", "90")
@@ -96,7 +96,7 @@ def watch(
     from arl_tui.widgets.pitch_ink import DETAILS
 
     def prepare() -> "Exhibition":
-        from core.keepaway.exhibition import Exhibition
+        from core.keepaway.viewed_match import Exhibition
 
         match = Exhibition(config, policy if saved is None else saved.sarsa(), root_seed, "watch")
         rehearse(match)

@@ -8,8 +8,8 @@ from collections.abc import Iterator
 
 from core.feedback.viewing import Viewing, Watched
 from core.keepaway.domain import Keepaway
-from core.keepaway.policies import hand_coded
-from core.streams import stream
+from core.keepaway.simulator.policies import hand_coded
+from core.numerics.streams import stream
 
 EPISODES = 12
 MOST_OPTIONS = 150

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from core.compiled import KEPT_CACHES, _forget_old_caches, _sources_digest
+from core.numerics.compiled import KEPT_CACHES, _forget_old_caches, _sources_digest
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 
@@ -17,7 +17,7 @@ def cache_folder(cache_home: Path, *, sources: Path = REPOSITORY) -> Path:
     """Return the folder that a new process chooses for its compiled code."""
     environment = {**os.environ, "XDG_CACHE_HOME": str(cache_home), "PYTHONPATH": str(sources)}
     environment.pop("NUMBA_CACHE_DIR", None)
-    script = "import core.compiled, os; print(os.environ['NUMBA_CACHE_DIR'])"
+    script = "import core.numerics.compiled, os; print(os.environ['NUMBA_CACHE_DIR'])"
     done = subprocess.run(
         [sys.executable, "-c", script],
         env=environment,
@@ -39,7 +39,7 @@ def test_equal_sources_share_a_folder_and_other_sources_get_another(tmp_path):
     before = cache_folder(tmp_path, sources=changed)
     (changed / "studies" / "page.py").write_text("TITLE = 'no kernel here'\n")
     assert cache_folder(tmp_path, sources=changed) == before
-    (changed / "studies" / "kernels.py").write_text("from core.compiled import kernel\n")
+    (changed / "studies" / "kernels.py").write_text("from core.numerics.compiled import kernel\n")
     with_kernel = cache_folder(tmp_path, sources=changed)
     assert with_kernel != before
     (changed / "core" / "table.py").write_text("STEPS = 3\n")
@@ -62,7 +62,7 @@ def imported_from_studies(source: str) -> set[Path]:
 
 def test_kernels_of_studies_are_fed_by_files_that_the_digest_covers():
     sources = {path: path.read_text(encoding="utf-8") for path in (REPOSITORY / "studies").rglob("*.py")}
-    with_kernels = {path for path, source in sources.items() if "core.compiled" in source}
+    with_kernels = {path for path, source in sources.items() if "core.numerics.compiled" in source}
     assert REPOSITORY / "studies/reaction_time/golden.py" in imported_from_studies(
         sources[REPOSITORY / "studies/reaction_time/kernels.py"]
     )
@@ -76,7 +76,7 @@ def test_processes_that_need_the_same_kernels_at_the_same_time_compile_each_once
     environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path), "PYTHONPATH": str(REPOSITORY)}
     environment.pop("NUMBA_CACHE_DIR", None)
     script = """
-from core.softmax import drawn, softmax
+from core.numerics.softmax import drawn, softmax
 import numpy as np
 print("ready", flush=True)
 input()
