@@ -18,7 +18,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 COLUMNS, LINES = 80, 24
 FRAMES_PER_S = 4
-LONGEST_S = 22
+LONGEST_S = 40
 """The film ends after this time of play."""
 CELL = (9, 18)
 """Width and height of a cell in pixels."""
@@ -122,7 +122,7 @@ def record(folder: Path) -> list[Cells]:
         if began is None and playing:
             began = due = now
         if began is None and now - pressed > 1.0:
-            child.send(" ")  # the start key
+            child.send("\r")  # the start key
             pressed = now
         if began is not None and now >= due:
             screens.append(cells_of(screen))
