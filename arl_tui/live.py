@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Literal, Protocol
 
-from arl_tui.link import Begin, Crashed, FromWorker, Link, Picture, PressSuggested, Ready
+from arl_tui.link import Begin, Crashed, FromWorker, Link, Picture, Preparing, PressSuggested, Ready
 from core.clock import Clock
 from core.episode import (
     EpisodeEnded,
@@ -34,7 +34,7 @@ FRAMES_REMEMBERED = 256
 """About ten seconds: far more than a key's handler is ever late."""
 
 Cover = Literal["pause", "help", "quit-dialogue", "resize"]
-Occurrence = Event | Picture | PressSuggested | Ready
+Occurrence = Event | Picture | PressSuggested | Preparing | Ready
 
 
 class EventSink(Protocol):
@@ -223,7 +223,7 @@ class LiveSession:
         """Act on a message of the worker."""
         if isinstance(message, Crashed):
             self._worker_error = f"{message.error}\n\n{message.trace}"
-        elif isinstance(message, Picture | PressSuggested):
+        elif isinstance(message, Picture | PressSuggested | Preparing):
             self._listener(message)
         elif isinstance(message, Ready):
             self.ready = True

@@ -18,8 +18,9 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
+from arl_tui.ahead import Ahead, fill, is_compiled, session_order
 from arl_tui.companion import Companion
-from arl_tui.link import Begin, Crashed, Picture, Ready, WorkerLine, WorkerLink
+from arl_tui.link import Begin, Crashed, Picture, Preparing, Ready, WorkerLine, WorkerLink
 from arl_tui.stage import Shot, stage_of
 from core.clock import NS_PER_S, Clock, ManualClock, MonotonicClock
 from core.episode import (
@@ -39,6 +40,8 @@ from core.protocol import Protocol
 if TYPE_CHECKING:
     from core.session import Session
 
+PROGRESS_S = 0.25
+"""How often the screen is told how far compiling is."""
 LAST_WORDS = 4000
 """Characters of a dead worker's error output that are shown."""
 
@@ -83,11 +86,11 @@ def worker_main(
         # Here, not above: these compile, and the screen's process imports this module.
         from core.session import build_session
 
-        rehearse(protocol)
+        ahead = get_ready(protocol)
         session = build_session(protocol, root_seed)
         companion = Companion(session, protocol, root_seed) if simulated else None
         line.send(Ready(warm_up_ns=clock.now_ns() - before_ns))
-        Show(line, protocol, clock, companion).run(session)
+        Show(line, protocol, clock, companion, ahead).run(session)
     except (EOFError, BrokenPipeError, ConnectionResetError):
         return  # Nobody is looking any more.
     except Exception as error:  # noqa: BLE001 - whatever it was, the participant must be told
@@ -102,6 +105,24 @@ def _leave_the_terminal(log_path: str) -> None:
     os.dup2(log, 1)
     os.dup2(log, 2)
     os.close(log)
+
+
+def get_ready(protocol: Protocol) -> Ahead | None:
+    """Make everything run once that a session runs.
+
+    Returns:
+        The process that compiles what the session needs, while Python stands in for it; None where all of it is loaded.
+    """
+    from core.interpreting import CAN_INTERPRET, start_interpreting
+
+    order = session_order(protocol)
+    if is_compiled(order) or not CAN_INTERPRET:
+        fill(order)
+        return None
+    ahead = Ahead(order)
+    start_interpreting()
+    rehearse(protocol)
+    return ahead
 
 
 class Rehearsal:
@@ -152,7 +173,12 @@ class Show:
     """Plays a session in front of the participant."""
 
     def __init__(
-        self, line: WorkerLine, protocol: Protocol, clock: Clock, companion: Companion | None = None
+        self,
+        line: WorkerLine,
+        protocol: Protocol,
+        clock: Clock,
+        companion: Companion | None = None,
+        ahead: Ahead | None = None,
     ) -> None:
         """Prepare.
 
@@ -161,7 +187,10 @@ class Show:
             protocol: pace, and size of the game.
             clock: of simulated time.
             companion: a simulated participant who watches, too.
+            ahead: compiles what Python stands in for until then.
         """
+        self._protocol = protocol
+        self._ahead = ahead
         self._line = line
         self._clock = clock
         self._companion = companion
@@ -186,6 +215,7 @@ class Show:
         while not self._begun:
             self._take_in(None)
         self._due_ns = self._clock.now_ns()
+        session.before_unseen = self._wait_for_kernels
         for output in session.run(self, self._clock):
             self._line.send(output)
             self._show(output)
@@ -206,7 +236,29 @@ class Show:
             case EpisodeEnded() if not self._stopped:
                 self._send_picture(-1, Shot(self._stage.picture))
                 self._due_ns = self._clock.now_ns() + self._break_ns
+                if self._ahead is not None and self._ahead.finished:
+                    self._load_kernels()
                 self._wait_until_due()
+
+    def _wait_for_kernels(self) -> None:
+        """Wait until everything is compiled, and say how far it is: unseen episodes would take Python minutes."""
+        from core.interpreting import progress
+
+        while self._ahead is not None:
+            far = progress()
+            self._line.send(Preparing(compiled=far.compiled, needed=far.needed, share=far.share))
+            if self._ahead.finished:
+                self._load_kernels()
+            else:
+                self._take_in(PROGRESS_S)
+
+    def _load_kernels(self) -> None:
+        """Change over from Python to compiled code: it gives the same bits."""
+        from core.interpreting import stop_interpreting
+
+        stop_interpreting()
+        fill(session_order(self._protocol))
+        self._ahead = None
 
     def _suggest(self, step: StepTaken, n_shots: int) -> None:
         if self._companion is not None:

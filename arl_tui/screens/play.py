@@ -10,7 +10,7 @@ from textual.containers import Horizontal, Vertical
 from textual.screen import Screen
 from textual.widgets import Static
 
-from arl_tui.link import Picture
+from arl_tui.link import Picture, Preparing
 from arl_tui.live import Cover, LiveSession, Occurrence
 from arl_tui.palette import Palette
 from arl_tui.screens.covers import HelpScreen, PauseScreen, SmallWindowScreen, StopScreen, fits_into
@@ -38,6 +38,16 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "guide": ("h", "f1"),
     "leave": ("q", "ctrl+q,ctrl+c"),
 }
+
+
+BAR_WIDTH = 24
+"""Cells."""
+
+
+def bar(share: float) -> str:
+    """Return a bar for a share in [0, 1], and the share in per cent."""
+    done = round(share * BAR_WIDTH)
+    return f"{'━' * done}[dim]{'─' * (BAR_WIDTH - done)}[/] {share:.0%}"
 
 
 class PlayScreen(Screen[None], inherit_bindings=False):
@@ -105,6 +115,8 @@ class PlayScreen(Screen[None], inherit_bindings=False):
                 self._end_episode(occurrence)
             case UnseenPlayed(w_h=w_h):
                 self._human_weights.append(w_h)
+            case Preparing(share=share) if self._live.phase == "running":
+                self._say(f"Getting the practice ready, the first time only:\n{bar(share)}")
             case StopAsked():
                 self._say("Stopping: everything is being saved ...")
 

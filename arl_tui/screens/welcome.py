@@ -73,7 +73,7 @@ class WelcomeScreen(Page):
         if app.live.ready:
             line = "Press [reverse] Enter [/] to start, [reverse] Q [/] to leave"
         elif self._started:
-            line = "Getting ready ... the first time this takes a minute or two"
+            line = "Getting ready ..."
         else:
             line = "Press [reverse] Enter [/] to start, [reverse] Q [/] to leave  [dim](getting ready)[/]"
         self.query_one("#call", Static).update(line)
