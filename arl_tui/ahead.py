@@ -58,12 +58,20 @@ class Ahead:
         """Whether it has ended: everything is compiled, or it failed (then whoever needs a kernel compiles it)."""
         return self._process.poll() is not None
 
+    @property
+    def failed(self) -> bool:
+        """Whether it has ended without having compiled everything."""
+        return self._process.poll() not in (None, 0)
+
+    def wait(self) -> None:
+        """Wait until it has ended."""
+        self._process.wait()
+
     def close(self) -> None:
         """End it; what it has compiled is kept."""
         assert self._process.stdin is not None, "it was asked for"
         self._process.stdin.close()
         self._process.terminate()
-        self._process.wait()
 
 
 def is_compiled(order: Order) -> bool:
@@ -73,8 +81,13 @@ def is_compiled(order: Order) -> bool:
     return is_ready(_purpose(order))
 
 
-def fill(order: Order) -> None:
-    """Compile or load everything that an order asks for, in the order of need, and note that it is there."""
+def fill(order: Order, *, noted: bool = True) -> None:
+    """Compile or load everything that an order asks for, in the order of need.
+
+    Args:
+        order: what is needed.
+        noted: write down that it is there.
+    """
     from core.interpreting import note_ready
 
     if order.protocol is not None:
@@ -83,7 +96,8 @@ def fill(order: Order) -> None:
         rehearse(protocol_from(order.protocol))
     if order.task is not None:
         rehearse_match(order.task)
-    note_ready(_purpose(order))
+    if noted and not is_compiled(order):
+        note_ready(_purpose(order))
 
 
 def rehearse_match(task: KeepawayConfig) -> None:
@@ -97,8 +111,13 @@ def rehearse_match(task: KeepawayConfig) -> None:
     match.next_episode()
 
 
+DECIDE = ("domain", "learner", "agent", "trainer", "others")
+"""Tables of a protocol that decide about what is compiled."""
+
+
 def _purpose(order: Order) -> str:
-    return msgspec.json.encode(order).decode()
+    protocol = order.protocol and {name: order.protocol.get(name) for name in DECIDE}
+    return msgspec.json.encode(Order(protocol=protocol, task=order.task)).decode()
 
 
 def main() -> None:

@@ -119,10 +119,9 @@ def get_ready(protocol: Protocol) -> Ahead | None:
     if is_compiled(order) or not CAN_INTERPRET:
         fill(order)
         return None
-    ahead = Ahead(order)
     start_interpreting()
     rehearse(protocol)
-    return ahead
+    return Ahead(order)
 
 
 class Rehearsal:
@@ -254,8 +253,9 @@ class Show:
 
     def _load_kernels(self) -> None:
         """Change over from Python to compiled code: it gives the same bits."""
-        from core.interpreting import stop_interpreting
+        from core.interpreting import load_interpreted, stop_interpreting
 
+        load_interpreted()
         stop_interpreting()
         fill(session_order(self._protocol))
         self._ahead = None

@@ -27,8 +27,8 @@ OPTIMISED = 0.35
 
 _twins: dict[str, Callable[..., Any]] = {}
 _globals: dict[int, dict[str, Any]] = {}
-_met: dict[str, "Kernel"] = {}
-"""Entries that Python has asked for while kernels were interpreted."""
+_met: dict[str, tuple["Kernel", tuple[Any, ...]]] = {}
+"""Entries that Python has asked for while kernels were interpreted, and the types of the first call's arguments."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,9 +93,16 @@ def stop_interpreting() -> None:
         Kernel.fallback = None
 
 
-def _stand_in(kernel: "Kernel", _arguments: tuple[Any, ...]) -> Callable[..., Any]:
-    _met[kernel.name] = kernel
+def _stand_in(kernel: "Kernel", arguments: tuple[Any, ...]) -> Callable[..., Any]:
+    if kernel.name not in _met:
+        _met[kernel.name] = kernel, tuple(kernel.typeof_pyval(argument) for argument in arguments)
     return twin(kernel)
+
+
+def load_interpreted() -> None:
+    """Load all that has been interpreted so far, and compile what is not there; Python goes on meanwhile."""
+    for kernel, types in list(_met.values()):
+        kernel.compile(types)
 
 
 # --- how far compiling is -------------------------------------------------------------------------------------------
@@ -106,7 +113,7 @@ def progress() -> Progress:
     if JIT_DISABLED or not _met:
         return Progress(0, 0, 1.0)
     needed: dict[str, float] = {}
-    for kernel in _met.values():
+    for kernel, _ in list(_met.values()):
         reached = _reached(kernel)
         parts = {f"{part.name}.{PART}": _length(part) for part in reached if part is not kernel}
         needed |= parts
@@ -139,6 +146,11 @@ def kernels_at_hand() -> int:
     if JIT_DISABLED:
         return 0
     return sum(len(kernel._parts) + len(kernel.overloads) for kernel in list(by_name.values()))
+
+
+def kernel_notes() -> list[str]:
+    """Return why programs are slower than they could be, one line per reason (`core.kernel_files`)."""
+    return [] if JIT_DISABLED else list(Kernel.files.notes)
 
 
 # --- what a purpose needs -------------------------------------------------------------------------------------------

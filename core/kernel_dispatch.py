@@ -38,7 +38,7 @@ by_name: dict[str, "Kernel"] = {}
 """Every kernel of this process by its name."""
 
 
-class PartLibrary(JITCodeLibrary):  # type: ignore[misc]
+class PartLibrary(JITCodeLibrary):
     """LLVM code of a part: linked into entries, never turned into native code by itself."""
 
     owner: tuple[str, Types] = ("", ())
@@ -77,7 +77,7 @@ class PartLibrary(JITCodeLibrary):  # type: ignore[misc]
         return [lib for lib in dict.fromkeys(self._linking_libraries) if isinstance(lib, PartLibrary)]
 
 
-class EntryLibrary(JITCodeLibrary):  # type: ignore[misc]
+class EntryLibrary(JITCodeLibrary):
     """Native code of an entry and all parts it reaches."""
 
     def finalize(self) -> None:
@@ -99,7 +99,7 @@ def _reached(libraries: list[Any]) -> dict[Any, None]:
     return seen
 
 
-class _Flags(compiler.Flags):  # type: ignore[misc]
+class _Flags(compiler.Flags):
     """Numba's, compared by what is set: it compares all 40 options at every look-up of a type, a tenth of all time."""
 
     __slots__ = ()
@@ -111,7 +111,7 @@ class _Flags(compiler.Flags):  # type: ignore[misc]
         return hash(_Flags)
 
 
-class _Compiler(_FunctionCompiler):  # type: ignore[misc]
+class _Compiler(_FunctionCompiler):
     """Numba's, told what to compile into."""
 
     def part(self, args: Types, library: PartLibrary) -> Any:
@@ -147,7 +147,7 @@ class _Part:
         self.signature, self.fndesc, self.library = signature, fndesc, library
 
 
-class Kernel(CPUDispatcher):  # type: ignore[misc]
+class Kernel(CPUDispatcher):
     """A compiled function: numba's dispatcher, with parts, entries and files of our own."""
 
     files: KernelFiles

@@ -16,10 +16,10 @@ import stat
 import sys
 import tempfile
 import warnings
+import weakref
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import IO
 
 if sys.platform != "win32":
     import fcntl
@@ -57,7 +57,7 @@ class KernelFiles:
         self.notes: list[str] = []
         """Why programs are slower than they could be: one line per reason."""
         self._pruned = pruned
-        self._in_use: IO[bytes] | None = None
+        self._in_use: object = None
         self._opened = False
 
     # --- files --------------------------------------------------------------------------------------------------
@@ -171,8 +171,8 @@ class KernelFiles:
         if self._in_use is not None or sys.platform == "win32":
             return
         with suppress(OSError):
-            in_use = (self.folder / IN_USE).open("ab")
-            self._in_use = in_use
+            in_use = os.open(self.folder / IN_USE, os.O_RDWR | os.O_CREAT, 0o600)
+            self._in_use = weakref.finalize(self, os.close, in_use)
             fcntl.flock(in_use, fcntl.LOCK_SH | fcntl.LOCK_NB)
             os.utime(self.folder)
 

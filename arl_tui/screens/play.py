@@ -40,7 +40,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
 }
 
 
-BAR_WIDTH = 24
+BAR_WIDTH = 20
 """Cells."""
 
 
@@ -116,7 +116,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
             case UnseenPlayed(w_h=w_h):
                 self._human_weights.append(w_h)
             case Preparing(share=share) if self._live.phase == "running":
-                self._say(f"Getting the practice ready, the first time only:\n{bar(share)}")
+                self._say(f"One moment, this first time:\n{bar(share)}")
             case StopAsked():
                 self._say("Stopping: everything is being saved ...")
 
