@@ -130,8 +130,10 @@ def main() -> None:
 
 
 def _leave_with_the_starter() -> None:
-    sys.stdin.buffer.read()
-    os._exit(0)
+    # Not `sys.stdin`: its lock, held by a thread that waits, ends Python with an error.
+    while os.read(0, 1024):
+        pass
+    os._exit(1)
 
 
 if __name__ == "__main__":

@@ -40,7 +40,7 @@ def test_equal_sources_share_a_folder_and_other_sources_get_another(tmp_path):
     for package in ("core", "studies"):
         (changed / package).mkdir(parents=True)
         (changed / package / "__init__.py").write_text("")
-    for name in ("compiled", "kernel_dispatch", "kernel_files"):
+    for name in ("compiled", "kernel_dispatch", "kernel_files", "kernel_libraries"):
         (changed / "core" / f"{name}.py").write_text((REPOSITORY / "core" / f"{name}.py").read_text())
     before = cache_folder(tmp_path, sources=changed)
     (changed / "studies" / "page.py").write_text("TITLE = 'no kernel here'\n")
