@@ -138,7 +138,8 @@ class KernelFiles:
         """Say once why programs are slower."""
         if line not in self.notes:
             self.notes.append(line)
-            warnings.warn(line, KernelCacheWarning, stacklevel=3)
+            # Without a place in the source, which tells a user nothing: one line.
+            warnings.warn_explicit(line, KernelCacheWarning, "arl", 1)
 
     # --- the folder ---------------------------------------------------------------------------------------------
 
