@@ -33,9 +33,11 @@ nitpicky = False
 
 _CODE = re.compile(r"(``?[^`]+``?)")
 """Quoted code in a docstring; what lies between is prose."""
+_COLON = "\ue000"
+"""Stands for a colon while napoleon works; no text has it."""
 
 
-def _plain_text(_app: Any, _what: str, _name: str, _object: Any, _options: Any, lines: list[str]) -> None:
+def _plain_text(_app: Any, what: str, _name: str, _object: Any, _options: Any, lines: list[str]) -> None:
     """Read docstrings as the plain text that they are: `code` is code, and a star or a bar is itself."""
     for number, line in enumerate(lines):
         parts = _CODE.split(line)
@@ -45,8 +47,15 @@ def _plain_text(_app: Any, _what: str, _name: str, _object: Any, _options: Any, 
             else:
                 parts[index] = re.sub(r"([*|])|_(?=\W|$)", lambda found: "\\" + found[0], part)
         lines[number] = "".join(parts)
+        if what in ("attribute", "property", "data"):  # napoleon takes what precedes a colon for a type
+            lines[number] = lines[number].replace(":", _COLON)
+
+
+def _colons_again(_app: Any, _what: str, _name: str, _object: Any, _options: Any, lines: list[str]) -> None:
+    lines[:] = [line.replace(_COLON, ":") for line in lines]
 
 
 def setup(app: Any) -> None:
     """Register the reading of docstrings."""
     app.connect("autodoc-process-docstring", _plain_text, priority=100)
+    app.connect("autodoc-process-docstring", _colons_again, priority=900)
