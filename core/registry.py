@@ -1,10 +1,10 @@
 """What a session needs of each game, under one interface: sessions, what-ifs and simulated people know no game.
 
-A game's own module is imported when it is asked for: compiled code comes with it.
+No game is imported here: its plugin (`core.plugins`) imports it when it is asked for, and compiled code comes with it.
 """
 
 from collections.abc import Callable, Sequence
-from typing import Any, assert_never
+from typing import Any
 from typing import Protocol as Interface
 
 import numpy as np
@@ -15,10 +15,9 @@ from core.combination.human_learner import HumanLearner
 from core.domain import Choices, Domain
 from core.events import EpisodeEnded, StepTaken
 from core.feedback.viewing import Viewing, Watched
-from core.keepaway.pitch import KeepawayConfig
+from core.plugins import plugin_of
 from core.session.protocol import Protocol
 from core.session.rollout import Played
-from core.tetris.config import TetrisConfig
 
 Player = Callable[[EpisodePolicy, int, int], Played]
 """Plays one unseen episode: (policy, episode seed, most steps) -> what came of it."""
@@ -87,14 +86,4 @@ class Game(Interface):
 
 def game_of(protocol: Protocol) -> Game:
     """Return the game that a protocol is about."""
-    match protocol.domain:
-        case TetrisConfig():
-            from core.tetris.sessions import TetrisGame
-
-            return TetrisGame()
-        case KeepawayConfig():
-            from core.keepaway.sessions import KeepawayGame
-
-            return KeepawayGame()
-        case other:
-            assert_never(other)
+    return plugin_of(protocol).load()

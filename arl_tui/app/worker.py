@@ -37,6 +37,7 @@ from core.events import (
     StopAsked,
 )
 from core.numerics.clock import NS_PER_S, Clock, ManualClock, MonotonicClock
+from core.plugins import plugin_called
 from core.session.protocol import Protocol
 from core.system.processes import leave_with
 
@@ -45,9 +46,6 @@ if TYPE_CHECKING:
 
 LOG_PREFIX = "arl-worker-"
 """Of the file that takes a worker's error output; the number of the screen's process follows."""
-KERNELS_NEEDED = {"tetris": 53, "keepaway": 122}
-"""How many kernels a session compiles before its first game where none is in the cache, by game. (Counted with
-the default protocols; `tests/arl_tui/test_worker.py` keeps it near.)"""
 PROGRESS_S = 0.25
 """How often the screen is told how many there are."""
 LAST_WORDS = 4000
@@ -146,7 +144,7 @@ def telling_progress(line: WorkerLine, game: str) -> Iterator[None]:
             if compiled != told:
                 told = compiled
                 with contextlib.suppress(OSError):  # the screen has gone: whoever reads next will notice
-                    line.send(Preparing(compiled=compiled, needed=max(compiled, KERNELS_NEEDED[game])))
+                    line.send(Preparing(compiled=compiled, needed=max(compiled, plugin_called(game).kernels)))
 
     teller = threading.Thread(target=tell, name="progress", daemon=True)
     teller.start()

@@ -15,8 +15,9 @@ from arl_tui.recordings import create_new
 from arl_tui.words import words_of
 from core.feedback.config import TrainerConfig
 from core.feedback.simulated_participants import person
+from core.keepaway.plugin import KEEPAWAY
 from core.numerics.clock import wall_time_utc
-from core.session.protocol import KEEPAWAY, Protocol, ScreenConfig, SessionConfig
+from core.session.protocol import Protocol, ScreenConfig, SessionConfig
 
 PARTICIPANT = "demo"
 

@@ -74,6 +74,7 @@ def stage_of(protocol: Protocol) -> Stage:
         from arl_tui.games.keepaway.renderer import PitchStage  # here, not above: compiled code comes with it
 
         return PitchStage(protocol.domain, protocol.screen.speed)
+    assert isinstance(protocol.domain, TetrisConfig), "a protocol of Tetris"
     return TetrisStage(protocol.domain, protocol.screen.tick_ms * NS_PER_MS)
 
 

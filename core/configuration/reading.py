@@ -16,6 +16,7 @@ import msgspec
 
 from core.configuration.catalogue import TAG, Kind, Struct, settings_of, tables_of, tag_of
 from core.configuration.fields import plain
+from core.configuration.open_table import decode_open_table
 
 Path = tuple[str | int, ...]
 LONGEST_SHOWN = 60
@@ -71,7 +72,8 @@ def read(given: Mapping[str, Any], default: Config, *, to_run: bool) -> Config:
     if found:
         raise ConfigurationError(found)
     try:
-        return msgspec.convert(filled(given, msgspec.to_builtins(default)), type(default))
+        complete = filled(given, msgspec.to_builtins(default))
+        return msgspec.convert(complete, type(default), dec_hook=decode_open_table)
     except (msgspec.ValidationError, ValueError) as error:
         raise ConfigurationError([_from_struct(str(error), given)]) from error
 

@@ -16,6 +16,7 @@ from core.events import (
     StopReason,
     TimeGap,
 )
+from core.plugins import FIRST
 from core.recording.reader import Recording
 
 HAS_REASONS = 2
@@ -160,7 +161,7 @@ def _count(recording: Recording, kind: type) -> int:
 def _game(protocol: Mapping[str, Any]) -> str:
     domain = protocol.get("domain")
     # Recordings made before there was a second game do not name theirs.
-    return str(domain.get("type", "tetris")) if isinstance(domain, Mapping) else "tetris"
+    return str(domain.get("type", FIRST)) if isinstance(domain, Mapping) else FIRST
 
 
 def _planned(protocol: Mapping[str, Any]) -> int | None:

@@ -10,9 +10,10 @@ from arl_tui.calibration.scenes import N_WORST, Scene, make_scenes, scene_of, ti
 from arl_tui.calibration.views import GameView
 from arl_tui.games.rendering import TetrisStage
 from arl_tui.palette import STANDARD
-from core.session.protocol import TETRIS, ScreenConfig
+from core.session.protocol import ScreenConfig
 from core.tetris.game import reachable_placements
 from core.tetris.picture import FALLING, GHOST, Counts, Snapshot, Wall
+from core.tetris.plugin import TETRIS
 from studies.reaction_time.protocol import Schedule
 from studies.reaction_time.schedule import make_schedule
 from tests.arl_tui.fakes import episode_started, step_taken

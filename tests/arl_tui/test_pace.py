@@ -12,9 +12,10 @@ from arl_tui.app.session_app import ArlApp, Outcome
 from arl_tui.screens.play import PlayScreen
 from arl_tui.screens.welcome import AT_SCREEN_S, WelcomeScreen
 from core.feedback import reach
+from core.keepaway.plugin import KEEPAWAY
 from core.numerics.clock import NS_PER_S, ManualClock
 from core.recording.schema import to_plain
-from core.session.protocol import DEFAULTS, KEEPAWAY, Protocol, ScreenConfig, protocol_from
+from core.session.protocol import DEFAULTS, Protocol, ScreenConfig, protocol_from
 from tests.arl_tui.driving import SIZE, app_for, begin, recorded, settle, text_of
 from tests.arl_tui.fakes import FakeLink, episode_ended, episode_started, session_ended
 

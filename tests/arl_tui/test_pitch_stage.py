@@ -10,8 +10,9 @@ from arl_tui.app.link import Picture
 from arl_tui.games.rendering import stage_of
 from core.events import EpisodeEnded, EpisodeStarted, StepTaken
 from core.keepaway.pitch import CYCLE_NS, ONGOING, KeepawayConfig
+from core.keepaway.plugin import KEEPAWAY
 from core.numerics.clock import ManualClock
-from core.session.protocol import KEEPAWAY, ScreenConfig, SessionConfig
+from core.session.protocol import ScreenConfig, SessionConfig
 from core.session.session import build_session
 
 PROTOCOL = msgspec.structs.replace(

@@ -16,8 +16,9 @@ from arl_tui.screens.covers import SmallWindowScreen
 from core.events import EpisodeEnded, FrameShown, StepTaken
 from core.keepaway.picture import PitchFrame
 from core.keepaway.pitch import TAKEN
+from core.keepaway.plugin import KEEPAWAY
 from core.recording.reader import read_recording
-from core.session.protocol import KEEPAWAY, Protocol, ScreenConfig
+from core.session.protocol import Protocol, ScreenConfig
 from tests.arl_tui.driving import app_for, recorded
 from tests.arl_tui.fakes import FakeLink, episode_ended, episode_started, session_ended
 from tests.arl_tui.pitches import HOLDING, PASSING

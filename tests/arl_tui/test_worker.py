@@ -11,9 +11,10 @@ from pathlib import Path
 import pytest
 
 from arl_tui.app.link import Begin, FromWorker, Picture, TakenFor, ToWorker, WorkerLine
-from arl_tui.app.worker import KERNELS_NEEDED, Show
+from arl_tui.app.worker import Show
 from core.events import FrameShown, Input, KeyPressed, Output, Resumed, ScreenCleared, StepTaken, StopAsked
 from core.numerics.clock import NS_PER_S, Clock, ManualClock
+from core.plugins import plugin_called
 from core.session.protocol import Protocol, ScreenConfig
 from core.session.rollout import FeedbackSource
 from tests.arl_tui.fakes import episode_ended, episode_started, session_ended, step_taken
@@ -229,4 +230,4 @@ def test_the_number_of_kernels_that_a_first_start_needs_is_about_what_the_first_
     done = subprocess.run(
         [sys.executable, "-c", script, game], env=environment, capture_output=True, text=True, check=True
     )
-    assert int(done.stdout) == pytest.approx(KERNELS_NEEDED[game], rel=0.15)
+    assert int(done.stdout) == pytest.approx(plugin_called(game).kernels, rel=0.15)

@@ -29,6 +29,7 @@ from core.feedback.config import CreditConfig
 from core.feedback.delays import CurrentStep, GammaDelay
 from core.keepaway.decisions import NOBODY, DecisionPlay
 from core.keepaway.pitch import CYCLE_NS, KeepawayConfig
+from core.keepaway.plugin import KEEPAWAY
 from core.learners.human_config import RidgeModel, TileModel
 from core.learners.sarsa import decide, end_episode, new_sarsa
 from core.numerics.clock import ManualClock
@@ -38,7 +39,6 @@ from core.recording.reader import RecordingError, read_recording
 from core.recording.schema import to_plain
 from core.registry import game_of
 from core.session.protocol import (
-    KEEPAWAY,
     Protocol,
     ProtocolError,
     ScreenConfig,

@@ -9,12 +9,13 @@ import pytest
 from core.events import EpisodeEnded, SessionEnded, UnseenPlayed
 from core.keepaway.autoplay import keepaway_tiles
 from core.keepaway.domain import Keepaway
+from core.keepaway.plugin import KEEPAWAY
 from core.keepaway.policy_file import PolicyFileError
 from core.keepaway.recorded_policy import N_TILINGS, recorded_policy
 from core.learners.sarsa_learner import SarsaLearner
 from core.recording.recorder import Recorder
 from core.recording.schema import to_plain
-from core.session.protocol import KEEPAWAY, Protocol
+from core.session.protocol import Protocol
 from tests.core.recording.test_recording import HEADER
 
 

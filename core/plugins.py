@@ -1,0 +1,192 @@
+"""What each game says of itself before any of it is played, and where games are found: entry points `arl.games`.
+
+A package that has a game names an instance of `GamePlugin` in its metadata,
+
+    [project.entry-points."arl.games"]
+    our-game = "our_package.plugin:PLUGIN"
+
+and `[domain] type = "our-game"` in a protocol plays it. The module of a plugin imports no compiled code: a protocol is
+read, checked and described without it. `GamePlugin.load` imports the rest (`core.registry.Game`).
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points
+from typing import TYPE_CHECKING, ClassVar
+
+import msgspec
+
+from core.configuration.open_table import OpenTable
+
+if TYPE_CHECKING:
+    from core.configuration.reading import Problem
+    from core.registry import Game
+    from core.session.effects import Use
+    from core.session.protocol import Protocol
+
+GROUP = "arl.games"
+BUILT_IN = {
+    "tetris": "core.tetris.plugin:PLUGIN",
+    "keepaway": "core.keepaway.plugin:PLUGIN",
+}
+"""Name to where the program's own games are; found whatever the installation's metadata say."""
+FIRST = "tetris"
+"""What is played where nothing names a game: recordings made before there was a second one do not."""
+
+
+class GameError(ValueError):
+    """A game is not known or cannot be loaded; the message says which, why and what to do."""
+
+
+class DomainConfig(OpenTable):
+    """Base of what a game is set up by: the table `[domain]` of a protocol, whose tag is the game's name."""
+
+    __slots__ = ()
+
+    @classmethod
+    def structs(cls) -> "Mapping[str, type[msgspec.Struct]]":
+        """Return the configuration type of each game by the game's name, the program's own first."""
+        return _Configurations()
+
+
+class GamePlugin(ABC):
+    """One game, as protocols, effects and plans know it. Its module imports no compiled code."""
+
+    name: ClassVar[str]
+    """As in `[domain] type`, on the command line and in recordings: lower case, digits and '-'."""
+    title: ClassVar[str]
+    """As in sentences: "Tetris"."""
+    config: ClassVar[type[msgspec.Struct]]
+    """What it is set up by: a frozen struct that inherits from `DomainConfig`, with `name` as its tag."""
+    revision: ClassVar[int]
+    """Of what the same seed plays: one more whenever that changes. Recordings hold it."""
+    learners: ClassVar[tuple[type[msgspec.Struct], ...]]
+    """Configuration types of the environment learners that can learn it."""
+    human_models: ClassVar[tuple[type[msgspec.Struct], ...]]
+    """Configuration types of the human models that can judge its actions."""
+    steps: ClassVar[str]
+    """What its steps are, in the plural: "pieces"."""
+    kernels: ClassVar[int] = 0
+    """How many kernels a session compiles before its first game where none is in the cache, counted with the default
+    protocol: for the progress of the first start."""
+    idle: ClassVar[Mapping[str, str]] = {}
+    """Settings outside `[domain]` that have no effect in this game, as dotted paths, each with the reason ("" where it
+    needs none)."""
+    uses: "ClassVar[tuple[Use, ...]]" = ()
+    """Of the settings in `[domain]`, those that have an effect in some sessions only."""
+
+    @abstractmethod
+    def default(self) -> "Protocol":
+        """Return the protocol of a session without a protocol file."""
+
+    @abstractmethod
+    def expected_game_s(self, protocol: "Protocol") -> float:
+        """Return how long a watched game is on screen on average, in seconds, > 0."""
+
+    @abstractmethod
+    def load(self) -> "Game":
+        """Return the game itself; compiled code may be imported."""
+
+    def check(self, protocol: "Protocol") -> None:  # noqa: B027 - most games have nothing to add
+        """Raise ValueError where a protocol asks for what this game cannot do."""
+
+    def contradictions(self, protocol: "Protocol") -> "Iterator[Problem]":
+        """Yield what nobody means though each value is in its range: for protocols that are about to be run."""
+        yield from ()
+
+    def departures(self, protocol: "Protocol") -> list[str]:
+        """Return in plain sentences where this game does otherwise than the paper, or fills its silence."""
+        return []
+
+
+def game_names() -> dict[str, str]:
+    """Return every game's name and where its plugin is, the program's own first, without loading any.
+
+    Raises:
+        GameError: two packages have a game of one name.
+    """
+    found = dict(BUILT_IN)
+    for name, value in _installed():
+        if found.setdefault(name, value) != value:
+            raise GameError(
+                f"two games are called {name!r}: {found[name]} and {value}. Uninstall one of their packages"
+            )
+    return found
+
+
+def plugin_called(name: str) -> GamePlugin:
+    """Return the plugin of a game by its name.
+
+    Raises:
+        GameError: there is none of that name, its module cannot be imported, or it lacks a part of the contract.
+    """
+    names = BUILT_IN if name in BUILT_IN else game_names()
+    if name not in names:
+        raise GameError(
+            f"no game is called {name!r}; there are {', '.join(names)}. Is the package that brings it installed?"
+        )
+    return _loaded(name, names[name])
+
+
+def plugin_of(protocol: "Protocol") -> GamePlugin:
+    """Return the plugin of the game that a protocol is about."""
+    return plugin_called(protocol.game)
+
+
+def plugins() -> Iterator[GamePlugin]:
+    """Yield all plugins that can be loaded, the program's own first. Asking for another by its name says why not."""
+    for name in game_names():
+        try:
+            yield plugin_called(name)
+        except GameError:
+            continue
+
+
+@cache
+def _installed() -> tuple[tuple[str, str], ...]:
+    return tuple((point.name, point.value) for point in entry_points(group=GROUP))
+
+
+@cache
+def _loaded(name: str, where: str) -> GamePlugin:
+    try:
+        plugin = EntryPoint(name, where, GROUP).load()
+    except (ImportError, AttributeError) as error:
+        raise GameError(f"the game {name!r} at {where} cannot be loaded: {error}") from error
+    wrong = _wrong(plugin, name)
+    if wrong:
+        raise GameError(f"{where} is no game: {wrong} (docs/extending.md)")
+    assert isinstance(plugin, GamePlugin), "this was looked at"
+    return plugin
+
+
+def _wrong(plugin: object, name: str) -> str:
+    """Return in which respect something is no plugin of this name; "" where it is one."""
+    if not isinstance(plugin, GamePlugin):
+        return "it is not an instance of a subclass of core.plugins.GamePlugin"
+    needed = ("name", "title", "config", "revision", "learners", "human_models", "steps")
+    missing = [part for part in needed if not hasattr(plugin, part)]
+    if missing:
+        return f"it lacks {', '.join(missing)}"
+    if not issubclass(plugin.config, DomainConfig):
+        return f"its configuration {plugin.config.__name__} does not inherit from core.plugins.DomainConfig"
+    tag = plugin.config.__struct_config__.tag
+    if not plugin.name == name == tag:
+        return f"its entry point is called {name!r}, its name is {plugin.name!r}, its configuration's tag {tag!r}"
+    return ""
+
+
+class _Configurations(Mapping[str, type[msgspec.Struct]]):
+    """Name of each game to its configuration type; looked up anew each time."""
+
+    def __getitem__(self, name: str) -> type[msgspec.Struct]:
+        if name not in game_names():
+            raise KeyError(name)
+        return plugin_called(name).config
+
+    def __iter__(self) -> Iterator[str]:
+        return (plugin.name for plugin in plugins())
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
