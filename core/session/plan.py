@@ -37,7 +37,9 @@ def unseen_games(protocol: Protocol) -> int:
 def expected_minutes(protocol: Protocol) -> float:
     """Return how long the watched games of a session take, in minutes, without pauses and unseen games."""
     game_s = plugin_of(protocol).expected_game_s(protocol)
-    return protocol.session.episodes * (game_s + protocol.screen.pause_between_episodes_s) / 60
+    screen = protocol.screen
+    between_s = screen.count_down_s + screen.pause_between_episodes_s
+    return protocol.session.episodes * (game_s + between_s) / 60
 
 
 def weights_of_games(protocol: Protocol) -> list[EpisodeWeights]:

@@ -35,7 +35,10 @@ def test_equal_sources_share_a_folder_and_other_sources_get_another(tmp_path):
     for package in ("core", "studies"):
         (changed / package).mkdir(parents=True)
         (changed / package / "__init__.py").write_text("")
-    (changed / "core" / "compiled.py").write_text((REPOSITORY / "core" / "compiled.py").read_text())
+    compiled = changed / "core" / "numerics" / "compiled.py"
+    compiled.parent.mkdir()
+    (compiled.parent / "__init__.py").write_text("")
+    compiled.write_text((REPOSITORY / "core" / "numerics" / "compiled.py").read_text())
     before = cache_folder(tmp_path, sources=changed)
     (changed / "studies" / "page.py").write_text("TITLE = 'no kernel here'\n")
     assert cache_folder(tmp_path, sources=changed) == before
