@@ -140,7 +140,7 @@ class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         models = [tag_of(kind) for kind in plugin.human_models]
         if tag_of(self.agent.human_model) not in models:
             raise ValueError(
-                f"a session of {self.game} has one of the human models {', '.join(models)}, not "
+                f"the human model of {self.game} is of type {' or '.join(models)}, not "
                 f"{tag_of(self.agent.human_model)}: set [agent.human_model] type"
             )
         check_learner(self.agent.scheme, self.learner.kind, tag_of(self.learner))
