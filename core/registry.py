@@ -80,7 +80,7 @@ class Game(Interface):
         ...
 
     def time_at_end(self, ended: EpisodeEnded) -> int:
-        """Return the domain's own time when a recorded episode ended, as `Domain.time` does."""
+        """Return the domain's own time when an episode ended whose recording does not say it (`EpisodeEnded.time`)."""
         ...
 
 

@@ -89,7 +89,13 @@ class KeepawayGame:
         config, task = protocol.learner, domain.config
         assert isinstance(config, SarsaConfig), "a protocol checks that its learner suits its game"
         return ArlAgent(
-            SarsaLearner(config, domain.coder, n_learners=task.n_keepers, n_actions=task.n_actions),
+            SarsaLearner(
+                config,
+                domain.coder,
+                n_learners=task.n_keepers,
+                n_actions=task.n_actions,
+                reward_is_time=True,
+            ),
             protocol.agent,
             n_feedback_features=len(domain.feedback_feature_names),
             n_participants=1 + len(protocol.others),
@@ -137,7 +143,7 @@ class KeepawayGame:
     def recorded(self, domain: Domain[KeepawayState], step: StepTaken) -> tuple[Choices, NDArray[np.float64]]:
         """Return a decision as its keeper saw it."""
         assert isinstance(domain, Keepaway), "the domain of this game"
-        expected = len(domain.feature_names)
+        expected = len(domain.observation_names)
         if step.state is None or len(step.state) != expected:
             raise ValueError(f"step {step.step}: need a state of {expected} variables, got {step.state}")
         seen = np.array(step.state, np.float64)

@@ -5,6 +5,8 @@ experiment meets the same pieces, and trials pair by seed.
 """
 
 import zlib
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -20,6 +22,17 @@ def stream(root_seed: int, *path: str | int) -> np.random.Generator:
         A PCG64DXSM Generator; equal arguments give equal streams, on any machine and in any process.
     """
     return np.random.Generator(np.random.PCG64DXSM(np.random.SeedSequence(root_seed, spawn_key=_key(path))))
+
+
+def resumed(state: Mapping[str, Any]) -> np.random.Generator:
+    """Return a Generator that goes on where a stream stood.
+
+    Args:
+        state: of its bit generator (`rng.bit_generator.state`).
+    """
+    rng = np.random.Generator(np.random.PCG64DXSM(0))
+    rng.bit_generator.state = state
+    return rng
 
 
 def stream_seed(root_seed: int, *path: str | int) -> int:

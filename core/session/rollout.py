@@ -42,7 +42,7 @@ class Played:
     """What came of one episode: the agent learns from this, whether it was watched or not."""
 
     performance: float
-    """The domain's performance measure, >= 0."""
+    """The domain's performance measure (`Domain.performance`)."""
     steps: int
     agreed: int
     """Steps at which environment and human policy chose the same action."""
@@ -265,6 +265,7 @@ def play_episode(
         agreed_worst=played.agreed_worst,
         trust=agent.trust,
         digest=agent.digest(),
+        time=played.time,
     )
     # Late presses on the last steps, made while the final picture was shown.
     yield from audience.attend(-1)

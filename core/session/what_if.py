@@ -224,7 +224,7 @@ class _Watched:
             int(self._tally.counts[AGREED]),
             int(self._tally.counts[AGREED_WORST]),
             output.ended,
-            self._time_at_end(output),
+            output.time if output.time is not None else self._time_at_end(output),
             self._tally.agreement,
             self._tally.with_each,
         )

@@ -115,8 +115,7 @@ def two_at_the_ball() -> KeepawayState:
     """A match in which two keepers can kick the ball."""
     domain = Keepaway(EXACT)
     state = domain.initial(3)
-    play = DecisionPlay(EXACT, 3)
-    play.restore(state.saved)
+    play = DecisionPlay.resumed(EXACT, state.saved)
     other = (state.keeper + 1) % 3
     play.match.players[other, :4] = play.match.players[state.keeper, :4] + (0.7, 0.0, 0.0, 0.0)
     play.match.ball[:] = (

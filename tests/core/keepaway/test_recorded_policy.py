@@ -21,7 +21,7 @@ from tests.core.recording.test_recording import HEADER
 
 def learned() -> SarsaLearner:
     coder = keepaway_tiles(KEEPAWAY.domain)
-    learner = SarsaLearner(KEEPAWAY.learner, coder, n_learners=3, n_actions=3)
+    learner = SarsaLearner(KEEPAWAY.learner, coder, n_learners=3, n_actions=3, reward_is_time=True)
     rng = np.random.default_rng(4)
     learner.sarsa.weights[:, :, 100:140] = rng.normal(size=(3, 3, 40))
     return learner
