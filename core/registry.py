@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from core.combination.agent import ArlAgent, EpisodePolicy
 from core.combination.human_learner import HumanLearner
-from core.domain import Choices, Domain
+from core.domain import Choices, Domain, Features
 from core.events import EpisodeEnded, StepTaken
 from core.feedback.viewing import Viewing, Watched
 from core.plugins import plugin_of
@@ -71,7 +71,7 @@ class Game(Interface):
         """Return how some hundred steps are seen at the protocol's pace, in order; the same at every call."""
         ...
 
-    def recorded(self, domain: Domain[Any], step: StepTaken) -> tuple[Choices, NDArray[np.float64]]:
+    def recorded(self, domain: Domain[Any], step: StepTaken) -> tuple[Choices, Features]:
         """Return the choices of a step whose state was recorded or observed, and psi of what was done, NaN where unknown.
 
         Raises:

@@ -230,7 +230,7 @@ class ArlAgent:
         )
         self.bootstrap.record(report, played.with_each)
 
-    def step_shown(self, step: int, features: NDArray[np.float64], time_ns: int) -> None:
+    def step_shown(self, step: int, features: Features, time_ns: int) -> None:
         """Note that a watched step with feedback features psi, shape (G,), came on screen."""
         self.human.step_shown(step, features, time_ns)
 

@@ -76,6 +76,8 @@ class Keepaway:
     """A `core.domain.Domain`. Each episode is a match of its own: everything random follows from its seed."""
 
     name = "keepaway"
+    reward_is_time = True
+    """Seconds of possession are the reward (section 3.3): Sarsa counts them in cycles."""
 
     def __init__(
         self, config: KeepawayConfig | None = None, *, n_tilings: int = 32, shared_feedback: bool = False
@@ -95,6 +97,16 @@ class Keepaway:
         self.feedback_tiles = self._encoder.tiling
         """What the rows of `Choices.feedback_features` index: tiles by model, option and state variable."""
         self._names = tuple(variable.name for variable in state_variables(self.config))
+
+    @property
+    def n_actors(self) -> int:
+        """Keepers: each learns for itself."""
+        return self.config.n_keepers
+
+    @property
+    def n_actions(self) -> int:
+        """Options of a keeper: hold, or pass to one of the others."""
+        return self.config.n_actions
 
     @property
     def feature_names(self) -> tuple[str, ...]:

@@ -141,8 +141,7 @@ def test_two_keepers_with_the_ball_decide_one_after_the_other_in_the_same_moment
     assert between.reward == 0.0
     after = domain.transition(between.next_state, 1).next_state
     assert after.cycle > state.cycle
-    passing = DecisionPlay(EXACT, 0)
-    passing.restore(between.next_state.saved)
+    passing = DecisionPlay.resumed(EXACT, between.next_state.saved)
     seen = []
     passing.decide(1, lambda match: seen.append(match.options.copy()))
     # Both options have begun: the first keeper holds, the second one passes.
