@@ -20,7 +20,8 @@ from core.recording.reader import Recording
 from core.recording.recorder import LineWriter
 from core.recording.schema import Header, to_plain
 from core.registry import game_of
-from core.session.protocol import Protocol, protocol_from
+from core.session.protocol import Protocol
+from core.session.protocol_reading import protocol_from
 from core.session.session import build_session
 
 

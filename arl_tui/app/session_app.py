@@ -14,10 +14,10 @@ from arl_tui.app.driver import FlushClock, stamped_driver
 from arl_tui.app.gaps import LOOKS_PER_S, GapWatch
 from arl_tui.app.garbage import GarbageControl
 from arl_tui.app.link import Link, Preparing, PressSuggested, Ready
-from arl_tui.app.live_session import LiveSession, Occurrence, Tally
+from arl_tui.app.live_session import LiveSession, Occurrence
 from arl_tui.app.once import after
+from arl_tui.app.outcome import Outcome, SessionControls
 from arl_tui.app.pace import pace_facts, pace_warning
-from arl_tui.app.plain_app import PlainApp
 from arl_tui.palette import palette_for
 from arl_tui.recordings import create_new, rescue, rescue_whole
 from arl_tui.screens.closing import ClosingScreen
@@ -27,7 +27,7 @@ from arl_tui.words import words_of
 from core.events import EpisodeEnded, EpisodeStarted, Event, StopReason
 from core.feedback.keys import nanoseconds
 from core.numerics.clock import NS_PER_S, Clock, MonotonicClock, wall_time_utc
-from core.recording.recorder import Kept, Recorder
+from core.recording.recorder import Recorder
 from core.recording.schema import Header, to_plain
 from core.session.protocol import Protocol
 
@@ -64,22 +64,7 @@ class Sitting:
     """Where the credit rule comes from, for the recording's header."""
 
 
-@dataclass(frozen=True, slots=True)
-class Outcome:
-    """What is left when the app has closed."""
-
-    recording: Path | None
-    """None where the session was never started."""
-    tally: Tally
-    trouble: str | None = None
-    """Why the session ended early, if something failed."""
-    kept: Kept | None = None
-    """How much of the session is in the file, and how much of that the disk has confirmed."""
-    warning: str = ""
-    """What the experimenter is told of the pace, if presses often miss their step."""
-
-
-class ArlApp(PlainApp[Outcome]):
+class ArlApp(SessionControls):
     """A participant watches, presses keys, and can stop at any time."""
 
     CSS_PATH = "../app.tcss"

@@ -12,8 +12,8 @@ from collections.abc import Iterator
 
 import msgspec
 
-from core.keepaway.picture import NOBODY, PitchFrame
-from core.keepaway.pitch import CYCLE_S, ONGOING, KeepawayConfig
+from core.keepaway.picture import PitchFrame
+from core.keepaway.pitch import CYCLE_S, NO_PLAYER, ONGOING, KeepawayConfig
 from core.numerics.streams import stream, stream_seed
 from core.session.protocol import KEEPAWAY
 from studies.reaction_time.protocol import Schedule
@@ -50,7 +50,7 @@ def judged(before: PitchFrame, now: PitchFrame) -> str | None:
     """Return what happens between two pictures: "ball kept", "ball lost", or nothing to judge."""
     if now.ended != ONGOING:
         return LOST
-    arrived = before.passing and before.target != NOBODY and now.holder == before.target
+    arrived = before.passing and before.target != NO_PLAYER and now.holder == before.target
     return KEPT if arrived else None
 
 

@@ -85,7 +85,8 @@ def watch(
     detail: str | None,
 ) -> None:
     """Look at a policy playing Keepaway, as fast or slowly as you like. Nothing is recorded."""
-    from arl_tui.commands.play import FRAMES_PER_S, need_terminal
+    from arl_tui.commands.play import need_terminal
+    from arl_tui.drawing_rate import FRAMES_PER_S
 
     need_terminal("arl watch", instead="arl train keepaway --help")
     os.environ.setdefault("TEXTUAL_FPS", FRAMES_PER_S)

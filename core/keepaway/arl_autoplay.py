@@ -43,10 +43,9 @@ from core.keepaway.arl_cycles import (
     play,
 )
 from core.keepaway.autoplay import keepaway_tiles
-from core.keepaway.decisions import CYCLE_LIMIT
 from core.keepaway.participant import Watcher, new_watcher, watch_episode, with_more_draws
 from core.keepaway.participant_config import KeepawayPersonConfig
-from core.keepaway.pitch import CYCLE_NS, CYCLE_S, OUT, KeepawayConfig
+from core.keepaway.pitch import CYCLE_NS, CYCLE_S, OUT, SESSION_CYCLE_LIMIT, KeepawayConfig
 from core.keepaway.presses import LOST, MADE, begin_episode, new_presses
 from core.keepaway.simulator.match import CYCLE, END, new_match, open_streams
 from core.learners.human_config import TileModel
@@ -59,7 +58,7 @@ from core.numerics.streams import stream_seed
 KEEPAWAY_AGENT = AgentConfig(credit=CreditConfig(delay=GammaDelay()), human_model=TileModel())
 """Eq. 3, Eq. 4, credit by the paper's density, and a human model over tiles."""
 
-NOBODY = KeepawayPersonConfig(trainer=TrainerConfig(press_probability=0.0, max_presses=0))
+NO_PRESSES = KeepawayPersonConfig(trainer=TrainerConfig(press_probability=0.0, max_presses=0))
 """A participant who never presses a key."""
 NO_WEIGHTS: tuple[float, ...] = (0.0, 0.0, 0.0)
 """w_h of the sets of learners side by side while nothing is known, and where there is one set."""
@@ -202,7 +201,7 @@ class ArlAutoplay:
         self._rule = credit_rule(delay)
         places = (math.ceil(self._rule.horizon_s / CYCLE_S) + 3) * task.n_keepers
         self._timeline = new_timeline(places, len(coder.low), task.n_actions)
-        person = config.person or NOBODY
+        person = config.person or NO_PRESSES
         self._trainer = SimulatedTrainer(person.trainer, root_seed=self._seed)
         self._watcher = new_watcher(person, self.match)
         self._presses = new_presses(config.keys, _room(config))
@@ -289,7 +288,7 @@ class ArlAutoplay:
             anew,
             self._start_ns,
             self._pause_ns,
-            CYCLE_LIMIT,
+            SESSION_CYCLE_LIMIT,
         )
 
     @property
@@ -358,7 +357,7 @@ class ArlAutoplay:
 
 def _room(config: ArlKeepawayConfig) -> int:
     """Return how many presses can wait, or be made in one episode: those of all episodes within a delay's reach."""
-    person = config.person or NOBODY
+    person = config.person or NO_PRESSES
     trainer = person.trainer
     most = trainer.max_presses * trainer.burst_presses
     reach_s = trainer.delay.horizon_s + trainer.burst_presses * trainer.burst_interval_s

@@ -7,7 +7,6 @@ one by any keeper or the end of the episode; presses reach back over all of them
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.combination.preference import choose, takes_control
 from core.combination.tally import Tally, compare_choices, new_tally
@@ -29,12 +28,9 @@ from core.learners.sarsa import (
     learn_beside,
     take_action,
 )
+from core.numerics.arrays import Bools, Floats, Ints
 from core.numerics.compiled import inner_kernel, kernel
 from core.numerics.tile_coding import find_windows
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 # What `play` returns.
 ENDED: Final = 0

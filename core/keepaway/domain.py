@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from core.domain import Choices, Transition
 from core.keepaway.autoplay import keepaway_tiles
-from core.keepaway.decisions import NOBODY, DecisionPlay, Saved
-from core.keepaway.pitch import CYCLE_S, KeepawayConfig
+from core.keepaway.decisions import DecisionPlay, Saved
+from core.keepaway.pitch import CYCLE_S, NO_PLAYER, KeepawayConfig
 from core.keepaway.simulator.match import CYCLE, END, Match
 from core.keepaway.simulator.variables import state_variables
 from core.numerics.tile_coding import Tiling, find_windows
@@ -116,11 +116,11 @@ class Keepaway:
 
     def terminal(self, state: KeepawayState) -> bool:
         """Return whether the ball is out or taken (or kept for an hour)."""
-        return state.keeper == NOBODY
+        return state.keeper == NO_PLAYER
 
     def choices(self, state: KeepawayState) -> Choices:
         """Return the tiles of the deciding keeper's state: rows of window starts, shape (n_options, v)."""
-        if state.keeper == NOBODY:
+        if state.keeper == NO_PLAYER:
             raise ValueError("the episode is over: a terminal state has no actions")
         return self.choices_of(state.keeper, state.variables, state.cycle)
 
@@ -163,7 +163,7 @@ class Keepaway:
 
     def detail(self, state: KeepawayState, action: int) -> dict[str, int]:
         """Return who decides, when, and the keeper the ball is passed to (-1: it is held)."""
-        target = int(state.match.order[state.keeper, action]) if action != HOLD else NOBODY
+        target = int(state.match.order[state.keeper, action]) if action != HOLD else NO_PLAYER
         return {"keeper": state.keeper, "cycle": state.cycle, "target": target}
 
     def recorded_state(self, state: KeepawayState) -> list[float] | None:

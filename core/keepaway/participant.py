@@ -8,7 +8,6 @@ Generator for each judgement would take longer than the step.
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.feedback.config import TrainerConfig
 from core.feedback.trainers import SimulatedTrainer, draw_delay_s, judgement
@@ -18,12 +17,10 @@ from core.keepaway.presses import JUDGED, Presses, plan
 from core.keepaway.simulator.match import Match
 from core.keepaway.simulator.policies import hand_coded
 from core.keepaway.simulator.variables import observe
+from core.numerics.arrays import Floats, Ints
 from core.numerics.clock import NS_PER_S
 from core.numerics.compiled import inner_kernel
 from core.numerics.streams import stream
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 LAY_DANGER_M: Final = 4.0
 """A lay person passes when a taker is nearer than this."""

@@ -8,10 +8,9 @@ from numpy.typing import NDArray
 from core.feedback.samples import Sample
 from core.learners.human_config import HumanModelConfig, TileModel
 from core.learners.human_reward import HumanRewardModel
+from core.numerics.arrays import Floats
 from core.numerics.compiled import inner_kernel
 from core.numerics.tile_coding import Tiling, add_to_windows, row_values, runs
-
-Floats = NDArray[np.float64]
 
 
 @inner_kernel

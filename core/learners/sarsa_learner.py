@@ -14,10 +14,9 @@ from core.learners.sarsa import (
     new_sarsa,
     observe_action,
 )
+from core.numerics.arrays import Floats
 from core.numerics.streams import stream
 from core.numerics.tile_coding import TileCoder, runs
-
-Floats = NDArray[np.float64]
 
 
 class SarsaLearner:

@@ -10,12 +10,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from core.numerics.arrays import Floats, Ints
 from core.numerics.compiled import inner_kernel, kernel
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 class TileCoder(NamedTuple):

@@ -4,15 +4,12 @@ Every field has a default for each game, and every default names its source, so 
 protocol is written to each recording's header, and a session is built from that alone (`core.session.session.build_session`).
 """
 
-from collections.abc import Mapping
-from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import msgspec
 
 from core.combination.config import AgentConfig, check_learner
 from core.configuration.fields import number
-from core.configuration.reading import ConfigurationError, read
 from core.feedback.config import CreditConfig, TrainerConfig
 from core.feedback.delays import GammaDelay, describe
 from core.feedback.keys import KeyConfig
@@ -22,8 +19,6 @@ from core.learners.cross_entropy_config import CrossEntropyConfig
 from core.learners.human_config import TileModel
 from core.learners.policy_gradient_config import PolicyGradientConfig
 from core.learners.sarsa_config import SarsaConfig
-from core.session.effects import contradictions, idle
-from core.session.protocol_file import ProtocolError, located, read_toml
 from core.tetris.config import TetrisConfig
 
 DomainConfig = TetrisConfig | KeepawayConfig
@@ -245,51 +240,3 @@ KEEPAWAY = Protocol(
 )
 DEFAULTS: dict[str, Protocol] = {"tetris": TETRIS, "keepaway": KEEPAWAY}
 """The default protocol of each game."""
-
-
-def protocol_from(plain: Mapping[str, Any], *, game: str = "tetris", to_run: bool = False) -> Protocol:
-    """Return the protocol that plain types describe: a recording's header, or a TOML file.
-
-    What is not said has the default of the game. A table with another `type` than the default's stands for itself.
-
-    Args:
-        plain: tables as in `arl protocol`; recordings made before there was a second game do not name theirs.
-        game: which one is meant where `plain` does not say.
-        to_run: the protocol is about to be run, not replayed: values that nobody means, and settings that
-            have no effect in any session of this protocol, are refused, too (`core.session.effects`).
-
-    Raises:
-        ConfigurationError: a key is unknown, or a value is of the wrong kind or out of range, each with
-            its place.
-    """
-    domain = plain.get("domain", {})
-    named = domain.get("type", game) if isinstance(domain, Mapping) else domain
-    default = DEFAULTS.get(str(named), DEFAULTS[game])
-    protocol = read(plain, default, to_run=to_run)
-    if to_run:
-        problems = list(contradictions(protocol))
-        problems += [each.problem() for each in idle(protocol, default) if each.use.refused]
-        if problems:
-            raise ConfigurationError(problems)
-    return protocol
-
-
-def load_protocol(path: Path | None, *, game: str = "tetris") -> Protocol:
-    """Return the protocol in a TOML file; the defaults for None.
-
-    Args:
-        path: the file: UTF-8, with or without a byte-order mark, with any line ends.
-        game: which game's defaults are meant where the file does not name one.
-
-    Raises:
-        ProtocolError: the file is not TOML, or something in it cannot be used; with file, line, key and
-            reason.
-        OSError: the file cannot be read.
-    """
-    if path is None:
-        return DEFAULTS[game]
-    text, plain = read_toml(path)
-    try:
-        return protocol_from(plain, game=game, to_run=True)
-    except ConfigurationError as error:
-        raise ProtocolError(located(path, text, error.problems)) from error

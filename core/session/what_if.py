@@ -32,7 +32,8 @@ from core.events import (
 from core.numerics.streams import stream_seed
 from core.recording.reader import Recording, RecordingError
 from core.registry import Player, game_of
-from core.session.protocol import Protocol, protocol_from
+from core.session.protocol import Protocol
+from core.session.protocol_reading import protocol_from
 from core.session.replay import Recorded
 from core.session.rollout import Audience, Played
 

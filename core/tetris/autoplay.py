@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.combination.preference import best_action
+from core.numerics.arrays import Floats, Ints
 from core.numerics.compiled import kernel
 from core.tetris.board import (
     COLUMNS,
@@ -16,7 +17,6 @@ from core.tetris.board import (
     OVERFLOW,
     ROWS,
     SEVEN_BAG,
-    Ints,
     fill_heights,
     mark_ruled_out,
     new_work,
@@ -29,7 +29,6 @@ from core.tetris.board import (
 )
 from core.tetris.config import MAX_COLUMNS, TetrisConfig
 from core.tetris.evaluation import (
-    Floats,
     empty_policy,
     fill_sums,
     fill_values_21,

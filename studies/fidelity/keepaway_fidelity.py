@@ -11,7 +11,6 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import stats
 
 from core.keepaway.autoplay import Autoplay
@@ -19,10 +18,9 @@ from core.keepaway.pitch import BALL_DECAY, CYCLE_S, KICK, KICK_DISTANCE, KIND, 
 from core.keepaway.simulator.game import step_cycle
 from core.keepaway.simulator.match import start_episode
 from core.keepaway.simulator.policies import POLICIES
+from core.numerics.arrays import Bools, Floats
 from core.numerics.compiled import specialised
 
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 RELEASE_SPEED = 0.7
 """Speed, metres per cycle, above which a ball that leaves a keeper's reach counts as passed."""
 TRACED_EPISODES = 4000

@@ -4,7 +4,8 @@ import gc
 from pathlib import Path
 
 from arl_tui.app.link import Begin, Ready
-from arl_tui.app.session_app import ArlApp, Outcome
+from arl_tui.app.outcome import Outcome
+from arl_tui.app.session_app import ArlApp
 from arl_tui.screens.closing import ClosingScreen
 from arl_tui.screens.covers import HelpScreen, PauseScreen, StopScreen
 from arl_tui.screens.play import PlayScreen

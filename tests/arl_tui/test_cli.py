@@ -16,7 +16,8 @@ from core.events import KeyPressed
 from core.feedback.simulated_participants import person, persons
 from core.recording.recorder import LineWriter
 from core.recording.schema import Header, to_plain
-from core.session.protocol import Protocol, load_protocol
+from core.session.protocol import Protocol
+from core.session.protocol_reading import load_protocol
 from tests.arl_tui.fakes import episode_ended, episode_started, session_ended
 
 

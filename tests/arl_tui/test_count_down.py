@@ -7,7 +7,8 @@ import pytest
 from textual.pilot import Pilot
 
 from arl_tui.app.link import TakenFor
-from arl_tui.app.session_app import ArlApp, Outcome
+from arl_tui.app.outcome import Outcome
+from arl_tui.app.session_app import ArlApp
 from arl_tui.screens.covers import PauseScreen
 from arl_tui.screens.play import PlayScreen
 from arl_tui.widgets.big_letters import big

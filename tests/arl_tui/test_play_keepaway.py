@@ -9,7 +9,8 @@ from textual.pilot import Pilot
 from textual.widgets import Static
 
 from arl_tui.app.link import Picture, Ready, TakenFor
-from arl_tui.app.session_app import ArlApp, Outcome
+from arl_tui.app.outcome import Outcome
+from arl_tui.app.session_app import ArlApp
 from arl_tui.games.keepaway.panel import PitchScene
 from arl_tui.palette import STANDARD
 from arl_tui.screens.covers import SmallWindowScreen

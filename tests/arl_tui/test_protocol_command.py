@@ -8,7 +8,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from arl_tui.app.live_session import Tally
-from arl_tui.app.session_app import Outcome
+from arl_tui.app.outcome import Outcome
 from arl_tui.cli import main
 from arl_tui.commands import play
 from arl_tui.commands.check_protocol import tell_start
@@ -19,7 +19,8 @@ from core.combination.config import SCHEMES
 from core.configuration.catalogue import settings_of, tables_of
 from core.feedback.config import TrainerConfig
 from core.feedback.delays import GammaDelay
-from core.session.protocol import DEFAULTS, Protocol, load_protocol, protocol_from
+from core.session.protocol import DEFAULTS, Protocol
+from core.session.protocol_reading import load_protocol, protocol_from
 from studies.demo import simulate_session
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"

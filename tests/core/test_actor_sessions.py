@@ -6,7 +6,8 @@ from core.combination.config import AgentConfig, Coach, Exponential, RewardShapi
 from core.events import EpisodeEnded, SessionEnded, UnseenPlayed
 from core.learners.policy_gradient_config import PolicyGradientConfig
 from core.numerics.streams import stream_seed
-from core.session.protocol import SessionConfig, protocol_from
+from core.session.protocol import SessionConfig
+from core.session.protocol_reading import protocol_from
 from core.session.replay import replay_exactly
 from core.session.rollout import play_unseen
 from core.session.session import build_session

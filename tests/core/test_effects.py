@@ -9,7 +9,9 @@ import pytest
 from core.configuration.catalogue import settings_of, tables_of
 from core.configuration.reading import ConfigurationError
 from core.session.effects import MODES, USES, changed, idle, uses_of, warnings_of
-from core.session.protocol import DEFAULTS, Protocol, ProtocolError, load_protocol, protocol_from
+from core.session.protocol import DEFAULTS, Protocol
+from core.session.protocol_file import ProtocolError
+from core.session.protocol_reading import load_protocol, protocol_from
 from tests.core.sessions import simulated
 
 SMALL = {

@@ -27,8 +27,8 @@ from core.events import (
 )
 from core.feedback.config import CreditConfig
 from core.feedback.delays import CurrentStep, GammaDelay
-from core.keepaway.decisions import NOBODY, DecisionPlay
-from core.keepaway.pitch import CYCLE_NS, KeepawayConfig
+from core.keepaway.decisions import DecisionPlay
+from core.keepaway.pitch import CYCLE_NS, NO_PLAYER, KeepawayConfig
 from core.learners.human_config import RidgeModel, TileModel
 from core.learners.sarsa import decide, end_episode, new_sarsa
 from core.numerics.clock import ManualClock
@@ -37,15 +37,9 @@ from core.numerics.tile_coding import find_windows
 from core.recording.reader import RecordingError, read_recording
 from core.recording.schema import to_plain
 from core.registry import game_of
-from core.session.protocol import (
-    KEEPAWAY,
-    Protocol,
-    ProtocolError,
-    ScreenConfig,
-    SessionConfig,
-    load_protocol,
-    protocol_from,
-)
+from core.session.protocol import KEEPAWAY, Protocol, ScreenConfig, SessionConfig
+from core.session.protocol_file import ProtocolError
+from core.session.protocol_reading import load_protocol, protocol_from
 from core.session.replay import replay_exactly
 from core.session.session import build_session
 from core.session.what_if import relearn, watched_steps
@@ -106,7 +100,7 @@ def test_steps_are_decisions_and_stay_on_screen_until_the_next_one(recording):
         )
     assert {step.detail["keeper"] for step in steps} == {0, 1, 2}
     assert any(step.detail["target"] >= 0 for step in steps)
-    assert any(step.detail["target"] == NOBODY for step in steps)
+    assert any(step.detail["target"] == NO_PLAYER for step in steps)
 
 
 def test_no_step_is_on_screen_before_the_first_decision_nor_after_the_end(recording):
@@ -178,7 +172,7 @@ def durations_of_unseen(sarsa, coder, episode: int) -> float:
     rng = stream(8, "explore", episode)
     play.begin()
     windows = np.zeros(13, np.int64)
-    while play.keeper != NOBODY:
+    while play.keeper != NO_PLAYER:
         find_windows(coder, play.variables, windows)
         play.decide(decide(sarsa, play.keeper, windows, play.cycle, rng))
     end_episode(sarsa, play.cycle)

@@ -19,14 +19,9 @@ from core.learners.cross_entropy_config import NoNoise
 from core.learners.policy_gradient_config import PolicyGradientConfig
 from core.recording.reader import read_recording
 from core.recording.schema import to_plain
-from core.session.protocol import (
-    DEFAULTS,
-    Protocol,
-    ProtocolError,
-    SessionConfig,
-    load_protocol,
-    protocol_from,
-)
+from core.session.protocol import DEFAULTS, Protocol, SessionConfig
+from core.session.protocol_file import ProtocolError
+from core.session.protocol_reading import load_protocol, protocol_from
 
 GOLDEN = Path(__file__).resolve().parents[2] / "recordings" / "reference"
 TABLES = [(path, tag, kind.base) for path, kind in tables_of(Protocol) for tag in kind.structs or {}]

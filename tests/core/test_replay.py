@@ -16,7 +16,7 @@ from core.feedback.credit import GammaDelay
 from core.feedback.samples import CreditConfig
 from core.learners.human_config import SgdModel
 from core.recording.reader import Recording, RecordingError
-from core.session.protocol import protocol_from
+from core.session.protocol_reading import protocol_from
 from core.session.replay import replay_exactly
 from core.session.session import build_session
 from tests.core.sessions import simulated, small_protocol

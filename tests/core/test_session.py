@@ -15,7 +15,9 @@ from core.events import (
     UnseenPlayed,
 )
 from core.numerics.clock import ManualClock
-from core.session.protocol import ProtocolError, SessionConfig, load_protocol
+from core.session.protocol import SessionConfig
+from core.session.protocol_file import ProtocolError
+from core.session.protocol_reading import load_protocol
 from core.session.session import build_session
 from core.tetris.config import TetrisConfig
 from tests.core.sessions import simulated, small_protocol

@@ -12,7 +12,8 @@ from core.session.plan import (
     weight_in_words,
     weights_of_games,
 )
-from core.session.protocol import DEFAULTS, protocol_from
+from core.session.protocol import DEFAULTS
+from core.session.protocol_reading import protocol_from
 
 
 def test_games_presses_and_minutes_by_hand() -> None:

@@ -10,7 +10,8 @@ from core.feedback.credit import CurrentStep, GammaDelay, PreviousStep
 from core.feedback.samples import CreditConfig
 from core.recording.importers.tamer_log import import_tamer_log, tamer_protocol
 from core.recording.reader import Recording, read_recording
-from core.session.protocol import Protocol, protocol_from
+from core.session.protocol import Protocol
+from core.session.protocol_reading import protocol_from
 from core.session.what_if import hear, relearn, watched_steps
 from tests.core.recording.test_tamer_log import PARAMETERS, row, terminal
 from tests.core.sessions import simulated

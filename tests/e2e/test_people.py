@@ -11,7 +11,7 @@ from arl_tui.app.link import PressSuggested
 from core.events import EpisodeStarted, Event, FrameShown, KeyPressed, SessionEnded, StepTaken
 from core.feedback.simulated_participants import person
 from core.recording.reader import read_recording
-from core.session.protocol import protocol_from
+from core.session.protocol_reading import protocol_from
 from core.session.session import build_session
 from tests.e2e.terminal import Terminal
 from tests.e2e.test_play import play, replayed, start, the_recording

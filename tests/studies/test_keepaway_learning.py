@@ -5,16 +5,10 @@ import pytest
 
 from core.keepaway.autoplay import Autoplay
 from core.keepaway.pitch import KeepawayConfig
+from core.keepaway.training import LearningCurve, LearningRun, learn
 from core.learners.sarsa import SarsaConfig
 from studies.fidelity.keepaway_fidelity import read_durations
-from studies.fidelity.keepaway_learning import (
-    LearningCurve,
-    LearningRun,
-    chance_of,
-    learn,
-    prediction_band,
-    table_of,
-)
+from studies.fidelity.keepaway_learning import chance_of, prediction_band, table_of
 from tests.data_folder import data_folder
 
 BLOCK = 500

@@ -13,8 +13,8 @@ import msgspec
 
 from arl_tui.games.rendering import Place, Shot
 from core.events import EpisodeStarted, StepTaken
-from core.keepaway.picture import NOBODY, PitchFrame
-from core.keepaway.pitch import CYCLE_NS, KeepawayConfig
+from core.keepaway.picture import PitchFrame
+from core.keepaway.pitch import CYCLE_NS, NO_PLAYER, KeepawayConfig
 
 if TYPE_CHECKING:
     from core.keepaway.simulator.match import Match
@@ -86,4 +86,6 @@ class PitchStage:
 
     def _look(self, match: "Match") -> PitchFrame:
         picture = self._camera.look(match)
-        return msgspec.structs.replace(picture, episode=max(1, self._episodes), decider=NOBODY, target=NOBODY)
+        return msgspec.structs.replace(
+            picture, episode=max(1, self._episodes), decider=NO_PLAYER, target=NO_PLAYER
+        )

@@ -12,12 +12,10 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.combination.agreement import Agreement
 from core.combination.ranking import EpisodeReport, RankedPolicy
-
-Floats = NDArray[np.float64]
+from core.numerics.arrays import Floats
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,7 +16,8 @@ from core.feedback.samples import CreditConfig
 from core.numerics.clock import NS_PER_S, ManualClock
 from core.recording.reader import Recording
 from core.recording.schema import Header, to_plain
-from core.session.protocol import Protocol, protocol_from
+from core.session.protocol import Protocol
+from core.session.protocol_reading import protocol_from
 from core.session.replay import replay_exactly
 from core.session.session import build_session
 from core.session.what_if import hear, relearn, watched_steps

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from core.keepaway.frame_maker import TRAIL_CYCLES, Camera
-from core.keepaway.picture import NOBODY, PitchFrame
-from core.keepaway.pitch import KICK_DISTANCE, ONGOING, KeepawayConfig
+from core.keepaway.picture import PitchFrame
+from core.keepaway.pitch import KICK_DISTANCE, NO_PLAYER, ONGOING, KeepawayConfig
 from core.keepaway.simulator.game import next_episode, step_cycle
 from core.keepaway.simulator.match import ACTION, TARGET, Match, Streams, new_match, open_streams
 from core.keepaway.simulator.policies import HAND_CODED
@@ -45,7 +45,7 @@ def test_pictures_show_the_match(filmed: list[tuple[Match, PitchFrame]]):
 def test_the_player_with_the_ball_is_the_nearest_in_reach(filmed: list[tuple[Match, PitchFrame]]):
     for match, frame in filmed:
         distances = np.hypot(*(match.players[:, :2] - match.ball[:2]).T)
-        if frame.holder == NOBODY:
+        if frame.holder == NO_PLAYER:
             assert distances.min() >= KICK_DISTANCE
         else:
             assert distances[frame.holder] == distances.min() < KICK_DISTANCE
@@ -53,14 +53,14 @@ def test_the_player_with_the_ball_is_the_nearest_in_reach(filmed: list[tuple[Mat
 
 
 def test_an_option_stays_on_screen_until_the_next_decision(filmed: list[tuple[Match, PitchFrame]]):
-    shown, n_passes = (NOBODY, NOBODY), 0
+    shown, n_passes = (NO_PLAYER, NO_PLAYER), 0
     for match, frame in filmed:
         if frame.cycle == 0:
-            shown = (NOBODY, NOBODY)
+            shown = (NO_PLAYER, NO_PLAYER)
         elif match.deciding.any():
             (keeper,) = np.flatnonzero(match.deciding)
             row = match.options[keeper]
-            shown = (keeper, row[TARGET] if row[ACTION] > 0 else NOBODY)
+            shown = (keeper, row[TARGET] if row[ACTION] > 0 else NO_PLAYER)
             n_passes += row[ACTION] > 0
         assert (frame.decider, frame.target) == shown
     assert n_passes > 10
