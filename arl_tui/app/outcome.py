@@ -38,4 +38,4 @@ class SessionControls(PlainApp[Outcome]):
 
     @abstractmethod
     def ask_to_stop(self, reason: StopReason = "participant", patience_s: float | None = None) -> None:
-        """End the session; see `arl_tui.app.session_app.ArlApp.ask_to_stop`."""
+        """End the session; see `arl_tui.session_app.ArlApp.ask_to_stop`."""

@@ -12,7 +12,6 @@ from textual import constants, events
 from arl_tui.app.driver import FlushClock, stamped_driver
 from arl_tui.app.garbage import GarbageControl
 from arl_tui.app.plain_app import PlainApp
-from arl_tui.app.session_app import key_name
 from arl_tui.calibration.clips import Clip, cycle_ms
 from arl_tui.calibration.fitting import FitOrder, Fitted
 from arl_tui.calibration.helper import HelperError, ask_helper
@@ -33,6 +32,7 @@ from arl_tui.calibration.views import BoxView, GameView, PitchView, View
 from arl_tui.palette import palette_for
 from arl_tui.screens.covers import SmallWindowScreen, fits_into
 from arl_tui.screens.page import Page
+from arl_tui.session_app import key_name
 from core.feedback.keys import nanoseconds
 from core.numerics.clock import Clock, MonotonicClock, wall_time_utc
 from studies.reaction_time.protocol import Schedule

@@ -129,8 +129,8 @@ def run_live(
     os.environ.setdefault("TEXTUAL_FPS", FRAMES_PER_S)
     root_seed = secrets.randbits(63) if seed is None else seed
     gc.disable()  # start-up leaves nothing to collect; `GarbageControl` takes over with the app
-    from arl_tui.app.session_app import Sitting, build_app
-    from arl_tui.app.worker import start_worker
+    from arl_tui.session_app import Sitting, build_app
+    from arl_tui.worker import start_worker
 
     # Before the app runs, because no process can be started from inside it; but after everything is imported: on two
     # hardware threads of one core a worker that compiles slows the first picture down by a third.

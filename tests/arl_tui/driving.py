@@ -8,8 +8,8 @@ from textual.widgets import Static
 
 from arl_tui.app.link import Picture, Ready
 from arl_tui.app.outcome import Outcome
-from arl_tui.app.session_app import ArlApp, Sitting, build_app
 from arl_tui.games.rendering import TetrisStage
+from arl_tui.session_app import ArlApp, Sitting, build_app
 from core.recording.reader import Recording, read_recording
 from core.session.protocol import Protocol
 from tests.arl_tui.fakes import FakeLink, episode_started, step_taken

@@ -8,9 +8,9 @@ from textual.pilot import Pilot
 
 from arl_tui.app.link import TakenFor
 from arl_tui.app.outcome import Outcome
-from arl_tui.app.session_app import ArlApp
 from arl_tui.screens.covers import PauseScreen
 from arl_tui.screens.play import PlayScreen
+from arl_tui.session_app import ArlApp
 from arl_tui.widgets.big_letters import big
 from core.events import FrameShown, KeyPressed, Resumed, ScreenCleared
 from core.session.protocol import Protocol

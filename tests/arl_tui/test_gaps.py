@@ -3,9 +3,9 @@
 import pytest
 
 from arl_tui.app.gaps import LONGEST_NS, GapWatch
-from arl_tui.app.session_app import ArlApp
 from arl_tui.screens.covers import PauseScreen
 from arl_tui.screens.play import PlayScreen
+from arl_tui.session_app import ArlApp
 from core.events import (
     FocusLost,
     FocusRegained,

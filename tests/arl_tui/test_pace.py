@@ -9,9 +9,9 @@ from textual.pilot import Pilot
 from arl_tui.app.link import Preparing, Ready
 from arl_tui.app.outcome import Outcome
 from arl_tui.app.pace import ENOUGH, pace_facts, pace_warning
-from arl_tui.app.session_app import ArlApp
 from arl_tui.screens.play import PlayScreen
 from arl_tui.screens.welcome import AT_SCREEN_S, WelcomeScreen
+from arl_tui.session_app import ArlApp
 from core.feedback import reach
 from core.numerics.clock import NS_PER_S, ManualClock
 from core.recording.schema import to_plain

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from arl_tui.app.link import Begin, FromWorker, Picture, TakenFor, ToWorker, WorkerLine
-from arl_tui.app.worker import KERNELS_NEEDED, Show
+from arl_tui.worker import KERNELS_NEEDED, Show
 from core.events import FrameShown, Input, KeyPressed, Output, Resumed, ScreenCleared, StepTaken, StopAsked
 from core.numerics.clock import NS_PER_S, Clock, ManualClock
 from core.session.protocol import Protocol, ScreenConfig
@@ -222,7 +222,7 @@ def test_the_number_of_kernels_that_a_first_start_needs_is_about_what_the_first_
     game: str, tmp_path: Path
 ) -> None:
     script = (
-        "import sys; from core.session.protocol import DEFAULTS; from arl_tui.app.worker import rehearse; "
+        "import sys; from core.session.protocol import DEFAULTS; from arl_tui.worker import rehearse; "
         "from core.numerics.compiled import kernels_at_hand; rehearse(DEFAULTS[sys.argv[1]]); print(kernels_at_hand())"
     )
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}

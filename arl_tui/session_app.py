@@ -67,7 +67,7 @@ class Sitting:
 class ArlApp(SessionControls):
     """A participant watches, presses keys, and can stop at any time."""
 
-    CSS_PATH = "../app.tcss"
+    CSS_PATH = "app.tcss"
     TITLE = "arl"
 
     def __init__(self, sitting: Sitting, link: Link, *, clock: Clock | None = None) -> None:
