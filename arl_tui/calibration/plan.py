@@ -26,8 +26,6 @@ TASKS: dict[str, Task] = {
     "feedback-lag": "feedback lag",
 }
 """Names on the command line, in the order in which they are run."""
-DEFAULT_TASKS = ("simple", "choice", "feedback-lag")
-"""Together about six minutes."""
 JUDGING_S = 3.0
 """Time-out of the feedback-lag task: the paper's density reaches 1.7 s (95 %)."""
 PLANNED = "planned_tasks"

@@ -46,11 +46,6 @@ class HumanTileModel:
         self._export: Floats | None = None
 
     @property
-    def n_samples(self) -> int:
-        """How many samples the model has seen."""
-        return self._n_samples
-
-    @property
     def knows_something(self) -> bool:
         """Whether there has been a sample: otherwise all options are alike to the model."""
         return self._n_samples > 0

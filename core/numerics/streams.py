@@ -5,11 +5,14 @@ experiment meets the same pieces, and trials pair by seed.
 """
 
 import zlib
+from typing import TYPE_CHECKING
 
-import numpy as np
+if TYPE_CHECKING:
+    # At run time only where a stream is opened: a protocol is read without arrays.
+    import numpy as np
 
 
-def stream(root_seed: int, *path: str | int) -> np.random.Generator:
+def stream(root_seed: int, *path: str | int) -> "np.random.Generator":
     """Return the Generator named by `path`.
 
     Args:
@@ -19,11 +22,15 @@ def stream(root_seed: int, *path: str | int) -> np.random.Generator:
     Returns:
         A PCG64DXSM Generator; equal arguments give equal streams, on any machine and in any process.
     """
+    import numpy as np
+
     return np.random.Generator(np.random.PCG64DXSM(np.random.SeedSequence(root_seed, spawn_key=_key(path))))
 
 
 def stream_seed(root_seed: int, *path: str | int) -> int:
     """Return a 63-bit seed for a counter-based stream (see `core.tetris.pieces`)."""
+    import numpy as np
+
     state = np.random.SeedSequence(root_seed, spawn_key=_key(path)).generate_state(1, np.uint64)
     return int(state[0]) >> 1
 

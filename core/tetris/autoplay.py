@@ -106,15 +106,6 @@ class GreedyGames:
         )
 
 
-def play_greedy(
-    weights: NDArray[np.float64], seeds: ArrayLike, config: TetrisConfig, piece_cap: ArrayLike = PIECE_LIMIT
-) -> GreedyGames:
-    """Play games to their end or to `piece_cap` pieces; arguments as in `GreedyGames`."""
-    games = GreedyGames(weights, seeds, config)
-    games.advance(piece_cap)
-    return games
-
-
 @kernel
 def _advance_games(
     code: int,

@@ -15,7 +15,7 @@ from textual.strip import Strip
 from arl_tui.palette import COLOUR_BLIND, HIGH_CONTRAST, PALETTES, SIXTEEN, STANDARD, Palette, palette_for
 from arl_tui.widgets.board import TetrisBoard
 from core.tetris.game import FallingPiece
-from core.tetris.picture import Counts, Snapshot, Wall, animate, snapshot
+from core.tetris.picture import UNKNOWN, Counts, Snapshot, Wall, animate, snapshot
 
 L, O = 6, 1
 
@@ -164,7 +164,7 @@ async def test_another_palette_repaints_the_board():
 
 
 async def test_filled_rows_light_up_before_they_go():
-    wall = Wall.of_board((1, 1, 1, 1, 1, 1, 1, 1, 0, 0), 20)
+    wall = Wall(20, 10, (bytes([UNKNOWN] * 8 + [0, 0]),))
     frames = animate(wall, O, (0, 8), None, counts=Counts()).frames
     app = BoardApp()
     async with app.run_test() as pilot:

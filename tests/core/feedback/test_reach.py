@@ -1,19 +1,40 @@
 """The share of a press that reaches its step: by hand, against credit itself, against the issue of a pace, real delays."""
 
 import csv
+from dataclasses import dataclass
 
 import msgspec
 import numpy as np
 import pytest
+from numpy.typing import ArrayLike, NDArray
 
 from core.feedback.credit import credit
 from core.feedback.delays import CurrentStep, Delay, GammaDelay, PreviousStep, UniformDelay
 from core.feedback.viewing import Watched
 from core.numerics.clock import NS_PER_S
 from core.session.protocol import KEEPAWAY, TETRIS, Protocol, ScreenConfig
-from core.session.reach import MeasuredDelays, mean_time_s, reach_of, share_reached
+from core.session.reach import mean_time_s, reach_of, share_reached
 from core.tetris.pace import pictures_per_piece
 from tests.data_folder import data_folder
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MeasuredDelays:
+    """The distribution of delays that were measured."""
+
+    delays_s: NDArray[np.float64]
+    """In seconds, each > 0, shape (n,) with n >= 1."""
+
+    def cdf(self, delay_s: ArrayLike) -> NDArray[np.float64]:
+        """Return the fraction of delays of at most `delay_s` seconds, element by element."""
+        ranks = np.searchsorted(np.sort(self.delays_s), np.asarray(delay_s, np.float64), side="right")
+        return np.asarray(ranks / len(self.delays_s), dtype=np.float64)
+
+    @property
+    def horizon_s(self) -> float:
+        """The longest delay, in seconds."""
+        return float(self.delays_s.max())
+
 
 NEEDS_1_S = GammaDelay(8.0, 0.125)
 """A participant who needs 1.0 s on average, give or take 0.35 s."""
