@@ -23,6 +23,7 @@ COMMANDS = (
     Listed("study", "study:study", "Run a whole study from one file."),
     Listed("timing", "timing:timing", "Test how exactly this machine measures reaction times."),
     Listed("train", "train:train", "Let keepers learn by Sarsa, unseen, and keep the policy."),
+    Listed("warm-up", "warm_up:warm_up_command", "Compile now what the first games would compile."),
     Listed("watch", "watch:watch", "Look at a policy playing Keepaway, at any speed."),
 )
 
