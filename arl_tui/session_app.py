@@ -50,7 +50,7 @@ CLOSING_S = 10.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Sitting:
+class SessionSetup:
     """Who plays what, and where it is recorded."""
 
     protocol: Protocol
@@ -70,21 +70,21 @@ class ArlApp(SessionControls):
     CSS_PATH = "app.tcss"
     TITLE = "arl"
 
-    def __init__(self, sitting: Sitting, link: Link, *, clock: Clock | None = None) -> None:
+    def __init__(self, setup: SessionSetup, link: Link, *, clock: Clock | None = None) -> None:
         """Prepare an app around a worker that has been started already.
 
         Args:
-            sitting: who plays what.
+            setup: who plays what.
             link: the worker.
             clock: of frames and of the session's own events; keys bring their own time (the monotonic clock's).
         """
         self._clock = clock or MonotonicClock()
         self._flush_clock = FlushClock(self._clock)
         super().__init__(driver_class=stamped_driver(self._flush_clock))
-        self.sitting = sitting
+        self.setup = setup
         self.live = LiveSession(
-            keys=sitting.protocol.keys,
-            root_seed=sitting.root_seed,
+            keys=setup.protocol.keys,
+            root_seed=setup.root_seed,
             link=link,
             clock=self._clock,
             listener=self._on_occurrence,
@@ -92,9 +92,9 @@ class ArlApp(SessionControls):
         )
         self.live.take_stamps = self._take_stamps
         self.live.gate.reader = self.reader
-        palette = palette_for(sitting.protocol.screen.palette, self.console.color_system)
-        self.play = PlayScreen(sitting.protocol, self.live, palette)
-        self.welcome = WelcomeScreen(sitting.protocol, sitting.participant, simulated=sitting.simulated)
+        palette = palette_for(setup.protocol.screen.palette, self.console.color_system)
+        self.play = PlayScreen(setup.protocol, self.live, palette)
+        self.welcome = WelcomeScreen(setup.protocol, setup.participant, simulated=setup.simulated)
         self._link = link
         self._garbage = GarbageControl()
         self._recorder: Recorder | None = None
@@ -132,9 +132,7 @@ class ArlApp(SessionControls):
             )
 
         try:
-            self._recorder = create_new(
-                self.sitting.recordings, self.sitting.participant, created_utc, create
-            )
+            self._recorder = create_new(self.setup.recordings, self.setup.participant, created_utc, create)
         except OSError as error:
             self._on_over(
                 f"The recording cannot be written: {error}\nChoose another folder: --recordings DIR"
@@ -181,20 +179,20 @@ class ArlApp(SessionControls):
         terminal = facts.terminal(
             self.size.width, self.size.height, stamps=stamps, frames_per_s=constants.MAX_FPS
         )
-        protocol = self.sitting.protocol
+        protocol = self.setup.protocol
         return Header(
             origin="live",
             created_utc=created_utc,
             clock=name,
             clock_resolution_ns=resolution_ns,
             started_ns=self._clock.now_ns(),
-            participant=self.sitting.participant,
-            root_seed=self.sitting.root_seed,
+            participant=self.setup.participant,
+            root_seed=self.setup.root_seed,
             protocol=to_plain(protocol),
             software=facts.software(),
-            terminal=terminal | timing_facts(self.sitting.recordings, terminal, created_utc),
+            terminal=terminal | timing_facts(self.setup.recordings, terminal, created_utc),
             departures=protocol.departures(),
-            source=dict(self.sitting.source) | pace_facts(self._worker_ready),
+            source=dict(self.setup.source) | pace_facts(self._worker_ready),
         )
 
     # --- keys and frames ----------------------------------------------------------------------------------------
@@ -304,15 +302,15 @@ class ArlApp(SessionControls):
             problem, path = await asyncio.to_thread(close_recorder, self._recorder, closing_s)
             kept = self._recorder.kept
             trouble = "\n\n".join(part for part in (problem, trouble) if part) or None
-        sitting = self.sitting
-        warning = "" if sitting.simulated else pace_warning(sitting.protocol, self._worker_ready)
+        setup = self.setup
+        warning = "" if setup.simulated else pace_warning(setup.protocol, self._worker_ready)
         outcome = self._outcome = Outcome(path, self.live.tally, trouble, kept=kept, warning=warning)
         if self.ended_by is not None:
             self._go(outcome)
             return
         while len(self.screen_stack) > 1:
             self.pop_screen()
-        protocol = self.sitting.protocol
+        protocol = self.setup.protocol
         self.push_screen(
             ClosingScreen(outcome, words_of(protocol.game), show_weight=protocol.screen.show_weight)
         )
@@ -383,6 +381,6 @@ def _call_soon(loop: asyncio.AbstractEventLoop, callback: object) -> None:
         loop.call_soon_threadsafe(callback)  # type: ignore[arg-type]
 
 
-def build_app(sitting: Sitting, link: Link, *, clock: Clock | None = None) -> ArlApp:
+def build_app(setup: SessionSetup, link: Link, *, clock: Clock | None = None) -> ArlApp:
     """Return the app: the one factory, for the command line and for tests."""
-    return ArlApp(sitting, link, clock=clock)
+    return ArlApp(setup, link, clock=clock)

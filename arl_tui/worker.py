@@ -17,13 +17,12 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import msgspec
-
-from arl_tui.app.ahead import Ahead, fill, is_compiled, session_order
-from arl_tui.app.demo_participant import Companion
+from arl_tui.ahead import Ahead, fill, is_compiled, session_order
+from arl_tui.app.demo_participant import DemoParticipant
 from arl_tui.app.link import Begin, Crashed, Picture, Preparing, Ready, TakenFor, WorkerLine, WorkerLink
 from arl_tui.app.taken import StepsShown
 from arl_tui.games.rendering import Shot, stage_of
+from arl_tui.warm_up import warm_up
 from core.events import (
     EpisodeEnded,
     EpisodeStarted,
@@ -36,7 +35,7 @@ from core.events import (
     StepTaken,
     StopAsked,
 )
-from core.numerics.clock import NS_PER_S, Clock, ManualClock, MonotonicClock
+from core.numerics.clock import NS_PER_S, Clock, MonotonicClock
 from core.session.protocol import Protocol
 from core.system.processes import leave_with
 
@@ -115,10 +114,10 @@ def worker_main(
 
         ahead = get_ready(protocol)
         session = build_session(protocol, root_seed)
-        companion = Companion(session, protocol, root_seed) if simulated else None
+        demo_participant = DemoParticipant(session, protocol, root_seed) if simulated else None
         reach = reach_of(protocol)
         line.send(Ready(warm_up_ns=clock.now_ns() - before_ns, reach=reach.share, step_s=reach.step_s))
-        Show(line, protocol, clock, companion, ahead).run(session)
+        SessionPlayer(line, protocol, clock, demo_participant, ahead).run(session)
     except (EOFError, BrokenPipeError, ConnectionResetError):
         return  # Nobody is looking any more.
     except Exception as error:  # noqa: BLE001 - whatever it was, the participant must be told
@@ -152,55 +151,11 @@ def get_ready(protocol: Protocol) -> Ahead | None:
         fill(order)
         return None
     start_interpreting()
-    rehearse(protocol)
+    warm_up(protocol)
     return Ahead(order)
 
 
-class Rehearsal:
-    """A participant who has seen each step and praises it at once."""
-
-    def __init__(self) -> None:
-        self._inputs = 0
-
-    def during(self, step: int) -> Iterable[Input]:
-        """Return a frame and a press for each step (`core.session.rollout.FeedbackSource`)."""
-        if step < 0:
-            return []
-        self._inputs += 1
-        time_ns = self._inputs * NS_PER_S
-        press = KeyPressed(
-            press=self._inputs,
-            time_ns=time_ns + 1,
-            key="j",
-            value=1.0,
-            frame=step,
-            step=step,
-            verdict="accepted",
-        )
-        return [FrameShown(frame=step, step=step, flushed_ns=time_ns), press]
-
-
-def rehearse(protocol: Protocol) -> None:
-    """Run everything once that a session runs: what is slow the first time is over before the first game."""
-    from core.session.session import build_session
-
-    short = msgspec.structs.replace(
-        protocol.session, episodes=2, unseen_before=1, unseen_between=1, watched_steps=2, unseen_steps=20
-    )
-    rehearsed = msgspec.structs.replace(protocol, session=short)
-    session = build_session(rehearsed, root_seed=0)
-    companion, stage = Companion(session, rehearsed, root_seed=0), stage_of(rehearsed)
-    for output in session.run(Rehearsal(), ManualClock()):
-        match output:
-            case EpisodeStarted():
-                companion.begin(output)
-                stage.begin(output)
-            case StepTaken():
-                companion.watch(output, shown_ns=0, hidden_ns=1)
-                stage.act(output)
-
-
-class Show:
+class SessionPlayer:
     """Plays a session in front of the participant."""
 
     def __init__(
@@ -208,7 +163,7 @@ class Show:
         line: WorkerLine,
         protocol: Protocol,
         clock: Clock,
-        companion: Companion | None = None,
+        demo_participant: DemoParticipant | None = None,
         ahead: Ahead | None = None,
     ) -> None:
         """Prepare.
@@ -217,14 +172,14 @@ class Show:
             line: to the screen.
             protocol: pace, and size of the game.
             clock: of simulated time.
-            companion: a simulated participant who watches, too.
+            demo_participant: a simulated participant who watches, too.
             ahead: compiles what Python stands in for until then.
         """
         self._protocol = protocol
         self._ahead = ahead
         self._line = line
         self._clock = clock
-        self._companion = companion
+        self._demo_participant = demo_participant
         self._stage = stage_of(protocol)
         self._break_ns = round(protocol.screen.pause_between_episodes_s * NS_PER_S)
         self._steps_shown = StepsShown(protocol.agent.credit.delay)
@@ -256,8 +211,8 @@ class Show:
     def _show(self, output: Output) -> None:
         match output:
             case EpisodeStarted():
-                if self._companion is not None:
-                    self._companion.begin(output)
+                if self._demo_participant is not None:
+                    self._demo_participant.begin(output)
                 self._due_ns = self._clock.now_ns()
                 self._play(-1, self._stage.begin(output))
             case StepTaken():
@@ -295,10 +250,10 @@ class Show:
         self._ahead = None
 
     def _suggest(self, step: StepTaken, n_shots: int) -> None:
-        if self._companion is not None:
+        if self._demo_participant is not None:
             now_ns = self._clock.now_ns()
             judged_ns = now_ns + self._stage.judged_after_ns(n_shots)
-            presses = self._companion.watch(step, shown_ns=now_ns, hidden_ns=judged_ns)
+            presses = self._demo_participant.watch(step, shown_ns=now_ns, hidden_ns=judged_ns)
             for press in presses:
                 self._line.send(press)
 

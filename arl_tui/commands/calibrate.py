@@ -103,7 +103,7 @@ def run_calibration(
     protocol: Path | None = None,
 ) -> None:
     """Run the tasks in this terminal, print what they would be, or fit what has been measured."""
-    from arl_tui.calibration.plan import Sitting, configure, new_parts, task_names
+    from arl_tui.calibration.plan import CalibrationSetup, configure, new_parts, task_names
 
     sessions = read_protocol(protocol, game)
     try:
@@ -115,7 +115,7 @@ def run_calibration(
     if refit:
         fit_again(participant, configs, recordings)
         return
-    sitting = Sitting(
+    setup = CalibrationSetup(
         participant=participant,
         configs=configs,
         root_seed=secrets.randbits(63) if seed is None else seed,
@@ -125,15 +125,15 @@ def run_calibration(
     if dry_run:
         from studies.reaction_time.schedule import describe
 
-        click.echo("\n".join(describe(part.schedule) for part in new_parts(sitting)), nl=False)
+        click.echo("\n".join(describe(part.schedule) for part in new_parts(setup)), nl=False)
         return
     refuse_where_times_mean_nothing()
     need_terminal("arl calibrate", instead="arl calibrate --dry-run")
     os.environ.setdefault("TEXTUAL_FPS", FRAMES_PER_S)
-    check_files(sitting.recordings, participant)
+    check_files(setup.recordings, participant)
     from arl_tui.calibration.app import CalibrationApp
 
-    app = CalibrationApp(sitting)
+    app = CalibrationApp(setup)
     outcome = app.run_in_terminal()
     if app.ended_by is not None:
         raise SystemExit(128 + app.ended_by)

@@ -129,14 +129,14 @@ def run_live(
     os.environ.setdefault("TEXTUAL_FPS", FRAMES_PER_S)
     root_seed = secrets.randbits(63) if seed is None else seed
     gc.disable()  # start-up leaves nothing to collect; `GarbageControl` takes over with the app
-    from arl_tui.session_app import Sitting, build_app
+    from arl_tui.session_app import SessionSetup, build_app
     from arl_tui.worker import start_worker
 
     # Before the app runs, because no process can be started from inside it; but after everything is imported: on two
     # hardware threads of one core a worker that compiles slows the first picture down by a third.
     link = start_worker(protocol, root_seed, simulated=simulated)
     try:
-        sitting = Sitting(
+        setup = SessionSetup(
             protocol=protocol,
             root_seed=root_seed,
             participant=participant,
@@ -144,7 +144,7 @@ def run_live(
             simulated=simulated,
             source=source or {},
         )
-        app = build_app(sitting, link)
+        app = build_app(setup, link)
         outcome = app.run_in_terminal()
     finally:
         link.close()

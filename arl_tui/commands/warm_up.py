@@ -4,7 +4,7 @@ import time
 
 import click
 
-from arl_tui.app.ahead import Ahead, Order, fill, is_compiled, match_order, session_order
+from arl_tui.ahead import Ahead, Order, fill, is_compiled, match_order, session_order
 from arl_tui.commands.demo import demo_protocol
 
 LOOK_S = 0.2

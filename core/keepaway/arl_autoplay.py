@@ -43,7 +43,7 @@ from core.keepaway.arl_cycles import (
     play,
 )
 from core.keepaway.autoplay import keepaway_tiles
-from core.keepaway.participant import Watcher, new_watcher, watch_episode, with_more_draws
+from core.keepaway.participant import Judge, new_judge, watch_episode, with_more_draws
 from core.keepaway.participant_config import KeepawayPersonConfig
 from core.keepaway.pitch import CYCLE_NS, CYCLE_S, OUT, SESSION_CYCLE_LIMIT, KeepawayConfig
 from core.keepaway.presses import LOST, MADE, begin_episode, new_presses
@@ -203,11 +203,11 @@ class ArlAutoplay:
         self._timeline = new_timeline(places, len(coder.low), task.n_actions)
         person = config.person or NO_PRESSES
         self._trainer = SimulatedTrainer(person.trainer, root_seed=self._seed)
-        self._watcher = new_watcher(person, self.match)
+        self._judge = new_judge(person, self.match)
         self._presses = new_presses(config.keys, _room(config))
         self._so_far = EpisodesSoFar()
         self._start_ns = 0
-        self._play = specialised(play, *self._arguments(self._mix(), self._watcher, False))
+        self._play = specialised(play, *self._arguments(self._mix(), self._judge, False))
 
     @property
     def trust(self) -> float:
@@ -227,15 +227,15 @@ class ArlAutoplay:
 
     def play_episode(self) -> ArlEpisode:
         """Play the next episode and the pause after it."""
-        mix, trust, watcher, start_ns = self._mix(), self.trust, self._watch(), self._start_ns
+        mix, trust, judge, start_ns = self._mix(), self.trust, self._watch(), self._start_ns
         counts, status = self._timeline.counts, self.match.status
         counts[EPISODE_STEPS] = 0
         self._timeline.tally[:] = 0
         anew = bool(status[CYCLE] > 0)
-        reason = self._play(*self._arguments(mix, watcher, anew))
+        reason = self._play(*self._arguments(mix, judge, anew))
         while reason == NEEDS_DRAWS:
-            watcher = with_more_draws(watcher, self._trainer)
-            reason = self._play(*self._arguments(mix, watcher, False))
+            judge = with_more_draws(judge, self._trainer)
+            reason = self._play(*self._arguments(mix, judge, False))
         if self._presses.counts[LOST]:
             raise ValueError(f"too many presses wait at once: shorten the delay of {self.config.person}")
         episode = ArlEpisode(
@@ -272,7 +272,7 @@ class ArlAutoplay:
     def _pause_ns(self) -> int:
         return round(self.config.pause_s * NS_PER_S)
 
-    def _arguments(self, mix: Mix, watcher: Watcher, anew: bool) -> tuple[Any, ...]:
+    def _arguments(self, mix: Mix, judge: Judge, anew: bool) -> tuple[Any, ...]:
         """Return the arguments of `play`."""
         return (
             self.match,
@@ -280,7 +280,7 @@ class ArlAutoplay:
             self.sarsa,
             self.human,
             mix,
-            watcher,
+            judge,
             self._presses,
             self._rule,
             self._timeline,
@@ -317,14 +317,14 @@ class ArlAutoplay:
             w_h_of=w_h_of,
         )
 
-    def _watch(self) -> Watcher:
+    def _watch(self) -> Judge:
         """Let the participant begin an episode."""
         begin_episode(self._presses)
         if self.config.person is None:
-            return self._watcher
+            return self._judge
         self._trainer.begin_episode(self._next.number)
         return watch_episode(
-            self._watcher, self.config.person, self._trainer, root_seed=self._seed, episode=self._next.number
+            self._judge, self.config.person, self._trainer, root_seed=self._seed, episode=self._next.number
         )
 
     def _made(self) -> tuple[MadePress, ...]:

@@ -13,7 +13,7 @@ TRAIL_CYCLES: Final = 5
 """How many earlier places of the ball a picture shows."""
 
 
-class Camera:
+class FrameMaker:
     """Follows one match: it knows the ball's last places and whose option is on screen.
 
     An option is on screen from its decision until any keeper decides again, or the episode ends.

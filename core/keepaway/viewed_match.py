@@ -6,7 +6,7 @@ The cycles, streams and choices are those of `core.keepaway.autoplay`: for the s
 import numpy as np
 
 from core.keepaway.autoplay import decide_all, keepaway_tiles
-from core.keepaway.frame_maker import Camera
+from core.keepaway.frame_maker import FrameMaker
 from core.keepaway.picture import PitchFrame
 from core.keepaway.pitch import NO_PLAYER, ONGOING, KeepawayConfig, Rules
 from core.keepaway.simulator.game import begin_cycle, choose_all, finish_cycle, next_episode
@@ -35,7 +35,7 @@ def _play_cycle(
         end_episode(sarsa, match.status[CYCLE])
 
 
-class Exhibition:
+class ViewedMatch:
     """One policy plays, a cycle at a time."""
 
     def __init__(self, config: KeepawayConfig, policy: Policy, root_seed: int, *path: str | int) -> None:
@@ -62,8 +62,8 @@ class Exhibition:
         blank = new_sarsa(SarsaConfig(), keepaway_tiles(config), config.n_keepers, config.n_actions)
         self._sarsa = blank if isinstance(policy, str) else frozen(policy)
         self._windows = np.zeros(self._match.variables.shape[1], np.int64)
-        self._camera = Camera(config)
-        self.frame: PitchFrame = self._camera.look(self._match)
+        self._frame_maker = FrameMaker(config)
+        self.frame: PitchFrame = self._frame_maker.look(self._match)
         """The newest picture."""
 
     def step(self) -> PitchFrame:
@@ -71,14 +71,14 @@ class Exhibition:
         if self.frame.ended != ONGOING:
             return self.next_episode()
         _play_cycle(self._match, self._rules, self._benchmark, self._sarsa, self._windows, self._streams)
-        self.frame = self._camera.look(self._match)
+        self.frame = self._frame_maker.look(self._match)
         return self.frame
 
     def next_episode(self) -> PitchFrame:
         """Set up the next episode, whether or not this one has ended."""
         next_episode(self._match, self._rules, self._streams)
         end_episode(self._sarsa, 0)
-        self.frame = self._camera.look(self._match)
+        self.frame = self._frame_maker.look(self._match)
         return self.frame
 
     def values(self) -> tuple[tuple[str, float], ...]:

@@ -23,7 +23,7 @@ from tests.arl_tui.calibrating import (
     in_this_process,
     quick,
     quick_app,
-    sitting,
+    setup,
     trial_in,
     until,
 )
@@ -118,7 +118,7 @@ async def made_by_hand(module: str, question: object) -> bytes:
 
 
 async def test_a_participant_judges_a_marked_picture_of_the_pitch(tmp_path: Path) -> None:
-    app = quick_app(sitting(tmp_path, quick("feedback-lag", game="keepaway")), helper=made_by_hand)
+    app = quick_app(setup(tmp_path, quick("feedback-lag", game="keepaway")), helper=made_by_hand)
     async with app.run_test(size=(80, 24)) as pilot:
         await go_through(pilot, until_shown=TrialScreen)
         await until(pilot, trial_in(pilot, "shown"))

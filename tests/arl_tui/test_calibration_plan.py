@@ -17,7 +17,7 @@ from arl_tui.calibration.stimulus import COLUMNS, ROWS, drawing
 from arl_tui.recordings import all_recordings
 from studies.reaction_time.schedule import make_schedule
 from studies.reaction_time.tasks import MAKERS
-from tests.arl_tui.calibrating import quick, sitting
+from tests.arl_tui.calibrating import quick, setup
 from tests.arl_tui.trial_files import write_session
 
 NOW = "2026-11-22T10:00:00+00:00"
@@ -38,7 +38,7 @@ def test_tasks_come_in_our_order_each_once_and_all_can_be_named() -> None:
 
 def test_the_usual_calibration_takes_five_to_ten_minutes(tmp_path: Path) -> None:
     usual = configure(("simple", "choice", "feedback-lag"))
-    assert 5.0 < minutes_left(new_parts(sitting(tmp_path, *usual))) < 10.0
+    assert 5.0 < minutes_left(new_parts(setup(tmp_path, *usual))) < 10.0
 
 
 def test_numbers_of_trials_can_be_chosen_and_judging_waits_longest() -> None:
@@ -65,7 +65,7 @@ def _names() -> list[str]:
 
 
 def test_nothing_is_unfinished_before_the_first_and_after_a_whole_sitting(tmp_path: Path) -> None:
-    given = sitting(tmp_path, quick("simple"))
+    given = setup(tmp_path, quick("simple"))
     assert unfinished(given, NOW) is None
     write_session(tmp_path, "P01", new_parts(given)[0].schedule, [0.3, 0.4])
     assert unfinished(given, NOW) is None
@@ -73,9 +73,9 @@ def test_nothing_is_unfinished_before_the_first_and_after_a_whole_sitting(tmp_pa
 
 def test_an_unfinished_sitting_goes_on_with_its_own_seed_also_in_tasks_not_begun(tmp_path: Path) -> None:
     both = quick("simple"), quick("choice")
-    first = sitting(tmp_path, *both, seed=3)
+    first = setup(tmp_path, *both, seed=3)
     path = write_session(tmp_path, "P01", new_parts(first)[0].schedule, [0.3], planned=first.planned)
-    found = unfinished(sitting(tmp_path, *both, seed=8), NOW)
+    found = unfinished(setup(tmp_path, *both, seed=8), NOW)
     assert found is not None
     assert (found.root_seed, found.age_h, found.is_old) == (3, 2.0, False)
     simple, choice = found.parts
@@ -84,7 +84,7 @@ def test_an_unfinished_sitting_goes_on_with_its_own_seed_also_in_tasks_not_begun
 
 
 def test_a_sitting_that_stopped_between_two_tasks_is_unfinished(tmp_path: Path) -> None:
-    both = sitting(tmp_path, quick("simple"), quick("choice"))
+    both = setup(tmp_path, quick("simple"), quick("choice"))
     write_session(tmp_path, "P01", new_parts(both)[0].schedule, [0.3, 0.4], planned=both.planned)
     found = unfinished(both, NOW)
     assert found is not None
@@ -92,7 +92,7 @@ def test_a_sitting_that_stopped_between_two_tasks_is_unfinished(tmp_path: Path) 
 
 
 def test_other_tasks_or_another_person_are_another_sitting(tmp_path: Path) -> None:
-    given = sitting(tmp_path, quick("simple"))
+    given = setup(tmp_path, quick("simple"))
     schedule = new_parts(given)[0].schedule
     write_session(tmp_path, "P01", schedule, [0.3], planned="simple,choice")
     write_session(tmp_path, "P01-b", schedule, [0.3], created="2026-11-22T09:00:00+00:00")
@@ -100,7 +100,7 @@ def test_other_tasks_or_another_person_are_another_sitting(tmp_path: Path) -> No
 
 
 def test_a_sitting_is_old_after_twelve_hours(tmp_path: Path) -> None:
-    given = sitting(tmp_path, quick("simple"))
+    given = setup(tmp_path, quick("simple"))
     write_session(tmp_path, "P01", new_parts(given)[0].schedule, [0.3])
     found = unfinished(given, "2026-11-22T20:01:00+00:00")
     assert found is not None

@@ -6,7 +6,7 @@ import msgspec
 import pytest
 
 from arl_tui.calibration.plan import configure
-from arl_tui.calibration.scenes import N_WORST, Scene, make_scenes, scene_of, tick_ms
+from arl_tui.calibration.scenes import N_WORST, TrialPosition, make_positions, position_of, tick_ms
 from arl_tui.calibration.views import GameView
 from arl_tui.games.rendering import TetrisStage
 from arl_tui.palette import STANDARD
@@ -21,16 +21,18 @@ TICK_MS = 200
 
 
 @pytest.fixture(scope="module")
-def watched() -> tuple[Schedule, list[Scene]]:
+def watched() -> tuple[Schedule, list[TrialPosition]]:
     (config,) = configure(("feedback-lag",), n_trials=30, n_practice=0)
     schedule = make_schedule(config, 11)
-    return schedule, make_scenes(schedule)
+    return schedule, make_positions(schedule)
 
 
-def test_good_is_the_experts_place_and_bad_one_of_the_worst(watched: tuple[Schedule, list[Scene]]) -> None:
-    schedule, scenes = watched
-    assert len(scenes) == len(schedule.trials)
-    for plan, scene in zip(schedule.trials, scenes, strict=True):
+def test_good_is_the_experts_place_and_bad_one_of_the_worst(
+    watched: tuple[Schedule, list[TrialPosition]],
+) -> None:
+    schedule, positions = watched
+    assert len(positions) == len(schedule.trials)
+    for plan, scene in zip(schedule.trials, positions, strict=True):
         rank, total = (int(word) for word in scene.note.rpartition("rank ")[2].split(" of "))
         if plan.condition == "good placement":
             assert rank == 1
@@ -47,13 +49,13 @@ def test_the_pictures_are_those_of_a_session() -> None:
         taken = step_taken(0, piece=2, orientation=placement[0], column=placement[1])
         session = [shot.view for shot in stage.act(taken)]
         counts = Counts(next_piece=stage.picture.counts.next_piece)
-        scene = scene_of(wall, 2, placement, counts, "")
+        scene = position_of(wall, 2, placement, counts, "")
         assert [*scene.before, *scene.event] == session
         assert scene.waiting.codes() == opening.view.codes()  # type: ignore[union-attr]
         assert len(scene.before) == len(plan)
 
 
-def test_the_drop_is_the_stimulus(watched: tuple[Schedule, list[Scene]]) -> None:
+def test_the_drop_is_the_stimulus(watched: tuple[Schedule, list[TrialPosition]]) -> None:
     for scene in watched[1]:
         places = [picture.falling for picture in scene.before]
         assert all(place is not None for place in places)
@@ -71,11 +73,11 @@ def test_the_drop_is_the_stimulus(watched: tuple[Schedule, list[Scene]]) -> None
 
 
 def test_every_move_is_shown_for_a_whole_tick_and_the_drop_comes_with_the_end_of_the_foreperiod(
-    watched: tuple[Schedule, list[Scene]],
+    watched: tuple[Schedule, list[TrialPosition]],
 ) -> None:
-    schedule, scenes = watched
+    schedule, positions = watched
     assert tick_ms(schedule) == TICK_MS == TETRIS.screen.tick_ms
-    view = GameView(scenes, STANDARD, TICK_MS, schedule.config.time_out_s)
+    view = GameView(positions, STANDARD, TICK_MS, schedule.config.time_out_s)
     shown: list[Snapshot] = []
     view.board.show = lambda picture, number=-1: bool(shown.append(picture))  # type: ignore[method-assign, func-returns-value]
     assert view.tick_ns is not None
@@ -87,7 +89,7 @@ def test_every_move_is_shown_for_a_whole_tick_and_the_drop_comes_with_the_end_of
         ticks = (total_ns - early_ns) // view.tick_ns
         for tick in range(-1, ticks):
             view.wait(plan, tick)
-        scene = scenes[plan.index]
+        scene = positions[plan.index]
         seen = shown[-len(scene.before) :]
         assert seen == list(scene.before)[-len(seen) :]
         assert set(map(id, shown[: -len(scene.before)])) <= {id(scene.waiting)}
@@ -97,9 +99,9 @@ def test_every_move_is_shown_for_a_whole_tick_and_the_drop_comes_with_the_end_of
         assert shown[-len(scene.event) - 1 :] == [*scene.event[0:], scene.event[-1]]
 
 
-def test_no_piece_drops_in_a_catch_trial(watched: tuple[Schedule, list[Scene]]) -> None:
-    schedule, scenes = watched
-    view = GameView(scenes, STANDARD, TICK_MS, schedule.config.time_out_s)
+def test_no_piece_drops_in_a_catch_trial(watched: tuple[Schedule, list[TrialPosition]]) -> None:
+    schedule, positions = watched
+    view = GameView(positions, STANDARD, TICK_MS, schedule.config.time_out_s)
     shown: list[Snapshot] = []
     view.board.show = lambda picture, number=-1: bool(shown.append(picture))  # type: ignore[method-assign, func-returns-value]
     catches = [plan for plan in schedule.trials if plan.catch]
@@ -108,7 +110,7 @@ def test_no_piece_drops_in_a_catch_trial(watched: tuple[Schedule, list[Scene]]) 
         last = int((plan.foreperiod_s + schedule.config.time_out_s) * 1000 / TICK_MS)
         for tick in range(-1, last + 1):
             view.wait(plan, tick)
-        scene = scenes[plan.index]
+        scene = positions[plan.index]
         assert {id(picture) for picture in shown} <= {id(scene.waiting), *map(id, scene.before)}
         shown.clear()
 
@@ -120,8 +122,8 @@ def test_the_pace_is_the_protocols() -> None:
 
 
 def test_scenes_follow_from_the_schedule_and_survive_the_way_between_processes(
-    watched: tuple[Schedule, list[Scene]],
+    watched: tuple[Schedule, list[TrialPosition]],
 ) -> None:
-    schedule, scenes = watched
-    again = make_scenes(msgspec.json.decode(msgspec.json.encode(schedule), type=Schedule))
-    assert msgspec.json.decode(msgspec.json.encode(again), type=list[Scene]) == scenes
+    schedule, positions = watched
+    again = make_positions(msgspec.json.decode(msgspec.json.encode(schedule), type=Schedule))
+    assert msgspec.json.decode(msgspec.json.encode(again), type=list[TrialPosition]) == positions

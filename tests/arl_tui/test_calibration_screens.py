@@ -27,8 +27,8 @@ from tests.arl_tui.calibrating import (
     quick,
     quick_app,
     right,
+    setup,
     shows,
-    sitting,
     trial_in,
     until,
 )
@@ -50,7 +50,7 @@ async def text_of(pilot: Pilot) -> str:
 
 
 async def test_every_trial_is_on_the_disk_with_its_times_and_the_fit_is_kept(tmp_path: Path) -> None:
-    app = quick_app(sitting(tmp_path, quick("simple", n_practice=2, n_trials=7)))
+    app = quick_app(setup(tmp_path, quick("simple", n_practice=2, n_trials=7)))
     async with app.run_test() as pilot:
         await go_through(pilot)
     (file,) = files_in(tmp_path)
@@ -80,7 +80,7 @@ async def test_every_trial_is_on_the_disk_with_its_times_and_the_fit_is_kept(tmp
 )
 async def test_each_task_can_be_done_rightly(tmp_path: Path, name: str) -> None:
     changes = {"time_out_s": 2 * SILENCE_S} if name == "go-no-go" else {}
-    app = quick_app(sitting(tmp_path, quick(name, n_trials=4, n_studied=2, set_sizes=(2,), **changes)))
+    app = quick_app(setup(tmp_path, quick(name, n_trials=4, n_studied=2, set_sizes=(2,), **changes)))
     async with app.run_test() as pilot:
         await go_through(pilot, until_shown=pages.SummaryPage)
     (file,) = files_in(tmp_path)
@@ -96,7 +96,7 @@ async def test_wrong_keys_silence_and_presses_at_nothing_are_recorded_as_such(tm
         return {0: ["j" if plan.expected_keys == ("f",) else "f"], 1: []}.get(plan.index, right(plan))
 
     config = quick("choice", n_trials=10, catch_rate=0.2, time_out_s=2.0)
-    app = quick_app(sitting(tmp_path, config))
+    app = quick_app(setup(tmp_path, config))
     async with app.run_test() as pilot:
         await go_through(pilot, answer, until_shown=pages.SummaryPage)
     (file,) = files_in(tmp_path)
@@ -111,7 +111,7 @@ async def test_wrong_keys_silence_and_presses_at_nothing_are_recorded_as_such(tm
 
 
 async def test_a_press_before_the_stimulus_is_counted_and_answers_nothing(tmp_path: Path) -> None:
-    app = quick_app(sitting(tmp_path, quick("simple", n_trials=1, foreperiod=A_WHILE, time_out_s=SILENCE_S)))
+    app = quick_app(setup(tmp_path, quick("simple", n_trials=1, foreperiod=A_WHILE, time_out_s=SILENCE_S)))
     async with app.run_test() as pilot:
         await go_through(pilot, until_shown=TrialScreen)
         await until(pilot, trial_in(pilot, "foreperiod"))
@@ -127,7 +127,7 @@ async def test_practice_tells_how_it_went_and_what_counts_does_not(
 ) -> None:
     monkeypatch.setattr(trial_screen, "WORD_S", 0.4)
     monkeypatch.setattr(trial_screen, "GAP_S", 0.4)
-    app = quick_app(sitting(tmp_path, quick("simple", n_practice=1, n_trials=1)))
+    app = quick_app(setup(tmp_path, quick("simple", n_practice=1, n_trials=1)))
     async with app.run_test() as pilot:
         for told in (True, False):
             await go_through(pilot, until_shown=TrialScreen)
@@ -144,7 +144,7 @@ async def test_practice_tells_how_it_went_and_what_counts_does_not(
 
 
 async def test_there_is_a_break_between_blocks(tmp_path: Path) -> None:
-    app = quick_app(sitting(tmp_path, quick("simple", n_trials=4, trials_per_block=2)))
+    app = quick_app(setup(tmp_path, quick("simple", n_trials=4, trials_per_block=2)))
     async with app.run_test() as pilot:
         await go_through(pilot, until_shown=pages.BreakPage)
         assert "2 of 4" in await text_of(pilot)
@@ -153,7 +153,7 @@ async def test_there_is_a_break_between_blocks(tmp_path: Path) -> None:
 
 
 async def test_a_pause_in_a_trial_gives_it_up_and_runs_it_again(tmp_path: Path) -> None:
-    app = quick_app(sitting(tmp_path, quick("simple", n_trials=2, foreperiod=A_WHILE)))
+    app = quick_app(setup(tmp_path, quick("simple", n_trials=2, foreperiod=A_WHILE)))
     async with app.run_test() as pilot:
         await go_through(pilot, until_shown=TrialScreen)
         await until(pilot, trial_in(pilot, "foreperiod"))
@@ -169,7 +169,7 @@ async def test_a_pause_in_a_trial_gives_it_up_and_runs_it_again(tmp_path: Path) 
 
 async def stop_in_second_task(folder: Path, given_seed: int = 3) -> None:
     both = (quick("simple", n_trials=1), quick("choice", n_trials=3))
-    app = quick_app(sitting(folder, *both, seed=given_seed))
+    app = quick_app(setup(folder, *both, seed=given_seed))
     async with app.run_test() as pilot:
         await go_through(pilot, until_shown=TrialScreen)
         await go_through(
@@ -208,7 +208,7 @@ async def test_who_stops_goes_on_where_they_stopped(tmp_path: Path) -> None:
     choice, simple = files_in(tmp_path)
     assert (simple.next_trial, choice.next_trial) == (1, 1)
     both = (quick("simple", n_trials=1), quick("choice", n_trials=3))
-    app = quick_app(sitting(tmp_path, *both, seed=99))
+    app = quick_app(setup(tmp_path, *both, seed=99))
     async with app.run_test() as pilot:
         await until(pilot, shows(pilot, pages.WelcomePage))
         assert "Welcome back" in await text_of(pilot)
@@ -231,7 +231,7 @@ async def test_a_half_session_of_yesterday_is_asked_about(
         year = header.index('"created_utc":"') + len('"created_utc":"')
         path.write_text(f"{header[:year]}2025{header[year + 4 :]}\n{rest}")
     both = (quick("simple", n_trials=1), quick("choice", n_trials=3))
-    app = quick_app(sitting(tmp_path, *both, seed=99))
+    app = quick_app(setup(tmp_path, *both, seed=99))
     async with app.run_test() as pilot:
         await until(pilot, shows(pilot, pages.OldSittingPage))
         assert "hours ago" in await text_of(pilot)
@@ -244,7 +244,7 @@ async def test_a_half_session_of_yesterday_is_asked_about(
 
 
 async def test_what_hinders_measuring_needs_an_explicit_yes_and_is_written_down(tmp_path: Path) -> None:
-    given = sitting(tmp_path, quick("simple", n_trials=1), hindrances=("a multiplexer (tmux)",))
+    given = setup(tmp_path, quick("simple", n_trials=1), hindrances=("a multiplexer (tmux)",))
     app = quick_app(given)
     async with app.run_test() as pilot:
         await until(pilot, shows(pilot, pages.HindrancePage))
@@ -263,7 +263,7 @@ async def test_what_hinders_measuring_needs_an_explicit_yes_and_is_written_down(
 
 
 async def test_nothing_is_collected_during_a_trial_and_all_is_as_before_afterwards(tmp_path: Path) -> None:
-    app = quick_app(sitting(tmp_path, quick("simple", n_practice=0, n_trials=2)))
+    app = quick_app(setup(tmp_path, quick("simple", n_practice=0, n_trials=2)))
     seen: list[bool] = []
 
     def answer(plan: TrialPlan) -> list[str]:
@@ -280,7 +280,7 @@ async def test_nothing_is_collected_during_a_trial_and_all_is_as_before_afterwar
 async def test_a_disk_that_takes_nothing_more_ends_the_session_with_a_message(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    app = quick_app(sitting(tmp_path, quick("simple", n_trials=3)))
+    app = quick_app(setup(tmp_path, quick("simple", n_trials=3)))
     async with app.run_test() as pilot:
         await go_through(pilot, until_shown=TrialScreen)
 
@@ -297,7 +297,7 @@ async def test_a_disk_that_takes_nothing_more_ends_the_session_with_a_message(
 
 
 async def test_a_window_too_small_is_asked_to_grow_and_gives_the_trial_up(tmp_path: Path) -> None:
-    app = quick_app(sitting(tmp_path, quick("simple", n_trials=1, foreperiod=A_WHILE)))
+    app = quick_app(setup(tmp_path, quick("simple", n_trials=1, foreperiod=A_WHILE)))
     async with app.run_test(size=(80, 24)) as pilot:
         await go_through(pilot, until_shown=TrialScreen)
         await until(pilot, trial_in(pilot, "foreperiod"))
@@ -316,7 +316,7 @@ async def test_a_fit_that_fails_loses_no_trials(tmp_path: Path) -> None:
     async def broken(module: str, question: object) -> bytes:
         raise HelperError("it broke")
 
-    app = quick_app(sitting(tmp_path, quick("simple", n_trials=1)), helper=broken)
+    app = quick_app(setup(tmp_path, quick("simple", n_trials=1)), helper=broken)
     async with app.run_test() as pilot:
         await go_through(pilot, until_shown=pages.SummaryPage)
         assert "no result" in await text_of(pilot)
@@ -332,7 +332,7 @@ async def test_a_game_that_cannot_be_prepared_ends_the_session_with_a_message(tm
             raise HelperError("no game today")
         return await in_this_process(module, question)
 
-    app = quick_app(sitting(tmp_path, quick("feedback-lag")), helper=broken)
+    app = quick_app(setup(tmp_path, quick("feedback-lag")), helper=broken)
     async with app.run_test() as pilot:
         await go_through(pilot, until_shown=pages.SummaryPage)
         assert "no game today" in await text_of(pilot)
@@ -344,7 +344,7 @@ async def test_another_process_answers_and_its_failure_is_an_error_with_its_last
 
 
 def test_a_calibration_has_no_palette_and_no_animation(tmp_path: Path) -> None:
-    app = quick_app(sitting(tmp_path))
+    app = quick_app(setup(tmp_path))
     assert not app.ENABLE_COMMAND_PALETTE
     assert app.animation_level == "none"
 
@@ -362,7 +362,7 @@ def test_a_stimulus_looks_as_it_did(
     snap_compare: Callable[..., bool], tmp_path: Path, true_colour: None, name: str
 ) -> None:
     # A drop that stands still long enough to be photographed.
-    app = quick_app(sitting(tmp_path, quick(name, picture_ms=2000.0)))
+    app = quick_app(setup(tmp_path, quick(name, picture_ms=2000.0)))
 
     async def wait(pilot: Pilot) -> None:
         await go_through(pilot, until_shown=TrialScreen)
@@ -377,7 +377,7 @@ def test_pages_look_as_they_did(snap_compare: Callable[..., bool], tmp_path: Pat
     both = quick("simple"), quick("feedback-lag", catch_rate=0.1, n_practice=8)
     if kind is pages.InstructionPage:
         both = both[1:]
-    app = quick_app(sitting(tmp_path, *both, hindrances=hindrances))
+    app = quick_app(setup(tmp_path, *both, hindrances=hindrances))
 
     async def wait(pilot: Pilot) -> None:
         await go_through(pilot, until_shown=kind)

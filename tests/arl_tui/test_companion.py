@@ -2,7 +2,7 @@
 
 from msgspec.structs import replace
 
-from arl_tui.app.demo_participant import Companion
+from arl_tui.app.demo_participant import DemoParticipant
 from core.events import EpisodeStarted, StepTaken
 from core.feedback.trainers import TrainerConfig
 from core.numerics.clock import ManualClock
@@ -23,14 +23,14 @@ def suggestions(trainer: TrainerConfig, root_seed: int = 3) -> list[tuple[int, s
         session=SessionConfig(episodes=2, unseen_between=2, watched_steps=15), trainer=trainer
     )
     session = build_session(protocol, root_seed)
-    companion = Companion(session, protocol, root_seed)
+    demo_participant = DemoParticipant(session, protocol, root_seed)
     found = []
     for output in session.run(NoFeedback(), ManualClock()):  # type: ignore[arg-type]
         if isinstance(output, EpisodeStarted):
-            companion.begin(output)
+            demo_participant.begin(output)
         elif isinstance(output, StepTaken):
             shown_ns = output.step * SECOND
-            for press in companion.watch(output, shown_ns=shown_ns, hidden_ns=shown_ns + SECOND):
+            for press in demo_participant.watch(output, shown_ns=shown_ns, hidden_ns=shown_ns + SECOND):
                 found.append((output.step, press.key, press.time_ns - shown_ns - SECOND))
     return found
 

@@ -45,10 +45,10 @@ def test_an_interpreted_session_is_the_compiled_one_bit_for_bit(tmp_path, game, 
 @pytest.mark.jit
 def test_compiled_code_takes_over_in_the_middle_of_a_game():
     from core.keepaway.pitch import KeepawayConfig
-    from core.keepaway.viewed_match import Exhibition
+    from core.keepaway.viewed_match import ViewedMatch
 
     def play(compiled_from: int) -> list[object]:
-        match, frames = Exhibition(KeepawayConfig(), "hand", 9), []
+        match, frames = ViewedMatch(KeepawayConfig(), "hand", 9), []
         for cycle in range(120):
             if cycle < compiled_from:
                 with interpreting():

@@ -12,7 +12,7 @@ from core.recording.importers.tamer_log import import_tamer_log, tamer_protocol
 from core.recording.reader import Recording, read_recording
 from core.session.protocol import Protocol
 from core.session.protocol_reading import protocol_from
-from core.session.what_if import hear, relearn, watched_steps
+from core.session.what_if import relearn, replay_human_model, watched_steps
 from tests.core.recording.test_tamer_log import PARAMETERS, row, terminal
 from tests.core.sessions import simulated
 
@@ -66,18 +66,22 @@ def test_every_accepted_press_is_credited_in_full_under_every_rule(tmp_path):
 def test_a_human_model_alone_hears_what_the_agent_hears(tmp_path):
     recording = simulated(tmp_path)
     protocol = own_protocol(recording)
-    heard = hear(recording, protocol, watched_steps(recording, protocol), count=lambda press: True)
+    replayed = replay_human_model(
+        recording, protocol, watched_steps(recording, protocol), count=lambda press: True
+    )
     again = learned(recording, protocol)
-    assert np.array_equal(heard.human.weights, again.agent.human.weights)
-    assert heard.credits == again.credits
+    assert np.array_equal(replayed.human.weights, again.agent.human.weights)
+    assert replayed.credits == again.credits
 
 
 def test_presses_that_do_not_count_teach_nothing(tmp_path):
     recording = simulated(tmp_path)
     protocol = own_protocol(recording)
-    heard = hear(recording, protocol, watched_steps(recording, protocol), count=lambda press: False)
-    assert heard.credits == []
-    assert not heard.human.knows_something
+    replayed = replay_human_model(
+        recording, protocol, watched_steps(recording, protocol), count=lambda press: False
+    )
+    assert replayed.credits == []
+    assert not replayed.human.knows_something
 
 
 def test_a_fixed_trust_stays_fixed(tmp_path):
@@ -121,6 +125,8 @@ def test_a_press_on_a_step_of_unknown_outcome_is_credited_but_not_learned_from(t
         protocol,
         agent=msgspec.structs.replace(protocol.agent, credit=CreditConfig(delay=CurrentStep())),
     )
-    heard = hear(recording, protocol, watched_steps(recording, protocol), count=lambda press: True)
-    assert [given.steps for given in heard.credits] == [[0], [1], [1], [2]]
-    assert heard.human.model.state_bytes()[:8] == (3).to_bytes(8, "little")  # as many samples
+    replayed = replay_human_model(
+        recording, protocol, watched_steps(recording, protocol), count=lambda press: True
+    )
+    assert [given.steps for given in replayed.credits] == [[0], [1], [1], [2]]
+    assert replayed.human.model.state_bytes()[:8] == (3).to_bytes(8, "little")  # as many samples

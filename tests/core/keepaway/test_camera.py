@@ -1,9 +1,9 @@
-"""The camera: pictures of a match that is played cycle by cycle."""
+"""The frame maker: pictures of a match that is played cycle by cycle."""
 
 import numpy as np
 import pytest
 
-from core.keepaway.frame_maker import TRAIL_CYCLES, Camera
+from core.keepaway.frame_maker import TRAIL_CYCLES, FrameMaker
 from core.keepaway.picture import PitchFrame
 from core.keepaway.pitch import KICK_DISTANCE, NO_PLAYER, ONGOING, KeepawayConfig
 from core.keepaway.simulator.game import next_episode, step_cycle
@@ -17,11 +17,11 @@ CONFIG = KeepawayConfig(exact_state=True)
 def filmed() -> list[tuple[Match, PitchFrame]]:
     """Return copies of a match and its pictures: three episodes of the hand-coded policy."""
     streams: Streams = open_streams(3, "film")
-    match, rules, camera = new_match(CONFIG, streams), CONFIG.rules(), Camera(CONFIG)
+    match, rules, frame_maker = new_match(CONFIG, streams), CONFIG.rules(), FrameMaker(CONFIG)
     film = []
 
     def look() -> None:
-        film.append((Match(*(np.copy(array) for array in match)), camera.look(match)))
+        film.append((Match(*(np.copy(array) for array in match)), frame_maker.look(match)))
 
     look()
     while film[-1][1].episode < 4:
@@ -74,7 +74,7 @@ def test_the_trail_is_where_the_ball_was_in_this_episode(filmed: list[tuple[Matc
 
 def test_looking_twice_changes_nothing():
     streams = open_streams(4, "film")
-    match, camera = new_match(CONFIG, streams), Camera(CONFIG)
+    match, frame_maker = new_match(CONFIG, streams), FrameMaker(CONFIG)
     step_cycle(match, CONFIG.rules(), HAND_CODED, streams)
-    assert camera.look(match) == camera.look(match)
-    assert camera.look(match).ended == ONGOING
+    assert frame_maker.look(match) == frame_maker.look(match)
+    assert frame_maker.look(match).ended == ONGOING

@@ -12,9 +12,10 @@ import msgspec
 
 from core.keepaway.pitch import KeepawayConfig
 from core.recording.schema import to_plain
-from core.session.protocol import Protocol, protocol_from
+from core.session.protocol import Protocol
+from core.session.protocol_reading import protocol_from
 
-MODULE = "arl_tui.app.ahead"
+MODULE = "arl_tui.ahead"
 NICENESS = 5
 """Lower priority than the game's."""
 
@@ -91,20 +92,20 @@ def fill(order: Order, *, noted: bool = True) -> None:
     from core.numerics.interpreting import note_ready
 
     if order.protocol is not None:
-        from arl_tui.app.worker import rehearse
+        from arl_tui.warm_up import warm_up  # compiled code comes with it
 
-        rehearse(protocol_from(order.protocol))
+        warm_up(protocol_from(order.protocol))
     if order.task is not None:
-        rehearse_match(order.task)
+        warm_up_match(order.task)
     if noted and not is_compiled(order):
         note_ready(_purpose(order))
 
 
-def rehearse_match(task: KeepawayConfig) -> None:
+def warm_up_match(task: KeepawayConfig) -> None:
     """Play a match that is watched until somebody has decided, and set up the next episode."""
-    from core.keepaway.viewed_match import Exhibition
+    from core.keepaway.viewed_match import ViewedMatch
 
-    match = Exhibition(task, "hand", 0)
+    match = ViewedMatch(task, "hand", 0)
     for _ in range(100):
         if match.step().decider >= 0:
             break
