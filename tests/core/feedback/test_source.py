@@ -177,9 +177,13 @@ def test_outputs_count_the_inputs_that_were_taken_in() -> None:
 
 
 def test_a_good_participant_turns_a_clueless_agent_round() -> None:
-    performances = [ended.performance for ended in play_session(ATTENTIVE, keys=PATIENT_KEYS).of(EpisodeEnded)]
+    performances = [
+        ended.performance for ended in play_session(ATTENTIVE, keys=PATIENT_KEYS).of(EpisodeEnded)
+    ]
     # By chance 40/6 = 6.7 cards of 40; the learner's own policy gets nearly none.
-    alone = [ended.performance for ended in play_session(TrainerConfig(press_probability=0.0)).of(EpisodeEnded)]
+    alone = [
+        ended.performance for ended in play_session(TrainerConfig(press_probability=0.0)).of(EpisodeEnded)
+    ]
     assert max(alone) <= 3
     assert performances[1] >= 25
 

@@ -23,7 +23,7 @@ from core.session.protocol import DEFAULTS, Protocol
 from core.session.protocol_reading import load_protocol, protocol_from
 from studies.demo import simulate_session
 
-DOCS = Path(__file__).resolve().parents[2] / "docs"
+DOCS = Path(__file__).resolve().parents[3] / "docs"
 
 
 def run(*arguments: object) -> Result:

@@ -17,9 +17,9 @@ from core.events import (
 )
 from core.numerics.clock import NS_PER_S, ManualClock, suspended_ns
 from core.session.protocol import Protocol
+from tests.arl_tui.app.test_live import MS, Bench
 from tests.arl_tui.driving import SIZE, begin, settle, text_of
 from tests.arl_tui.fakes import FakeLink
-from tests.arl_tui.test_live import MS, Bench
 
 
 def test_only_more_than_a_second_without_a_look_is_a_gap() -> None:

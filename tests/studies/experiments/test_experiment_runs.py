@@ -36,7 +36,7 @@ from studies.experiments.sweep import (
 from studies.pools import processes
 from tests.studies.tiny_experiment import EXPERIMENT, Tiny
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 
 
 class Inline(Executor):

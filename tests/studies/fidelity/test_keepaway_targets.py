@@ -1,4 +1,4 @@
-"""The simulator against the reference's episodes: `pytest -m slow tests/core/keepaway/test_fidelity.py`."""
+"""The simulator against the reference's episodes: `pytest -m slow tests/studies/fidelity/test_keepaway_targets.py`."""
 
 import pytest
 

@@ -11,7 +11,7 @@ from click.testing import CliRunner, Result
 from arl_tui.cli import main
 from studies.experiments.sweep import load_experiment
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 PAGE = ROOT / "docs" / "own-experiment.md"
 
 

@@ -30,7 +30,7 @@ if __name__ == "__main__":
 def test_a_killed_parent_leaves_no_processes_of_its_pool(number: signal.Signals, tmp_path: Path) -> None:
     script = tmp_path / "parent.py"
     script.write_text(PARENT)
-    repository = Path(__file__).resolve().parents[2]
+    repository = Path(__file__).resolve().parents[3]
     parent = subprocess.Popen(
         [sys.executable, str(script)], stdout=subprocess.PIPE, env={"PYTHONPATH": str(repository)}
     )

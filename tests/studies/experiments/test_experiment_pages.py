@@ -14,7 +14,7 @@ from studies.experiments.results import read_results
 from studies.experiments.run import SweepError, run_sweep
 from studies.experiments.sweep import MODULES, csv_text, experiment_module, root_seeds
 from studies.statistics import Interval
-from tests.studies.test_experiment_runs import Inline
+from tests.studies.experiments.test_experiment_runs import Inline
 
 PAGES = ("fig5", "fig6", "features", "robustness", "robustness-keepaway")
 

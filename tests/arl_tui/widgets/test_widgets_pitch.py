@@ -22,7 +22,7 @@ from arl_tui.widgets.pitch_drawing import draw, fit, plain
 from arl_tui.widgets.pitch_ink import BALL, DETAILS, INKS, KEEPER, PATH, Detail, Row, Shape
 from core.keepaway.picture import PitchFrame, PlayerView
 from tests.arl_tui.pitches import HOLDING, PASSING
-from tests.arl_tui.test_widgets_board import SEEN_BY, contrast, lightness_and_hue
+from tests.arl_tui.widgets.test_widgets_board import SEEN_BY, contrast, lightness_and_hue
 
 SMALL = Shape(42, 22)
 

@@ -10,7 +10,7 @@ from arl_tui.app.outcome import Outcome
 from arl_tui.screens.closing import ClosingScreen
 from arl_tui.widgets.learning_curve import LearningCurve
 from arl_tui.words import KEEPAWAY, TETRIS, Words
-from tests.arl_tui.test_widgets_board import contrast
+from tests.arl_tui.widgets.test_widgets_board import contrast
 
 
 def tally(practised: list[float]) -> Tally:

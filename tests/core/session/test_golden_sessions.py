@@ -1,7 +1,7 @@
 """The golden sessions in recordings/reference, of every version of the format: replayed bit for bit in every test run.
 
 They hold the meaning of a recording fixed: if one of these fails, sessions of real people do not replay any more
-either. Make a new one only where a game has to play otherwise, `python -m tests.core.test_golden_sessions NAME`, and
+either. Make a new one only where a game has to play otherwise, `python -m tests.core.session.test_golden_sessions NAME`, and
 raise the game's REVISION: recordings name it, so that nobody wonders why theirs does not replay. Files of version 1 were
 written by the program of then and cannot be made again.
 """
@@ -30,7 +30,7 @@ from core.session.session import build_session
 from studies.demo import simulate_session, summarise
 from tests.core.sessions import small_protocol
 
-VERSION_1 = Path(__file__).resolve().parents[2] / "recordings" / "reference"
+VERSION_1 = Path(__file__).resolve().parents[3] / "recordings" / "reference"
 FOLDER = VERSION_1 / "version-2"
 
 GOLDEN = {

@@ -13,7 +13,7 @@ import pytest
 from core.numerics.compiled import sources_digest
 from core.numerics.kernel_files import IN_USE, KEPT_FOLDERS, KernelFiles, forget_old_folders
 
-REPOSITORY = Path(__file__).resolve().parents[2]
+REPOSITORY = Path(__file__).resolve().parents[3]
 
 
 def cache_folder(cache_home: Path, *, sources: Path = REPOSITORY) -> Path:

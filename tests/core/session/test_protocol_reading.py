@@ -23,7 +23,7 @@ from core.session.protocol import DEFAULTS, Protocol, SessionConfig
 from core.session.protocol_file import ProtocolError
 from core.session.protocol_reading import load_protocol, protocol_from
 
-GOLDEN = Path(__file__).resolve().parents[2] / "recordings" / "reference"
+GOLDEN = Path(__file__).resolve().parents[3] / "recordings" / "reference"
 TABLES = [(path, tag, kind.base) for path, kind in tables_of(Protocol) for tag in kind.structs or {}]
 
 
