@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 State = TypeVar("State")
 Features = NDArray[np.float64] | NDArray[np.int64]
-"""Rows of features psi(s, a): numbers, or first active tiles (`core.encoding`)."""
+"""Rows of features psi(s, a): numbers, or first active tiles (`core.learners.encoding`)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +45,7 @@ class Choices:
     """When, in the domain's own time since the episode began (`Domain.time`), >= 0."""
     observation: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
     """What the one who decides sees of the state, shape (v,); (0,) where the domain describes each action by a row.
-    A learner encodes it itself (`core.encoding`)."""
+    A learner encodes it itself (`core.learners.encoding`)."""
 
     def __post_init__(self) -> None:
         n_actions = len(self.features)

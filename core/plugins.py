@@ -13,17 +13,12 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
-from typing import TYPE_CHECKING, ClassVar
+from typing import Any, ClassVar
 
 import msgspec
 
 from core.configuration.open_table import OpenTable
-
-if TYPE_CHECKING:
-    from core.configuration.reading import Problem
-    from core.registry import Game
-    from core.session.effects import Use
-    from core.session.protocol import Protocol
+from core.configuration.reading import Problem
 
 GROUP = "arl.games"
 BUILT_IN = {
@@ -31,8 +26,6 @@ BUILT_IN = {
     "keepaway": "core.keepaway.plugin:PLUGIN",
 }
 """Name to where the program's own games are; found whatever the installation's metadata say."""
-FIRST = "tetris"
-"""What is played where nothing names a game: recordings made before there was a second one do not."""
 
 
 class GameError(ValueError):
@@ -51,7 +44,11 @@ class DomainConfig(OpenTable):
 
 
 class GamePlugin(ABC):
-    """One game, as protocols, effects and plans know it. Its module imports no compiled code."""
+    """One game, as protocols, effects and plans know it. Its module imports no compiled code.
+
+    A protocol is a `core.session.protocol.Protocol`. The annotations here say Any, because the modules of sessions import
+    this one; those of each game say what it is.
+    """
 
     name: ClassVar[str]
     """As in `[domain] type`, on the command line and in recordings: lower case, digits and '-'."""
@@ -73,29 +70,29 @@ class GamePlugin(ABC):
     idle: ClassVar[Mapping[str, str]] = {}
     """Settings outside `[domain]` that have no effect in this game, as dotted paths, each with the reason ("" where it
     needs none)."""
-    uses: "ClassVar[tuple[Use, ...]]" = ()
-    """Of the settings in `[domain]`, those that have an effect in some sessions only."""
+    uses: ClassVar[tuple[Any, ...]] = ()
+    """(`core.session.effects.Use`, ...): of the settings in `[domain]`, those that have an effect in some sessions only."""
 
     @abstractmethod
-    def default(self) -> "Protocol":
+    def default(self) -> Any:
         """Return the protocol of a session without a protocol file."""
 
     @abstractmethod
-    def expected_game_s(self, protocol: "Protocol") -> float:
+    def expected_game_s(self, protocol: Any) -> float:
         """Return how long a watched game is on screen on average, in seconds, > 0."""
 
     @abstractmethod
-    def load(self) -> "Game":
-        """Return the game itself; compiled code may be imported."""
+    def load(self) -> Any:
+        """Return the game itself (`core.registry.Game`); compiled code may be imported."""
 
-    def check(self, protocol: "Protocol") -> None:  # noqa: B027 - most games have nothing to add
+    def check(self, protocol: Any) -> None:  # noqa: B027 - most games have nothing to add
         """Raise ValueError where a protocol asks for what this game cannot do."""
 
-    def contradictions(self, protocol: "Protocol") -> "Iterator[Problem]":
+    def contradictions(self, protocol: Any) -> Iterator[Problem]:
         """Yield what nobody means though each value is in its range: for protocols that are about to be run."""
         yield from ()
 
-    def departures(self, protocol: "Protocol") -> list[str]:
+    def departures(self, protocol: Any) -> list[str]:
         """Return in plain sentences where this game does otherwise than the paper, or fills its silence."""
         return []
 
@@ -129,7 +126,7 @@ def plugin_called(name: str) -> GamePlugin:
     return _loaded(name, names[name])
 
 
-def plugin_of(protocol: "Protocol") -> GamePlugin:
+def plugin_of(protocol: Any) -> GamePlugin:
     """Return the plugin of the game that a protocol is about."""
     return plugin_called(protocol.game)
 

@@ -86,4 +86,5 @@ class Game(Interface):
 
 def game_of(protocol: Protocol) -> Game:
     """Return the game that a protocol is about."""
-    return plugin_of(protocol).load()
+    game: Game = plugin_of(protocol).load()
+    return game

@@ -18,7 +18,7 @@ Values = tuple[tuple[str, float], ...]
 
 
 class Source(Protocol):
-    """A match that is played cycle by cycle (`core.keepaway.viewed_match.Exhibition`)."""
+    """A match that is played cycle by cycle (`core.keepaway.viewed_match.ViewedMatch`)."""
 
     frame: PitchFrame
 

@@ -10,7 +10,6 @@ import dataclasses
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.combination.agreement import Agreement
 from core.combination.bootstrap_learning import BootstrapLearning
@@ -23,8 +22,7 @@ from core.combination.window import DecisionWindow, Values
 from core.domain import Choices, Features
 from core.events import CreditGiven
 from core.feedback.samples import MassAccount, Sample
-
-Floats = NDArray[np.float64]
+from core.numerics.arrays import Floats
 
 
 class Listeners:

@@ -3,11 +3,15 @@
 import math
 import struct
 from dataclasses import dataclass
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING
 
 from core.combination.agreement import Agreement
+
+if TYPE_CHECKING:
+    # Not at run time: a protocol is read without arrays.
+    import numpy as np
+
+    from core.numerics.arrays import Floats
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -15,7 +19,7 @@ class EpisodeReport:
     """What bootstrap learning has to know of an episode."""
 
     policy_id: int
-    theta: NDArray[np.float64]
+    theta: "Floats"
     """Weights of the environment policy, shape (F,)."""
     performance: float
     """Performance measure of the episode, of either sign."""
@@ -32,7 +36,7 @@ class RankedPolicy:
     """One of the top N policies."""
 
     policy_id: int
-    theta: NDArray[np.float64]
+    theta: "Floats"
     total_performance: float
     terminated_episodes: int
     agreement: Agreement | None
@@ -94,7 +98,7 @@ class Ranking:
 
 
 def draw_policy(
-    ranked: list[RankedPolicy], probabilities: list[float], *, rng: np.random.Generator
+    ranked: list[RankedPolicy], probabilities: list[float], *, rng: "np.random.Generator"
 ) -> RankedPolicy:
     """Return one of the ranked policies (there must be one), drawn with these probabilities."""
     point = float(rng.random())

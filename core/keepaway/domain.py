@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.domain import Choices, Transition
-from core.encoding import ActionTiles
 from core.keepaway.autoplay import keepaway_tiles
-from core.keepaway.decisions import NOBODY, DecisionPlay, Saved
-from core.keepaway.pitch import CYCLE_S, KeepawayConfig
+from core.keepaway.decisions import DecisionPlay, Saved
+from core.keepaway.pitch import CYCLE_S, NO_PLAYER, KeepawayConfig
 from core.keepaway.simulator.match import CYCLE, END, Match
 from core.keepaway.simulator.variables import state_variables
+from core.learners.encoding import ActionTiles
 
 HOLD = 0
 """The action that holds the ball."""
@@ -131,11 +131,11 @@ class Keepaway:
 
     def terminal(self, state: KeepawayState) -> bool:
         """Return whether the ball is out or taken (or kept for an hour)."""
-        return state.keeper == NOBODY
+        return state.keeper == NO_PLAYER
 
     def choices(self, state: KeepawayState) -> Choices:
         """Return what the deciding keeper sees, and the tiles of each option for the human model."""
-        if state.keeper == NOBODY:
+        if state.keeper == NO_PLAYER:
             raise ValueError("the episode is over: a terminal state has no actions")
         return self.choices_of(state.keeper, state.variables, state.cycle)
 
@@ -173,7 +173,7 @@ class Keepaway:
 
     def detail(self, state: KeepawayState, action: int) -> dict[str, int]:
         """Return who decides, when, and the keeper the ball is passed to (-1: it is held)."""
-        target = int(state.match.order[state.keeper, action]) if action != HOLD else NOBODY
+        target = int(state.match.order[state.keeper, action]) if action != HOLD else NO_PLAYER
         return {"keeper": state.keeper, "cycle": state.cycle, "target": target}
 
     def recorded_state(self, state: KeepawayState) -> list[float] | None:

@@ -14,6 +14,12 @@ from core.plugins import DomainConfig
 CYCLE_NS: Final = 100_000_000
 """Duration of one cycle in nanoseconds."""
 CYCLE_S: Final = 0.1
+NO_PLAYER: Final = -1
+"""In place of a player's number."""
+SESSION_CYCLE_LIMIT: Final = 36_000
+"""Longest episode of sessions and their experiments, cycles (an hour): a ball that is never lost would never end."""
+AUTOPLAY_CYCLE_LIMIT: Final = 1_000_000
+"""The same where benchmark policies or Sarsa play alone, cycles (28 hours)."""
 """Duration of one cycle in seconds."""
 CYCLES_PER_S: Final = 10
 

@@ -28,11 +28,6 @@ class HumanRewardModel:
         self._reset()
 
     @property
-    def n_samples(self) -> int:
-        """How many samples the model has seen."""
-        return self._n_samples
-
-    @property
     def knows_something(self) -> bool:
         """Whether any weight differs from 0: otherwise all actions are alike to the model."""
         return bool(self._exported()[:-1].any())

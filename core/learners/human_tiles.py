@@ -9,10 +9,9 @@ from core.domain import Features
 from core.feedback.samples import Sample
 from core.learners.human_config import HumanModelConfig, TileModel
 from core.learners.human_reward import HumanRewardModel
+from core.numerics.arrays import Floats
 from core.numerics.compiled import inner_kernel
 from core.numerics.tile_coding import Tiling, add_to_windows, row_values, runs
-
-Floats = NDArray[np.float64]
 
 
 @inner_kernel
@@ -46,11 +45,6 @@ class HumanTileModel:
         self._weights = np.zeros(tiling.n_weights)
         self._n_samples = 0
         self._export: Floats | None = None
-
-    @property
-    def n_samples(self) -> int:
-        """How many samples the model has seen."""
-        return self._n_samples
 
     @property
     def knows_something(self) -> bool:

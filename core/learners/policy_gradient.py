@@ -24,8 +24,7 @@ from core.learners.policy_gradient_kernels import (
     learn_from_reward,
     remember_score,
 )
-
-Floats = NDArray[np.float64]
+from core.numerics.arrays import Floats
 
 __all__ = ["PolicyGradient", "PolicyGradientConfig", "PolicyGradientLearner"]
 

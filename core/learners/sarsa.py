@@ -8,9 +8,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.learners.sarsa_config import SarsaConfig
+from core.numerics.arrays import Floats, Ints
 from core.numerics.compiled import inner_kernel
 from core.numerics.tile_coding import TileCoder, add_to_windows, window_sum
 
@@ -33,8 +33,6 @@ __all__ = [
     "take_action",
 ]
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 NOT_YET = -1
 """Last decision time of a learner that has not decided in this episode."""
 

@@ -1,10 +1,9 @@
 """Sarsa as an agent's learner: one step at a time, whoever chooses the action (`core.learners.contract`)."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.domain import Choices
-from core.encoding import active_tiles
+from core.learners.encoding import active_tiles
 from core.learners.sarsa import (
     NOT_YET,
     SarsaConfig,
@@ -15,10 +14,9 @@ from core.learners.sarsa import (
     new_sarsa,
     observe_action,
 )
+from core.numerics.arrays import Floats
 from core.numerics.streams import stream
 from core.numerics.tile_coding import TileCoder, runs
-
-Floats = NDArray[np.float64]
 
 
 class SarsaLearner:

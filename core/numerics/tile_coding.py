@@ -10,12 +10,9 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from core.numerics.arrays import Floats, Ints
 from core.numerics.compiled import inner_kernel, kernel
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 class TileCoder(NamedTuple):
@@ -131,7 +128,7 @@ def row_values(rows: Ints, weights: Floats, n_tilings: int) -> Floats:
     return out
 
 
-def tile_values(tiling: Tiling) -> Callable[[NDArray[Any], Floats], Floats]:
+def tile_values(tiling: Tiling) -> Callable[[Any, Floats], Floats]:
     """Return the function (rows of window starts (n, v), weights) -> values (n,)."""
     return lambda rows, weights: row_values(np.ascontiguousarray(rows, np.int64), weights, tiling.n_tilings)
 

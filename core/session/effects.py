@@ -7,7 +7,7 @@ is used. What is particular to a game is said by its plugin (`core.plugins`). A 
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import msgspec
 
@@ -27,9 +27,7 @@ from core.learners.human_config import SgdModel
 from core.learners.policy_gradient_config import PolicyGradientConfig
 from core.learners.sarsa_config import SarsaConfig
 from core.plugins import GamePlugin, plugin_of, plugins
-
-if TYPE_CHECKING:
-    from core.session.protocol import Protocol
+from core.session.protocol import Protocol
 
 Mode = Literal["live", "simulated", "what-if"]
 """With a participant (`arl play`), simulated, or learned again from a recording (`arl replay`)."""
@@ -48,61 +46,61 @@ class Use:
     """Dotted paths; a table stands for all that is in it."""
     where: str
     """In which sessions, in words, after "has an effect"."""
-    when: "Callable[[Protocol, Mode], bool]"
+    when: Callable[[Protocol, Mode], bool]
     refused: bool = True
     """Without effect in all modes it is refused when a protocol is read; else named before the start."""
 
 
-def _live(protocol: "Protocol", mode: Mode) -> bool:
+def _live(protocol: Protocol, mode: Mode) -> bool:
     return mode == "live"
 
 
-def _simulated(protocol: "Protocol", mode: Mode) -> bool:
+def _simulated(protocol: Protocol, mode: Mode) -> bool:
     return mode == "simulated"
 
 
-def _on_screen(protocol: "Protocol", mode: Mode) -> bool:
+def _on_screen(protocol: Protocol, mode: Mode) -> bool:
     return mode != "what-if"
 
 
-def _draws_top_policies(protocol: "Protocol") -> bool:
+def _draws_top_policies(protocol: Protocol) -> bool:
     """Return whether what is watched is drawn from the top policies."""
     return protocol.session.watched == "top" and not isinstance(protocol.learner, SarsaConfig)
 
 
-def _trust_is_used(protocol: "Protocol") -> bool:
+def _trust_is_used(protocol: Protocol) -> bool:
     """Return whether w_h of bootstrap learning decides anything: a choice, or which policy is watched."""
     by_trust = isinstance(protocol.agent.scheme, Linear | Exponential)
     return by_trust or (protocol.agent.bootstrap.symmetric and _draws_top_policies(protocol))
 
 
-def _looks_back(protocol: "Protocol") -> bool:
+def _looks_back(protocol: Protocol) -> bool:
     return protocol.agent.bootstrap.trust.needs.window
 
 
-def learner_counts(protocol: "Protocol") -> bool:
+def learner_counts(protocol: Protocol) -> bool:
     """Return whether the environment's learner has any say."""
     return not isinstance(protocol.agent.scheme, HumanOnly)
 
 
-def _chance_counts(protocol: "Protocol") -> bool:
+def _chance_counts(protocol: Protocol) -> bool:
     trust = protocol.agent.bootstrap.trust
     return isinstance(trust, Equation4) and trust.match == "chance-corrected"
 
 
-def _with_traces(protocol: "Protocol") -> bool:
+def _with_traces(protocol: Protocol) -> bool:
     return isinstance(protocol.learner, SarsaConfig) and protocol.learner.trace_decay > 0
 
 
-def _natural(protocol: "Protocol") -> bool:
+def _natural(protocol: Protocol) -> bool:
     return isinstance(protocol.learner, PolicyGradientConfig) and protocol.learner.natural
 
 
-def _environment_teaches(protocol: "Protocol") -> bool:
+def _environment_teaches(protocol: Protocol) -> bool:
     return not isinstance(protocol.agent.scheme, Coach) or protocol.agent.scheme.environment_too
 
 
-def _plays_unseen(protocol: "Protocol") -> bool:
+def _plays_unseen(protocol: Protocol) -> bool:
     session = protocol.session
     return session.unseen_before > 0 or (session.unseen_between > 0 and session.episodes > 1)
 
@@ -242,7 +240,8 @@ def uses() -> Iterator[Use]:
         yield _by_game(path, games)
     yield from _IN_ANY_GAME
     for game in games:
-        yield from game.uses
+        own: tuple[Use, ...] = game.uses
+        yield from own
 
 
 def _by_game(path: str, games: Sequence[GamePlugin]) -> Use:
@@ -286,7 +285,7 @@ def uses_of(path: str) -> Iterator[Use]:
             yield use
 
 
-def idle(protocol: "Protocol", default: "Protocol", modes: Sequence[Mode] = MODES) -> list[Idle]:
+def idle(protocol: Protocol, default: Protocol, modes: Sequence[Mode] = MODES) -> list[Idle]:
     """Return the settings that differ from the defaults, present and former, and have an effect in none of these modes.
 
     Args:
@@ -326,7 +325,7 @@ def changed(
             yield (*path, key), value
 
 
-def contradictions(protocol: "Protocol") -> Iterator[Problem]:
+def contradictions(protocol: Protocol) -> Iterator[Problem]:
     """Yield what nobody means though each value is in its range: for protocols that are about to be run."""
     agent, session = protocol.agent, protocol.session
     delays: list[tuple[Path, Delay]] = [
@@ -381,7 +380,7 @@ def wrong_delay(delay: Delay) -> str:
     )
 
 
-def warnings_of(protocol: "Protocol") -> Iterator[str]:
+def warnings_of(protocol: Protocol) -> Iterator[str]:
     """Yield what an experimenter may not have meant, in sentences, for the start of a session."""
     session = protocol.session
     never_proposes = session.watched == "top" and session.unseen_between == 0 and session.episodes > 1

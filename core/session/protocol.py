@@ -5,24 +5,21 @@ protocol is written to each recording's header, and a session is built from that
 """
 
 from collections.abc import Iterator, Mapping
-from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import msgspec
 
 from core.combination.config import AgentConfig, check_learner
-from core.configuration.catalogue import TAG, tag_of
+from core.configuration.catalogue import tag_of
 from core.configuration.fields import number
-from core.configuration.reading import ConfigurationError, Problem, read
 from core.feedback.config import TrainerConfig
 from core.feedback.delays import GammaDelay, describe
 from core.feedback.keys import KeyConfig
 from core.learners.cross_entropy_config import CrossEntropyConfig
 from core.learners.policy_gradient_config import PolicyGradientConfig
 from core.learners.sarsa_config import SarsaConfig
-from core.plugins import FIRST, DomainConfig, GameError, game_names, plugin_called, plugin_of
-from core.session.effects import contradictions, idle
-from core.session.protocol_file import ProtocolError, located, read_toml
+from core.plugins import DomainConfig, game_names, plugin_called, plugin_of
+from core.recording.schema import FIRST_GAME
 
 LearnerConfig = CrossEntropyConfig | PolicyGradientConfig | SarsaConfig
 """How the environment's learner learns; msgspec decodes it by its tag, the field "type"."""
@@ -100,7 +97,7 @@ class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
 
     name: str = "default"
     """What the experimenter calls it."""
-    domain: DomainConfig = msgspec.field(default_factory=lambda: DEFAULTS[FIRST].domain)
+    domain: DomainConfig = msgspec.field(default_factory=lambda: DEFAULTS[FIRST_GAME].domain)
     """Which game, its size and rules. Tetris: what is shown must be what the paper's four actions can do, hence
     "reachable"."""
     learner: LearnerConfig = CrossEntropyConfig()
@@ -184,7 +181,8 @@ class _Defaults(Mapping[str, Protocol]):
     def __getitem__(self, game: str) -> Protocol:
         if game not in game_names():
             raise KeyError(game)
-        return plugin_called(game).default()
+        default: Protocol = plugin_called(game).default()
+        return default
 
     def __iter__(self) -> Iterator[str]:
         return iter(DomainConfig.structs())
@@ -195,54 +193,3 @@ class _Defaults(Mapping[str, Protocol]):
 
 DEFAULTS: Mapping[str, Protocol] = _Defaults()
 """The default protocol of each game."""
-
-
-def protocol_from(plain: Mapping[str, Any], *, game: str = FIRST, to_run: bool = False) -> Protocol:
-    """Return the protocol that plain types describe: a recording's header, or a TOML file.
-
-    What is not said has the default of the game. A table with another `type` than the default's stands for itself.
-
-    Args:
-        plain: tables as in `arl protocol`; recordings made before there was a second game do not name theirs.
-        game: which one is meant where `plain` does not say.
-        to_run: the protocol is about to be run, not replayed: values that nobody means, and settings that
-            have no effect in any session of this protocol, are refused, too (`core.session.effects`).
-
-    Raises:
-        ConfigurationError: a key is unknown, or a value is of the wrong kind or out of range, each with
-            its place.
-    """
-    domain = plain.get("domain", {})
-    named = domain.get("type", game) if isinstance(domain, Mapping) else domain
-    try:
-        default = DEFAULTS.get(str(named)) or DEFAULTS[game]
-    except GameError as error:
-        raise ConfigurationError([Problem(("domain", TAG), str(error), named)]) from error
-    protocol = read(plain, default, to_run=to_run)
-    if to_run:
-        problems = list(contradictions(protocol))
-        problems += [each.problem() for each in idle(protocol, default) if each.use.refused]
-        if problems:
-            raise ConfigurationError(problems)
-    return protocol
-
-
-def load_protocol(path: Path | None, *, game: str = FIRST) -> Protocol:
-    """Return the protocol in a TOML file; the defaults for None.
-
-    Args:
-        path: the file: UTF-8, with or without a byte-order mark, with any line ends.
-        game: which game's defaults are meant where the file does not name one.
-
-    Raises:
-        ProtocolError: the file is not TOML, or something in it cannot be used; with file, line, key and
-            reason.
-        OSError: the file cannot be read.
-    """
-    if path is None:
-        return DEFAULTS[game]
-    text, plain = read_toml(path)
-    try:
-        return protocol_from(plain, game=game, to_run=True)
-    except ConfigurationError as error:
-        raise ProtocolError(located(path, text, error.problems)) from error

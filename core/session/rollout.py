@@ -132,7 +132,7 @@ class Agent(Listener, Protocol):
         ...
 
 
-class Audience:
+class FeedbackIntake:
     """Brings the inputs to whoever learns from them: which step was on screen when, and what the participant said of it.
 
     Keeps the feedback features of watched steps from when they are decided until their frame has been shown.
@@ -203,7 +203,7 @@ class EpisodePlan:
 def play_episode(
     domain: Domain[Any],
     agent: Agent,
-    audience: Audience,
+    intake: FeedbackIntake,
     clock: Clock,
     plan: EpisodePlan,
 ) -> Iterator[Output]:
@@ -216,7 +216,7 @@ def play_episode(
     yield EpisodeStarted(
         episode=plan.policy.episode,
         time_ns=clock.now_ns(),
-        inputs=audience.inputs,
+        inputs=intake.inputs,
         episode_seed=plan.episode_seed,
         policy=plan.policy.policy_id,
         form=weights.form,
@@ -231,13 +231,13 @@ def play_episode(
     count = _Count()
     for step in _steps(domain, agent, plan.policy, state, first_watched=plan.first_step):
         number, decision = plan.first_step + count.steps, step.decision
-        audience.expect(number, step.choices.feedback_features[decision.action])
+        intake.expect(number, step.choices.feedback_features[decision.action])
         count.add(decision)
         yield StepTaken(
             episode=plan.policy.episode,
             step=number,
             time_ns=clock.now_ns(),
-            inputs=audience.inputs,
+            inputs=intake.inputs,
             action=decision.action,
             environment_action=decision.environment_action,
             human_action=decision.human_action,
@@ -245,16 +245,16 @@ def play_episode(
             reward=step.reward,
             state=domain.recorded_state(step.state),
         )
-        yield from audience.attend(number)
+        yield from intake.attend(number)
         state = step.following
-        if count.steps == plan.max_steps or audience.stop_asked is not None:
+        if count.steps == plan.max_steps or intake.stop_asked is not None:
             break
     played = count.played(domain, state)
     agent.learn_from_domain(plan.policy, played)
     yield EpisodeEnded(
         episode=plan.policy.episode,
         time_ns=clock.now_ns(),
-        inputs=audience.inputs,
+        inputs=intake.inputs,
         performance=played.performance,
         steps=played.steps,
         ended=played.ended,
@@ -265,7 +265,7 @@ def play_episode(
         time=played.time,
     )
     # Late presses on the last steps, made while the final picture was shown.
-    yield from audience.attend(-1)
+    yield from intake.attend(-1)
 
 
 def play_unseen(

@@ -31,7 +31,7 @@ class ObservedDomain(Domain[Any], Interface):
 
     @property
     def feedback_tiles(self) -> Tiling:
-        """What the rows of `Choices.feedback_features` index (`core.encoding.ActionTiles`)."""
+        """What the rows of `Choices.feedback_features` index (`core.learners.encoding.ActionTiles`)."""
         ...
 
     @property

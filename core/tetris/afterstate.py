@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.domain import Choices, Transition
+from core.numerics.arrays import Ints
 from core.numerics.compiled import kernel
 from core.tetris.board import (
     AFTER,
@@ -20,7 +21,6 @@ from core.tetris.board import (
     ROW,
     ROWS,
     SHAPE,
-    Ints,
     fill_heights,
     mark_above,
     mark_ruled_out,

@@ -9,10 +9,11 @@ from textual.pilot import Pilot
 from textual.widgets import Static
 
 from arl_tui.app.link import Picture, Ready, TakenFor
-from arl_tui.app.session_app import ArlApp, Outcome
+from arl_tui.app.outcome import Outcome
 from arl_tui.games.keepaway.panel import PitchScene
 from arl_tui.palette import STANDARD
 from arl_tui.screens.covers import SmallWindowScreen
+from arl_tui.session_app import ArlApp
 from core.events import EpisodeEnded, FrameShown, StepTaken
 from core.keepaway.picture import PitchFrame
 from core.keepaway.pitch import TAKEN
@@ -44,7 +45,7 @@ def app(
     protocol: Protocol, link: FakeLink, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> Iterable[ArlApp]:
     # Pictures must not depend on the terminal that the tests are run in.
-    monkeypatch.setattr("arl_tui.app.session_app.palette_for", lambda *_: STANDARD)
+    monkeypatch.setattr("arl_tui.session_app.palette_for", lambda *_: STANDARD)
     monkeypatch.setattr("arl_tui.widgets.pitch.detail_for", lambda: "ascii")
     return app_for(protocol, link, tmp_path)
 

@@ -14,11 +14,11 @@ import numpy as np
 from core.combination.config import AgentConfig
 from core.configuration.fields import number
 from core.domain import Choices, Domain, Features, Transition
-from core.encoding import ActionTiles
 from core.events import EpisodeEnded, StepTaken
 from core.feedback.keys import NS_PER_MS, KeyConfig
 from core.feedback.trainers import TrainerConfig
 from core.feedback.viewing import SteadyViewing, Watched
+from core.learners.encoding import ActionTiles
 from core.learners.human_config import TileModel
 from core.learners.sarsa_config import SarsaConfig
 from core.numerics.streams import stream

@@ -5,9 +5,11 @@ All sums are rounded once (`math.fsum`), so they do not depend on the order of p
 
 import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
+if TYPE_CHECKING:
+    # Not at run time: a protocol is read without arrays.
+    from core.numerics.arrays import Floats
 
 
 def as_weights(performance: Sequence[float]) -> Sequence[float]:
@@ -152,8 +154,10 @@ def rank_test(first: Sequence[float], second: Sequence[float]) -> float:
     return float(ranks[:n].sum()) / math.sqrt(variance) if variance > 0 else 0.0
 
 
-def _centred_ranks(values: Sequence[float]) -> NDArray[np.float64]:
+def _centred_ranks(values: Sequence[float]) -> "Floats":
     """Return twice the ranks less their mean, ties sharing theirs: whole numbers, so their products are exact."""
+    import numpy as np  # not needed to read a protocol
+
     _, place, counts = np.unique(
         np.asarray(values, dtype=np.float64), return_inverse=True, return_counts=True
     )
