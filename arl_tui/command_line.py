@@ -12,11 +12,28 @@ from typing import Any, TextIO, TypeVar
 import click
 
 from arl_tui.home import VARIABLE, recordings_folder
+from core.plugins import BUILT_IN, game_names
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
-GAMES = click.Choice(["tetris", "keepaway"])
+
+
+class GameChoice(click.Choice[str]):
+    """The name of a game. Those of other packages are looked for only where it is none of the program's own."""
+
+    def __init__(self) -> None:
+        super().__init__(list(BUILT_IN))
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        """Return the name; a usage error lists all games."""
+        if value not in BUILT_IN:
+            self.choices = tuple(game_names())
+        name: str = super().convert(value, param, ctx)
+        return name
+
+
+GAMES = GameChoice()
 
 seed_option = click.option(
     "--seed", type=click.IntRange(0, 2**63 - 1), help="Root seed; a new one by default."

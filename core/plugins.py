@@ -12,7 +12,7 @@ read, checked and described without it. `GamePlugin.load` imports the rest (`cor
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from functools import cache
-from importlib.metadata import EntryPoint, entry_points
+from importlib import import_module
 from typing import Any, ClassVar
 
 import msgspec
@@ -41,6 +41,17 @@ class DomainConfig(OpenTable):
     def structs(cls) -> "Mapping[str, type[msgspec.Struct]]":
         """Return the configuration type of each game by the game's name, the program's own first."""
         return _Configurations()
+
+
+class View(OpenTable):
+    """Base of what a game shows: pictures as data, that travel from the learner's process to the screen's."""
+
+    __slots__ = ()
+
+    @classmethod
+    def structs(cls) -> Mapping[str, type[msgspec.Struct]]:
+        """Return the pictures of each game by the game's name."""
+        return _Views()
 
 
 class GamePlugin(ABC):
@@ -85,6 +96,14 @@ class GamePlugin(ABC):
     def load(self) -> Any:
         """Return the game itself (`core.registry.Game`); compiled code may be imported."""
 
+    def view(self) -> type[msgspec.Struct]:
+        """Return what its pictures are: a frozen struct that inherits from `View`, with `name` as its tag.
+
+        Raises:
+            GameError: it has none, so it is played without a screen only.
+        """
+        raise GameError(f"{self.title} has no pictures: it can be simulated and replayed, not shown")
+
     def check(self, protocol: Any) -> None:  # noqa: B027 - most games have nothing to add
         """Raise ValueError where a protocol asks for what this game cannot do."""
 
@@ -110,6 +129,11 @@ def game_names() -> dict[str, str]:
                 f"two games are called {name!r}: {found[name]} and {value}. Uninstall one of their packages"
             )
     return found
+
+
+def is_game(name: object) -> bool:
+    """Return whether there is a game of this name; whether it can be loaded is another question."""
+    return name in BUILT_IN or (name != "" and name in game_names())
 
 
 def plugin_called(name: str) -> GamePlugin:
@@ -142,13 +166,17 @@ def plugins() -> Iterator[GamePlugin]:
 
 @cache
 def _installed() -> tuple[tuple[str, str], ...]:
+    # Here, not above: it takes a tenth of a second, and the program's own games are found without it.
+    from importlib.metadata import entry_points
+
     return tuple((point.name, point.value) for point in entry_points(group=GROUP))
 
 
 @cache
 def _loaded(name: str, where: str) -> GamePlugin:
     try:
-        plugin = EntryPoint(name, where, GROUP).load()
+        module, _, attribute = where.partition(":")
+        plugin = getattr(import_module(module), attribute)
     except (ImportError, AttributeError) as error:
         raise GameError(f"the game {name!r} at {where} cannot be loaded: {error}") from error
     wrong = _wrong(plugin, name)
@@ -178,9 +206,30 @@ class _Configurations(Mapping[str, type[msgspec.Struct]]):
     """Name of each game to its configuration type; looked up anew each time."""
 
     def __getitem__(self, name: str) -> type[msgspec.Struct]:
-        if name not in game_names():
+        if name not in self:
             raise KeyError(name)
         return plugin_called(name).config
+
+    def __contains__(self, name: object) -> bool:
+        return is_game(name)
+
+    def __iter__(self) -> Iterator[str]:
+        return (plugin.name for plugin in plugins())
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
+
+    def __bool__(self) -> bool:
+        return bool(BUILT_IN)
+
+
+class _Views(Mapping[str, type[msgspec.Struct]]):
+    """Name of each game to its pictures; looked up anew each time."""
+
+    def __getitem__(self, name: str) -> type[msgspec.Struct]:
+        if not is_game(name):
+            raise KeyError(name)
+        return plugin_called(name).view()
 
     def __iter__(self) -> Iterator[str]:
         return (plugin.name for plugin in plugins())

@@ -34,7 +34,7 @@ def decode_open_table(kind: type, value: Any) -> Any:
 
     Args:
         kind: type of the field.
-        value: plain types, as in TOML or JSON.
+        value: plain types, as in TOML, JSON or MessagePack; of a struct that is written as an array, a list.
 
     Raises:
         ValueError: the table is of no known type, or a value in it cannot be used.
@@ -45,7 +45,10 @@ def decode_open_table(kind: type, value: Any) -> Any:
     if isinstance(value, kind):
         return value
     structs = kind.structs()
-    tag = value.get(TAG) if isinstance(value, Mapping) else None
+    if isinstance(value, Mapping):
+        tag = value.get(TAG)
+    else:
+        tag = value[0] if isinstance(value, list | tuple) and value else None
     if not isinstance(tag, str) or tag not in structs:
         raise ValueError(f"expected a table of one of the types {', '.join(structs)}, got {tag!r}")
     try:

@@ -19,6 +19,7 @@ from core.session.effects import Mode, Use
 from core.session.protocol import Protocol, ScreenConfig, SessionConfig
 
 if TYPE_CHECKING:
+    from core.keepaway.picture import PitchFrame
     from core.registry import Game
 
 SECONDS_PER_MATCH = 10.0
@@ -72,6 +73,12 @@ class KeepawayPlugin(GamePlugin):
         """Return the time that a match of the default's mean length takes."""
         match_s = min(SECONDS_PER_MATCH, protocol.session.watched_steps * CYCLE_S)
         return match_s / protocol.screen.speed
+
+    def view(self) -> "type[PitchFrame]":
+        """Return the pictures."""
+        from core.keepaway.picture import PitchFrame
+
+        return PitchFrame
 
     def load(self) -> "Game":
         """Return the game; the simulator in compiled code."""

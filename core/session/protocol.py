@@ -18,7 +18,7 @@ from core.feedback.keys import KeyConfig
 from core.learners.cross_entropy_config import CrossEntropyConfig
 from core.learners.policy_gradient_config import PolicyGradientConfig
 from core.learners.sarsa_config import SarsaConfig
-from core.plugins import DomainConfig, game_names, plugin_called, plugin_of
+from core.plugins import DomainConfig, is_game, plugin_called, plugin_of
 from core.recording.schema import FIRST_GAME
 
 LearnerConfig = CrossEntropyConfig | PolicyGradientConfig | SarsaConfig
@@ -179,7 +179,7 @@ class _Defaults(Mapping[str, Protocol]):
     """The default protocol of each game that can be played, by the game's name."""
 
     def __getitem__(self, game: str) -> Protocol:
-        if game not in game_names():
+        if not is_game(game):
             raise KeyError(game)
         default: Protocol = plugin_called(game).default()
         return default

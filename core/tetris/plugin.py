@@ -15,6 +15,7 @@ from core.tetris.config import TetrisConfig
 
 if TYPE_CHECKING:
     from core.registry import Game
+    from core.tetris.picture import Snapshot
 
 TICKS_PER_PIECE = 8
 """Pictures (ticks) of a piece on average on the default board (`core.tetris.pace`)."""
@@ -58,6 +59,12 @@ class TetrisPlugin(GamePlugin):
     def expected_game_s(self, protocol: Protocol) -> float:
         """Return the time that all pieces of a watched game take: most games have all of them."""
         return protocol.session.watched_steps * TICKS_PER_PIECE * protocol.screen.tick_ms / 1000
+
+    def view(self) -> "type[Snapshot]":
+        """Return the pictures."""
+        from core.tetris.picture import Snapshot
+
+        return Snapshot
 
     def load(self) -> "Game":
         """Return the game; boards, features and whole games in compiled code."""

@@ -164,7 +164,7 @@ def test_two_games_of_one_name_are_refused(monkeypatch: pytest.MonkeyPatch) -> N
 def test_entry_points_are_read_from_the_metadata(monkeypatch: pytest.MonkeyPatch) -> None:
     plugins._installed.cache_clear()
     point = EntryPoint("corridor", WHERE, GROUP)
-    monkeypatch.setattr(plugins, "entry_points", lambda group: [point] if group == GROUP else [])
+    monkeypatch.setattr("importlib.metadata.entry_points", lambda group: [point] if group == GROUP else [])
     try:
         assert game_names()["corridor"] == WHERE
     finally:

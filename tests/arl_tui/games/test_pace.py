@@ -8,7 +8,7 @@ from textual.pilot import Pilot
 
 from arl_tui.app.link import Preparing, Ready
 from arl_tui.app.outcome import Outcome
-from arl_tui.app.pace import ENOUGH, pace_facts, pace_warning
+from arl_tui.games.pace import ENOUGH, pace_facts, pace_warning
 from arl_tui.screens.play import PlayScreen
 from arl_tui.screens.welcome import AT_SCREEN_S, WelcomeScreen
 from arl_tui.session_app import ArlApp
