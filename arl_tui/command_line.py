@@ -12,25 +12,30 @@ from typing import Any, TextIO, TypeVar
 import click
 
 from arl_tui.home import VARIABLE, recordings_folder
-from core.plugins import BUILT_IN, game_names
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 
 
-class GameChoice(click.Choice[str]):
-    """The name of a game. Those of other packages are looked for only where it is none of the program's own."""
+class GameChoice(click.ParamType):  # type: ignore[type-arg] # not generic in click 8.1
+    """The name of a game, looked up when a name is read or help is printed: `arl` alone starts without."""
 
-    def __init__(self) -> None:
-        super().__init__(list(BUILT_IN))
+    name = "game"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
-        """Return the name; a usage error lists all games."""
-        if value not in BUILT_IN:
-            self.choices = tuple(game_names())
-        name: str = super().convert(value, param, ctx)
-        return name
+        """Return the name; a usage error lists all games, those of other packages too."""
+        from core.plugins import BUILT_IN, game_names
+
+        names = BUILT_IN if value in BUILT_IN else game_names()
+        chosen: str = click.Choice(list(names)).convert(value, param, ctx)
+        return chosen
+
+    def get_metavar(self, param: click.Parameter, ctx: click.Context) -> str | None:
+        """Return the program's own games, as click shows a choice."""
+        from core.plugins import BUILT_IN
+
+        return click.Choice(list(BUILT_IN)).get_metavar(param, ctx)
 
 
 GAMES = GameChoice()
