@@ -16,12 +16,9 @@ from typing import Protocol
 
 import msgspec
 
+from core.configuration.open_table import decode_open_table
 from core.events import Input, Output, Record
-from core.keepaway.picture import PitchFrame
-from core.tetris.picture import Snapshot
-
-View = Snapshot | PitchFrame
-"""What is to be seen of a game; msgspec decodes it by its tag."""
+from core.plugins import View
 
 
 class Begin(Record, frozen=True, kw_only=True, tag="begin"):
@@ -29,16 +26,18 @@ class Begin(Record, frozen=True, kw_only=True, tag="begin"):
 
 
 class Preparing(Record, frozen=True, kw_only=True, tag="preparing"):
-    """From the worker: how far the preparation is. Several, before `Ready`."""
+    """From the worker: how far the preparation is. Several, before `Ready` or before unseen episodes."""
 
     compiled: int
     """Kernels that are compiled, or loaded from the cache."""
     needed: int
     """About how many the session needs, >= compiled."""
+    share: float = 0.0
+    """Share of the work that is done, in [0, 1]."""
 
 
 class Ready(Record, frozen=True, kw_only=True, tag="ready"):
-    """From the worker: everything is compiled and has run once."""
+    """From the worker: everything has run once, and the first game can begin."""
 
     warm_up_ns: int
     """How long that took."""
@@ -56,7 +55,7 @@ class Picture(Record, frozen=True, kw_only=True, tag="picture"):
     step: int
     """Watched step that is seen; -1 between episodes."""
     view: View
-    ahead: PitchFrame | None = None
+    ahead: View | None = None
     """The picture after this one, where the screen may show what lies between."""
     lasts_ns: int = 0
     """How long until that one is due, on the screen's clock."""
@@ -107,7 +106,7 @@ FromWorker = Preparing | Ready | Alive | Picture | PressSuggested | TakenFor | C
 
 _encoder = msgspec.msgpack.Encoder()
 _to_worker = msgspec.msgpack.Decoder(ToWorker)
-_from_worker = msgspec.msgpack.Decoder(FromWorker)
+_from_worker = msgspec.msgpack.Decoder(FromWorker, dec_hook=decode_open_table)
 
 
 class Link(Protocol):

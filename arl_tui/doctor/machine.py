@@ -89,7 +89,7 @@ def sleep_finding() -> Finding:
     from arl_tui.timing.waking import QUIET_P95_MS, lateness_ms
 
     late = summarise(lateness_ms())
-    assert late is not None, "there were sleeps"
+    assert late is not None, "some sleeps have been measured"
     found = f"sleeps of 5 ms end {late.median:.2f} ms late (95 %: {late.p95:.2f} ms)"
     if late.p95 <= QUIET_P95_MS:
         return Finding("waking", found)

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
 from core.feedback.delays import GammaDelay
+from core.numerics.arrays import Floats
 from core.numerics.streams import stream
 from studies.experiments import page
 from studies.experiments.page import Page
@@ -22,7 +22,6 @@ from studies.reaction_time.sample import Sample
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Floats = NDArray[np.float64]
 
 PAPER = GammaDelay()
 """gamma(2.5, 0.3), read as shape and scale in seconds."""

@@ -3,12 +3,11 @@
 from collections.abc import Iterator, Mapping
 
 import msgspec
-import numpy as np
-from numpy.typing import NDArray
 
 from core.combination.config import Annealed, Constant, Equation4, Equation5, SideBySide, Signed, Tried
 from core.feedback.simulated_participants import persons
 from core.keepaway.participant_config import KeepawayPersonConfig
+from core.numerics.arrays import Floats
 from studies.experiments import page
 from studies.experiments.keepaway_pages import SCORES_TEXT, by_time, weights_used
 from studies.experiments.keepaway_settings import DEPARTURES, arl, person, sarsa_alone
@@ -17,8 +16,6 @@ from studies.experiments.page import Page
 from studies.experiments.rates import AtRate, in_short, rates_figure, ratios_table, summary, weights_table
 from studies.experiments.results import Results
 from studies.experiments.sweep import Condition, Experiment
-
-Floats = NDArray[np.float64]
 
 WRONG_PERCENT = (0, 10, 30, 50, 80, 100)
 """Share of presses of the wrong key."""

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
+from core.numerics.arrays import Floats
 from core.numerics.streams import stream
 from studies.comparison import Verdict, adjusted, paired_effect_size, probability_interval, sign_flip_p
 from studies.experiments.results import Results
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Floats = NDArray[np.float64]
 
 MARKERS = "os^Dv<>P"
 RESAMPLES = 10_000

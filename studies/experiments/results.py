@@ -6,12 +6,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from core.numerics.arrays import Floats
 from studies.experiments.run import SweepError, SweepRecord, read_record
 from studies.experiments.sweep import Experiment, load_experiment
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-import numpy as np
-from numpy.typing import NDArray
-
+from core.numerics.arrays import Floats
 from studies.comparison import Verdict
 from studies.experiments import page
 from studies.experiments.page import Page
@@ -20,7 +18,7 @@ from studies.experiments.rates import (
     weights_table,
 )
 from studies.experiments.results import Results
-from studies.experiments.robustness import (
+from studies.experiments.robustness_settings import (
     ENVIRONMENT,
     FRESH,
     FRESH_ENVIRONMENT,
@@ -32,8 +30,6 @@ from studies.experiments.robustness import (
     by_rate,
 )
 from studies.experiments.tetris_pages import SCORE, same_trials
-
-Floats = NDArray[np.float64]
 
 RULES: dict[str, str] = {
     MARGIN: "signed agreement with a margin (ours)",

@@ -12,16 +12,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.feedback.credit import GammaDelay
+from core.numerics.arrays import Floats
 from studies.reaction_time.exclusion import ExclusionPolicy, select
 from studies.reaction_time.families import FAMILIES, GAMMA, SHIFTED_GAMMA, FamilyFit, fit_all
 from studies.reaction_time.held_out import HeldOutScore, compare_held_out, markdown_table
 from studies.reaction_time.read import Columns, read_rows
 from studies.reaction_time.sample import Sample, sample
 
-Array = NDArray[np.float64]
 FITTED_TRIALS = (10, 20)
 """Trials of each person that are fitted where pooling is judged."""
 ROOT_SEED = 1
@@ -72,7 +71,7 @@ class Fitted:
     fits: dict[str, tuple[FamilyFit, ...]]
 
     @property
-    def times_s(self) -> dict[str, Array]:
+    def times_s(self) -> dict[str, Floats]:
         """Participant to times, in seconds, sorted."""
         return {name: one.observed_s for name, one in self.samples.items()}
 
