@@ -82,12 +82,11 @@ def _reach(protocol: Protocol) -> str:
 
 
 def _compiled(protocol: Protocol) -> str:
-    import os
+    from core.numerics.compiled import cache_folder, sources_digest
+    from core.numerics.kernel_files import SUFFIX
 
-    import core.numerics.compiled  # noqa: F401 - sets the cache folder
-
-    folder = Path(os.environ["NUMBA_CACHE_DIR"])
-    kept = sum(1 for _ in folder.rglob("*.nbc"))
+    folder, _ = cache_folder(sources_digest())
+    kept = sum(1 for _ in folder.glob(f"*{SUFFIX}"))
     if kept:
         return f"the kernels of {protocol.game}; {kept} compiled parts of the program are kept in {folder}"
     return f"the kernels of {protocol.game}, at the first start: a minute or two"
