@@ -28,10 +28,11 @@ protocol_option = click.option(
 
 
 def _pseudonym(_context: click.Context, _parameter: click.Parameter, value: str) -> str:
-    if not value or len(value) > 32 or not all(letter.isalnum() or letter in "-_" for letter in value):
-        raise click.BadParameter(
-            f"{value!r}: a code of up to 32 letters, digits, '-' or '_', such as P01 - never a name"
-        )
+    from arl_tui.participants import wrong_code
+
+    reason = wrong_code(value)
+    if reason:
+        raise click.BadParameter(reason)
     return value
 
 

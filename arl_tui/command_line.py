@@ -10,6 +10,7 @@ from typing import Any, TextIO, TypeVar
 import click
 
 from arl_tui.home import VARIABLE, recordings_folder
+from core.system.foreign_text import printable_lines
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -26,6 +27,9 @@ class Arl(click.Group):
         """Run a subcommand; stop with a message where a file or folder cannot be used."""
         try:
             return super().invoke(ctx)
+        except click.ClickException as error:
+            vars(error)["message"] = printable_lines(error.message)  # it may quote a file
+            raise
         except OSError as error:
             if error.errno == errno.EPIPE or error.filename is None:
                 raise
@@ -37,6 +41,18 @@ class Arl(click.Group):
 
         with formatter.section("Recordings and calibrations"):
             formatter.write_text(f"{recordings_folder()} ({why_here()}). Another folder: --recordings DIR.")
+
+
+def say(text: object = "", *, err: bool = False, nl: bool = True, **style: Any) -> None:
+    """Print a text that may hold something from a file: the one way in which commands print.
+
+    Args:
+        text: of one line or several; what a terminal would obey in it is written out (`core.system.foreign_text`).
+        err: print it to the error output.
+        nl: end the line.
+        style: as `click.style` takes it.
+    """
+    click.secho(printable_lines(str(text), longest=None), err=err, nl=nl, **style)
 
 
 def cannot_use(error: OSError) -> str:

@@ -7,6 +7,7 @@ import click
 import msgspec
 
 from arl_tui.app import facts
+from arl_tui.command_line import say
 from core.events import SessionEnded
 from core.recording.reader import Recording, RecordingError, read_recording
 from core.recording.summary import summarise_recording
@@ -24,7 +25,7 @@ def read_or_stop(path: Path, *, allow_truncated: bool) -> Recording:
     except (RecordingError, OSError) as error:
         raise click.ClickException(printable(str(error), longest=None)) from error
     for note in recording.notes:
-        click.echo(f"Beware: {printable(note, longest=None)}", err=True)
+        say(f"Beware: {printable(note, longest=None)}", err=True)
     return recording
 
 
@@ -68,11 +69,11 @@ def run_again(recording: Recording) -> None:
             f"{why_different(recording.header.software)}"
         )
     whole = isinstance(recording.outputs[-1], SessionEnded)
-    click.echo(
+    say(
         f"Replay: exact ({result.outputs} outputs equal"
         + (", the weights bit for bit)" if whole else "; the recording ends there, before the session's end)")
     )
-    click.echo(f"Session: {printable(summarise_recording(recording).words)}")
+    say(f"Session: {printable(summarise_recording(recording).words)}")
 
 
 def why_different(software: Mapping[str, str]) -> str:

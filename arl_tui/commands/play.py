@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import click
 import msgspec
 
+from arl_tui.command_line import say
 from core.session.protocol import Protocol, load_protocol
 
 if TYPE_CHECKING:
@@ -113,7 +114,7 @@ def run_live(
         link.close()
     if app.ended_by is not None:
         if outcome is not None and outcome.recording is not None:
-            click.echo(f"Recording: {outcome.recording}")
+            say(f"Recording: {outcome.recording}")
         raise SystemExit(128 + app.ended_by)
     if outcome is None:
         raise click.ClickException("the app ended without a result; see the message above")
@@ -123,8 +124,8 @@ def run_live(
 def tell(outcome: "Outcome") -> None:
     """Print where the recording is; leave with status 1 where something failed."""
     if outcome.recording is not None:
-        click.echo(f"Recording: {outcome.recording}")
+        say(f"Recording: {outcome.recording}")
     if outcome.warning:
-        click.echo(f"Beware: {outcome.warning}", err=True)
+        say(f"Beware: {outcome.warning}", err=True)
     if outcome.trouble is not None:
         raise click.ClickException(outcome.trouble)

@@ -76,7 +76,7 @@ def publish_folder(paths: list[Path], into: Path) -> list[tuple[Path, Path]]:
     numbers: dict[str, int] = {}
     copies = []
     for recording in recordings:
-        code = re.sub(r"[^\w-]", "_", recording.header.participant)
+        code = re.sub(r"[^\w-]", "_", recording.header.participant)[:40]
         numbers[code] = numbers.get(code, 0) + 1
         target = into / f"{code}-{numbers[code]}.jsonl"
         publish_copy(recording, target)

@@ -4,6 +4,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import msgspec
 
@@ -19,6 +20,9 @@ CHAIN_MARK = b',"chain":"'
 _HEADER_MARK = b'{"type":"header"'
 _VERSION_SAID = re.compile(rb'"version":\d+')
 TAKE_THE_ORIGINAL = "Take the unchanged file, from a backup or from where it was copied"
+
+LONGEST_LINE = 1 << 26
+"""Bytes of a line. The longest of a session is the one with all that was learned, some megabytes of weights."""
 
 _decoder = msgspec.json.Decoder(Line)
 _decoder_1 = msgspec.json.Decoder(version_1.Changed)
@@ -47,6 +51,15 @@ class Recording:
     """What stands behind the last whole line: the one that was being written when the session was cut off."""
     notes: tuple[str, ...] = ()
     """What is unusual about the file and was put right while reading, in plain sentences."""
+    empty_lines: tuple[int, ...] = ()
+    """Numbers of the lines that hold nothing, from 1, ascending."""
+
+    def line_of(self, index: int) -> int:
+        """Return the number of the line, from 1, on which event number `index`, from 0, stands."""
+        line = index + 2
+        for empty in self.empty_lines:
+            line += empty <= line
+        return line
 
     @property
     def inputs(self) -> tuple[Input, ...]:
@@ -94,6 +107,7 @@ class _Reading:
         self._content = content
         self._notes = notes
         self._chain = Chain()
+        self._blank: tuple[int, ...] = ()
 
     def read(self, *, allow_truncated: bool) -> Recording:
         lines, tail = self._lines()
@@ -117,13 +131,16 @@ class _Reading:
         self._check_end(lines[-1][0], events, end, allow_truncated=allow_truncated)
         if header.version == 1:
             header = msgspec.structs.replace(header, protocol=version_1.with_schedules(header.protocol))
-        return Recording(self._path, header, tuple(events), end is not None, tail, tuple(self._notes))
+        return Recording(
+            self._path, header, tuple(events), end is not None, tail, tuple(self._notes), self._blank
+        )
 
     def _wrong(self, number: int, what: str) -> RecordingError:
         return RecordingError(f"{self._path}:{number}: {what}")
 
     def _lines(self) -> tuple[list[tuple[int, bytes]], bytes]:
         """Return the whole lines with their numbers, from 1, and what stands behind the last one."""
+        self._check_lengths()
         whole, newline, tail = self._content.rpartition(b"\n")
         lines = list(enumerate(whole.split(b"\n") if newline else [], start=1))
         if tail.endswith(b'"}') and CHAIN_MARK in tail[-CHAIN_DIGITS - 16 :]:
@@ -137,9 +154,26 @@ class _Reading:
         if blank:
             self._notes.append(f"{_these_lines(blank)} empty, which no recording is; left out")
             lines = [(number, line) for number, line in lines if line.strip()]
+            self._blank = tuple(blank)
         if not lines:
             raise self._wrong(1, self._no_line())
         return self._once(lines), tail
+
+    def _check_lengths(self) -> None:
+        """Refuse a line that no session writes before it is copied."""
+        if len(self._content) <= LONGEST_LINE:
+            return
+        start, number = 0, 1
+        while start < len(self._content):
+            end = self._content.find(b"\n", start)
+            end = len(self._content) if end < 0 else end
+            if end - start > LONGEST_LINE:
+                raise self._wrong(
+                    number,
+                    f"a line of {end - start:,} bytes; a session writes none of more than {LONGEST_LINE:,}. "
+                    f"{TAKE_THE_ORIGINAL}",
+                )
+            start, number = end + 1, number + 1
 
     def _no_line(self) -> str:
         if self._content.startswith(_HEADER_MARK):
@@ -171,10 +205,7 @@ class _Reading:
         )
 
     def _header(self, line: bytes) -> Header:
-        try:
-            plain = msgspec.json.decode(line)
-        except (msgspec.DecodeError, UnicodeDecodeError):
-            plain = None
+        plain = _plain(line)
         if not isinstance(plain, Mapping) or plain.get("type") != "header" or plain.get("format") != FORMAT:
             raise self._wrong(
                 1, f"not a recording: its first line is no {FORMAT} header. {_looks_like(line)}"
@@ -215,6 +246,10 @@ class _Reading:
             raise self._wrong(number, _broken(number, payload, rest[:CHAIN_DIGITS]))
         try:
             return _record(payload, version)
+        except RecursionError as error:
+            raise self._wrong(
+                number, f"values in values in values, too deep to be read; the line begins {payload[:80]!r}"
+            ) from error
         except (msgspec.DecodeError, ValueError) as error:
             raise self._wrong(number, f"{error}; the line begins {payload[:80]!r}") from error
 
@@ -301,12 +336,17 @@ def _these_lines(numbers: list[int]) -> str:
     return f"{len(numbers)} lines, from line {numbers[0]} on, are"
 
 
+def _plain(line: bytes) -> Any:
+    """Return what a line of JSON says; None where it is none."""
+    try:
+        return msgspec.json.decode(line)
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
+        return None
+
+
 def _looks_like(content: bytes) -> str:
     """Say in a sentence what a file of another kind seems to be, and what to do with it."""
-    try:
-        plain = msgspec.json.decode(content.splitlines()[0] if content.splitlines() else b"")
-    except (msgspec.DecodeError, UnicodeDecodeError):
-        plain = None
+    plain = _plain(content.partition(b"\n")[0].partition(b"\r")[0])
     if isinstance(plain, Mapping):
         kind = plain.get("format")
         if kind == "arl-reaction-times":

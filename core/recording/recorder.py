@@ -11,7 +11,7 @@ import os
 import queue
 import threading
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -148,6 +148,30 @@ class LineWriter:
             os.ftruncate(self._file.fileno(), self._length)
             raise
         self._length += len(sealed)
+
+
+def write_recording(path: Path, header: Header, events: Iterable[Event]) -> None:
+    """Write a recording that is all there already: the whole file, or none.
+
+    Args:
+        path: of the new file.
+        header: its first line.
+        events: in order.
+
+    Raises:
+        FileExistsError: there is a file at `path` already; it is not touched.
+        OSError: the file cannot be written.
+    """
+    encode(header)  # what cannot be encoded must not leave a file behind
+    writer = LineWriter(path, header)
+    try:
+        for event in events:
+            writer.append(event)
+        writer.close()
+    except BaseException:
+        writer.abandon()
+        path.unlink(missing_ok=True)
+        raise
 
 
 def is_durable(event: Event) -> bool:

@@ -49,6 +49,8 @@ class Header(Record, frozen=True, kw_only=True, omit_defaults=False, tag="header
             raise ValueError(
                 f"version {self.version} of the format; this program reads versions 1 to {VERSION}"
             )
+        if self.root_seed < 0:
+            raise ValueError(f"root_seed is >= 0, got {self.root_seed}")
 
 
 class End(Record, frozen=True, kw_only=True, tag="end"):
