@@ -1,5 +1,6 @@
 """Running a recording again: shared by `arl replay` and `arl demo`."""
 
+import sys
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -16,6 +17,8 @@ from core.system.foreign_text import printable
 
 GETTING_READY = "Getting ready; the first time this takes a minute or two ..."
 """Said where everything may have to be compiled first."""
+WORTH_A_BAR = 20_000
+"""Outputs from which on a replay shows how far it is."""
 
 
 def read_or_stop(path: Path, *, allow_truncated: bool) -> Recording:
@@ -59,8 +62,18 @@ def run_again(recording: Recording) -> None:
 
     need_outputs(recording)
     session = build_session(protocol_of(recording), recording.header.root_seed)
+    n_outputs = len(recording.outputs)
+    # A session of some minutes is replayed at once.
+    bar = click.progressbar(
+        length=n_outputs,
+        label="Replaying",
+        file=sys.stderr,
+        hidden=n_outputs < WORTH_A_BAR,
+        update_min_steps=1000,
+    )
     try:
-        result = replay_exactly(recording, session)
+        with bar:
+            result = replay_exactly(recording, session, on_progress=bar.update)
     except RecordingError as error:
         raise click.ClickException(str(error)) from error
     if result.difference is not None:

@@ -11,7 +11,8 @@ import msgspec
 from arl_tui.command_line import say
 from arl_tui.home import elsewhere, recordings_folder, why_here
 from arl_tui.recordings import CALIBRATION_FOLDER, all_recordings
-from core.recording.reader import Recording, RecordingError, read_recording
+from core.recording.reader import Recording, RecordingError
+from core.recording.skim import skim_recording
 from core.recording.summary import RecordingSummary, summarise_recording
 from core.system.foreign_text import printable
 
@@ -82,7 +83,7 @@ def read_all(folder: Path, problems: list[OSError]) -> Iterator[Found]:
     """
     for path in all_recordings(folder, problems.append):
         try:
-            yield path, read_recording(path), ""
+            yield path, skim_recording(path), ""
         except (RecordingError, OSError) as error:
             yield path, None, str(error)
 

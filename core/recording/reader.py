@@ -1,7 +1,7 @@
 """Read a recording back, check every line, and say exactly where one is wrong."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -53,6 +53,8 @@ class Recording:
     """What is unusual about the file and was put right while reading, in plain sentences."""
     empty_lines: tuple[int, ...] = ()
     """Numbers of the lines that hold nothing, from 1, ascending."""
+    steps_left_out: int = 0
+    """Steps that were counted and are not among `events` (`core.recording.skim`)."""
 
     def line_of(self, index: int) -> int:
         """Return the number of the line, from 1, on which event number `index`, from 0, stands."""
@@ -91,12 +93,14 @@ def read_recording(path: Path, *, allow_truncated: bool = True) -> Recording:
             f"{path}: a folder, not a recording: name a file in it, or list them: `arl recordings`"
         )
     found = as_recorded(path, path.read_bytes())
+    reading, undone = _Reading(path, found.content, list(found.notes)), found.notes
+    del found  # the content of a long session is let go while it is read
     try:
-        return _Reading(path, found.content, list(found.notes)).read(allow_truncated=allow_truncated)
+        return reading.read(allow_truncated=allow_truncated)
     except RecordingError as error:
-        if not found.notes:
+        if not undone:
             raise
-        raise RecordingError(f"{error} (Besides, {'; '.join(found.notes)}.)") from error
+        raise RecordingError(f"{error} (Besides, {'; '.join(undone)}.)") from error
 
 
 class _Reading:
@@ -107,28 +111,34 @@ class _Reading:
         self._content = content
         self._notes = notes
         self._chain = Chain()
-        self._blank: tuple[int, ...] = ()
+        self._blank: tuple[int, ...] = ()  # numbers of empty lines, ascending
+        self._numbers: list[int] = []  # of the other lines, where there are empty ones
+        self._n_line_ends = 0
 
     def read(self, *, allow_truncated: bool) -> Recording:
         lines, tail = self._lines()
-        header = self._header(lines[0][1])
+        n_lines = len(lines)
+        # From the last to the first, so that each can be let go when it has been read.
+        lines.reverse()
+        header = self._header(lines.pop())
         events: list[Event] = []
         end: End | None = None
-        for number, line in lines[1:]:
+        while lines:
+            number = self._number(n_lines - len(lines))
             if end is not None:
                 raise self._wrong(
                     number,
                     "there is a line behind the end line; was something appended? Keep the first "
                     f"{number - 1} lines",
                 )
-            record = self._decode(number, line, header.version)
+            record = self._decode(number, lines.pop(), header.version)
             assert not isinstance(record, Header), "a second header was looked for before"
             if isinstance(record, End):
                 end = record
             else:
                 events.append(record)
         tail = self._about_tail(tail, end)
-        self._check_end(lines[-1][0], events, end, allow_truncated=allow_truncated)
+        self._check_end(self._number(n_lines - 1), events, end, allow_truncated=allow_truncated)
         if header.version == 1:
             header = msgspec.structs.replace(header, protocol=version_1.with_schedules(header.protocol))
         return Recording(
@@ -138,25 +148,31 @@ class _Reading:
     def _wrong(self, number: int, what: str) -> RecordingError:
         return RecordingError(f"{self._path}:{number}: {what}")
 
-    def _lines(self) -> tuple[list[tuple[int, bytes]], bytes]:
-        """Return the whole lines with their numbers, from 1, and what stands behind the last one."""
+    def _number(self, place: int) -> int:
+        """Return the number, from 1, of a line that is not empty, by its place among those, from 0."""
+        return self._numbers[place] if self._numbers else place + 1
+
+    def _lines(self) -> tuple[list[bytes], bytes]:
+        """Return the whole lines that are not empty, and what stands behind the last one."""
         self._check_lengths()
-        whole, newline, tail = self._content.rpartition(b"\n")
-        lines = list(enumerate(whole.split(b"\n") if newline else [], start=1))
+        self._n_line_ends = self._content.count(b"\n")
+        lines = self._content.split(b"\n")
+        tail = lines.pop()
         if tail.endswith(b'"}') and CHAIN_MARK in tail[-CHAIN_DIGITS - 16 :]:
             # A whole line; if it is not, its chain says so.
             self._notes.append(
                 "the line end behind the last line is missing; an editor may have taken it away"
             )
-            lines.append((len(lines) + 1, tail))
+            lines.append(tail)
             tail = b""
-        blank = [number for number, line in lines if not line.strip()]
-        if blank:
-            self._notes.append(f"{_these_lines(blank)} empty, which no recording is; left out")
-            lines = [(number, line) for number, line in lines if line.strip()]
-            self._blank = tuple(blank)
+        self._blank = tuple(number for number, line in enumerate(lines, start=1) if not line.strip())
+        if self._blank:
+            self._notes.append(f"{_these_lines(self._blank)} empty, which no recording is; left out")
+            self._numbers = [number for number, line in enumerate(lines, start=1) if line.strip()]
+            lines = [line for line in lines if line.strip()]
         if not lines:
             raise self._wrong(1, self._no_line())
+        self._content = b""
         return self._once(lines), tail
 
     def _check_lengths(self) -> None:
@@ -183,20 +199,19 @@ class _Reading:
             )
         return f"not a recording: it holds no whole line. {_looks_like(self._content)}"
 
-    def _once(self, lines: list[tuple[int, bytes]]) -> list[tuple[int, bytes]]:
+    def _once(self, texts: list[bytes]) -> list[bytes]:
         """Return the lines of the first copy where a file holds the same recording several times."""
-        texts = [line for _, line in lines]
         second = next((n for n, text in enumerate(texts) if n and text.startswith(_HEADER_MARK)), None)
         if second is None:
-            return lines
-        number = lines[second][0]
+            return texts
+        number = self._number(second)
         if all(text == texts[n % second] for n, text in enumerate(texts)):
             times = "twice" if len(texts) == 2 * second else f"{len(texts) / second:.1f} times"
             self._notes.append(
                 f"the file holds the same recording {times} (joined or appended); it was read once: "
                 f"lines 1 to {number - 1}"
             )
-            return lines[:second]
+            return texts[:second]
         raise self._wrong(
             number,
             "a second header: two recordings were joined. Split them before this line: `head -n "
@@ -245,7 +260,7 @@ class _Reading:
         if self._chain.advance(payload) != rest[:CHAIN_DIGITS]:
             raise self._wrong(number, _broken(number, payload, rest[:CHAIN_DIGITS]))
         try:
-            return _record(payload, version)
+            return record_of(payload, version)
         except RecursionError as error:
             raise self._wrong(
                 number, f"values in values in values, too deep to be read; the line begins {payload[:80]!r}"
@@ -259,7 +274,7 @@ class _Reading:
             return b""
         if end is not None:
             raise self._wrong(
-                self._content.count(b"\n") + 1,
+                self._n_line_ends + 1,
                 f"behind the end line stands {tail[:40]!r}; was something appended? Take it away",
             )
         self._notes.append(
@@ -282,7 +297,7 @@ class _Reading:
             )
 
 
-def _record(payload: bytes, version: int) -> Line:
+def record_of(payload: bytes, version: int) -> Line:
     """Return what a line of a file of this version says, in today's terms.
 
     Raises:
@@ -327,7 +342,7 @@ def _broken(number: int, payload: bytes, digits: bytes) -> str:
     )
 
 
-def _these_lines(numbers: list[int]) -> str:
+def _these_lines(numbers: Sequence[int]) -> str:
     """Return "line 3 is", "lines 3 and 7 are" or "5 lines, from line 3 on, are"."""
     if len(numbers) == 1:
         return f"line {numbers[0]} is"
