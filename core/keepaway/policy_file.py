@@ -136,12 +136,10 @@ def load_policy(path: Path) -> SavedPolicy:
         PolicyFileError: the file is not a policy, or of a version that is not known here.
         OSError: the file cannot be read.
     """
-    with path.open("rb") as file:
-        content = file.read(LARGEST_FILE + 1)
     try:
-        if len(content) > LARGEST_FILE:
+        if path.stat().st_size > LARGEST_FILE:
             raise ValueError(f"more than {LARGEST_FILE:,} bytes")
-        with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        with zipfile.ZipFile(io.BytesIO(path.read_bytes())) as archive:
             header = _header(_array(archive, "header", LARGEST_HEADER, np.dtype(np.uint8)).tobytes())
             _check_size(header)
             needed = _empty(header).weights.nbytes
