@@ -12,6 +12,7 @@ import click
 import msgspec
 
 from arl_tui.command_line import say
+from arl_tui.signing import NoKey, signer_in_use
 from core.session.protocol import Protocol, load_protocol
 
 if TYPE_CHECKING:
@@ -90,6 +91,10 @@ def run_live(
     source: Mapping[str, str] | None = None,
 ) -> "Outcome":
     """Start the worker, then the app; return what is left when both are gone."""
+    try:
+        signer_in_use()
+    except NoKey as error:
+        raise click.ClickException(str(error)) from error
     os.environ.setdefault("TEXTUAL_FPS", FRAMES_PER_S)
     root_seed = secrets.randbits(63) if seed is None else seed
     gc.disable()  # start-up leaves nothing to collect; `GarbageControl` takes over with the app

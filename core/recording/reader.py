@@ -55,6 +55,10 @@ class Recording:
     """Numbers of the lines that hold nothing, from 1, ascending."""
     steps_left_out: int = 0
     """Steps that were counted and are not among `events` (`core.recording.skim`)."""
+    signature: str = ""
+    """In the end line, hex; "" where there is none."""
+    signed: bytes = b""
+    """What the signature is about (`core.recording.recorder.Chain.to_sign`)."""
 
     def line_of(self, index: int) -> int:
         """Return the number of the line, from 1, on which event number `index`, from 0, stands."""
@@ -123,6 +127,7 @@ class _Reading:
         header = self._header(lines.pop())
         events: list[Event] = []
         end: End | None = None
+        signed = b""
         while lines:
             number = self._number(n_lines - len(lines))
             if end is not None:
@@ -131,6 +136,7 @@ class _Reading:
                     "there is a line behind the end line; was something appended? Keep the first "
                     f"{number - 1} lines",
                 )
+            signed = b"" if len(lines) > 1 else self._chain.to_sign(len(events))
             record = self._decode(number, lines.pop(), header.version)
             assert not isinstance(record, Header), "a second header was looked for before"
             if isinstance(record, End):
@@ -142,7 +148,15 @@ class _Reading:
         if header.version == 1:
             header = msgspec.structs.replace(header, protocol=version_1.with_schedules(header.protocol))
         return Recording(
-            self._path, header, tuple(events), end is not None, tail, tuple(self._notes), self._blank
+            self._path,
+            header,
+            tuple(events),
+            end is not None,
+            tail,
+            tuple(self._notes),
+            self._blank,
+            signature="" if end is None else end.signature,
+            signed=signed,
         )
 
     def _wrong(self, number: int, what: str) -> RecordingError:

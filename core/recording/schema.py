@@ -58,6 +58,8 @@ class End(Record, frozen=True, kw_only=True, tag="end"):
 
     events: int
     """Number of lines between the header and this one."""
+    signature: str = ""
+    """Ed25519 signature of all lines before, hex (`core.recording.signature`); "" where there is none."""
 
 
 Line = Header | Event | End
