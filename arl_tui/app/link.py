@@ -121,9 +121,10 @@ def from_worker(message: bytes) -> FromWorker:
         LinkError: it is no message of a worker.
     """
     try:
-        return _from_worker.decode(message)
+        said: FromWorker = _from_worker.decode(message)
     except (msgspec.DecodeError, ValueError, RecursionError) as error:
         raise LinkError(str(error)) from error
+    return said
 
 
 def to_worker(message: bytes) -> ToWorker:
@@ -133,9 +134,10 @@ def to_worker(message: bytes) -> ToWorker:
         LinkError: it is no message to a worker.
     """
     try:
-        return _to_worker.decode(message)
+        said: ToWorker = _to_worker.decode(message)
     except (msgspec.DecodeError, ValueError, RecursionError) as error:
         raise LinkError(str(error)) from error
+    return said
 
 
 class Link(Protocol):

@@ -39,8 +39,8 @@ def verify_all(folder: Path, key_path: Path) -> None:
         except (RecordingError, OSError) as error:
             verdicts.append(f"damaged: {error}")
         say(f"{path.relative_to(folder)}  {verdicts[-1]}", fg="green" if verdicts[-1] == "signed" else "red")
-    for error in problems:
-        say(f"UNREADABLE  {error.filename}: {error.strerror}", fg="red")
+    for problem in problems:
+        say(f"UNREADABLE  {problem.filename}: {problem.strerror}", fg="red")
     n_signed = verdicts.count("signed")
     say(f"{n_signed} of {len(verdicts)} recordings were signed with {key_path} and not changed since.")
     if problems or n_signed < len(verdicts):

@@ -9,7 +9,6 @@ from pathlib import Path
 
 import msgspec
 
-from core.events import Input, Output
 from core.recording.reader import CHAIN_MARK, Recording, read_recording, record_of
 from core.recording.recorder import CHAIN_DIGITS
 from core.recording.schema import End, Header
@@ -62,8 +61,9 @@ def _decoded(path: Path, kept: list[bytes], n_lines: int, steps: int) -> Recordi
         records = [record_of(line[:-_TAIL] + b"}", header.version) for line in kept[1:]]
     except (msgspec.DecodeError, ValueError, RecursionError):
         return None
-    end = records.pop() if records and isinstance(records[-1], End) else None
-    events = [record for record in records if isinstance(record, Input | Output)]
-    if len(events) != len(records) or (end is not None and end.events != n_lines - 2):
+    last = records[-1] if records else None
+    end = last if isinstance(last, End) else None
+    events = tuple(record for record in records if not isinstance(record, Header | End))
+    if len(events) != len(records) - (end is not None) or (end is not None and end.events != n_lines - 2):
         return None
-    return Recording(path, header, tuple(events), end is not None, steps_left_out=steps)
+    return Recording(path, header, events, end is not None, steps_left_out=steps)
