@@ -344,6 +344,17 @@ def show_protocol(game: str | None, protocol: Path | None, check: Path | None, m
         print_protocol(game, protocol)
 
 
+@main.command(name="warm-up", short_help="Compile now what the first games would compile.")
+def warm_up() -> None:
+    """Compile everything now that sessions and matches compile when they are first played: half a minute, once.
+
+    Nothing has to be: a first game begins at once and compiles meanwhile.
+    """
+    from arl_tui.commands.warm_up import warm_up as run
+
+    run()
+
+
 @main.command(name="recordings", short_help="List the recordings there are, and check each.")
 @recordings_option(to_write=False)
 @click.option("--csv", "csv_path", type=ToWrite(), help="Write the list to a file, with everything it says.")

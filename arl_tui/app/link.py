@@ -29,16 +29,18 @@ class Begin(Record, frozen=True, kw_only=True, tag="begin"):
 
 
 class Preparing(Record, frozen=True, kw_only=True, tag="preparing"):
-    """From the worker: how far the preparation is. Several, before `Ready`."""
+    """From the worker: how far the preparation is. Several, before `Ready` or before unseen episodes."""
 
     compiled: int
     """Kernels that are compiled, or loaded from the cache."""
     needed: int
     """About how many the session needs, >= compiled."""
+    share: float = 0.0
+    """Share of the work that is done, in [0, 1]."""
 
 
 class Ready(Record, frozen=True, kw_only=True, tag="ready"):
-    """From the worker: everything is compiled and has run once."""
+    """From the worker: everything has run once, and the first game can begin."""
 
     warm_up_ns: int
     """How long that took."""

@@ -11,15 +11,15 @@ import multiprocessing
 import os
 import signal
 import tempfile
-import threading
 import traceback
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import msgspec
 
+from arl_tui.app.ahead import Ahead, fill, is_compiled, session_order
 from arl_tui.app.demo_participant import Companion
 from arl_tui.app.link import Begin, Crashed, Picture, Preparing, Ready, TakenFor, WorkerLine, WorkerLink
 from arl_tui.app.taken import StepsShown
@@ -45,11 +45,8 @@ if TYPE_CHECKING:
 
 LOG_PREFIX = "arl-worker-"
 """Of the file that takes a worker's error output; the number of the screen's process follows."""
-KERNELS_NEEDED = {"tetris": 53, "keepaway": 122}
-"""How many kernels a session compiles before its first game where none is in the cache, by game. (Counted with
-the default protocols; `tests/arl_tui/test_worker.py` keeps it near.)"""
 PROGRESS_S = 0.25
-"""How often the screen is told how many there are."""
+"""How often the screen is told how far compiling is."""
 LAST_WORDS = 4000
 """Characters of a dead worker's error output that are shown."""
 
@@ -116,45 +113,17 @@ def worker_main(
         from core.session.reach import reach_of
         from core.session.session import build_session
 
-        with telling_progress(line, protocol.game):
-            rehearse(protocol)
-            session = build_session(protocol, root_seed)
-            companion = Companion(session, protocol, root_seed) if simulated else None
-            reach = reach_of(protocol)
-        line.send(
-            Ready(warm_up_ns=clock.now_ns() - before_ns, reach=reach.share, step_s=reach.step_s),
-        )
-        Show(line, protocol, clock, companion).run(session)
+        ahead = get_ready(protocol)
+        session = build_session(protocol, root_seed)
+        companion = Companion(session, protocol, root_seed) if simulated else None
+        reach = reach_of(protocol)
+        line.send(Ready(warm_up_ns=clock.now_ns() - before_ns, reach=reach.share, step_s=reach.step_s))
+        Show(line, protocol, clock, companion, ahead).run(session)
     except (EOFError, BrokenPipeError, ConnectionResetError):
         return  # Nobody is looking any more.
     except Exception as error:  # noqa: BLE001 - whatever it was, the participant must be told
         with contextlib.suppress(OSError):
             line.send(Crashed(error=f"{type(error).__name__}: {error}", trace=traceback.format_exc()))
-
-
-@contextlib.contextmanager
-def telling_progress(line: WorkerLine, game: str) -> Iterator[None]:
-    """Tell the screen how many kernels are compiled, while the block runs; nothing else may be sent."""
-    from core.numerics.compiled import kernels_at_hand
-
-    over = threading.Event()
-
-    def tell() -> None:
-        told = -1
-        while not over.wait(PROGRESS_S):
-            compiled = kernels_at_hand()
-            if compiled != told:
-                told = compiled
-                with contextlib.suppress(OSError):  # the screen has gone: whoever reads next will notice
-                    line.send(Preparing(compiled=compiled, needed=max(compiled, KERNELS_NEEDED[game])))
-
-    teller = threading.Thread(target=tell, name="progress", daemon=True)
-    teller.start()
-    try:
-        yield
-    finally:
-        over.set()
-        teller.join()
 
 
 def _leave_the_terminal(log_path: str) -> None:
@@ -168,6 +137,23 @@ def _leave_the_terminal(log_path: str) -> None:
     os.dup2(log, 2)
     os.close(log)
     faulthandler.enable(2)
+
+
+def get_ready(protocol: Protocol) -> Ahead | None:
+    """Make everything run once that a session runs.
+
+    Returns:
+        The process that compiles what the session needs, while Python stands in for it; None where all of it is loaded.
+    """
+    from core.numerics.interpreting import CAN_INTERPRET, start_interpreting
+
+    order = session_order(protocol)
+    if is_compiled(order) or not CAN_INTERPRET:
+        fill(order)
+        return None
+    start_interpreting()
+    rehearse(protocol)
+    return Ahead(order)
 
 
 class Rehearsal:
@@ -218,7 +204,12 @@ class Show:
     """Plays a session in front of the participant."""
 
     def __init__(
-        self, line: WorkerLine, protocol: Protocol, clock: Clock, companion: Companion | None = None
+        self,
+        line: WorkerLine,
+        protocol: Protocol,
+        clock: Clock,
+        companion: Companion | None = None,
+        ahead: Ahead | None = None,
     ) -> None:
         """Prepare.
 
@@ -227,7 +218,10 @@ class Show:
             protocol: pace, and size of the game.
             clock: of simulated time.
             companion: a simulated participant who watches, too.
+            ahead: compiles what Python stands in for until then.
         """
+        self._protocol = protocol
+        self._ahead = ahead
         self._line = line
         self._clock = clock
         self._companion = companion
@@ -254,6 +248,7 @@ class Show:
         while not self._begun:
             self._take_in(None)
         self._due_ns = self._clock.now_ns()
+        session.before_unseen = self._wait_for_kernels
         for output in session.run(self, self._clock):
             self._line.send(output)
             self._show(output)
@@ -274,7 +269,30 @@ class Show:
             case EpisodeEnded() if not self._stopped:
                 self._send_picture(-1, Shot(self._stage.picture))
                 self._due_ns = self._clock.now_ns() + self._break_ns
+                if self._ahead is not None and self._ahead.finished:
+                    self._load_kernels()
                 self._wait_until_due()
+
+    def _wait_for_kernels(self) -> None:
+        """Wait until everything is compiled, and say how far it is: unseen episodes would take Python minutes."""
+        from core.numerics.interpreting import progress
+
+        while self._ahead is not None:
+            far = progress()
+            self._line.send(Preparing(compiled=far.compiled, needed=far.needed, share=far.share))
+            if self._ahead.finished:
+                self._load_kernels()
+            else:
+                self._take_in(PROGRESS_S)
+
+    def _load_kernels(self) -> None:
+        """Change over from Python to compiled code: it gives the same bits."""
+        from core.numerics.interpreting import load_interpreted, stop_interpreting
+
+        load_interpreted()
+        stop_interpreting()
+        fill(session_order(self._protocol))
+        self._ahead = None
 
     def _suggest(self, step: StepTaken, n_shots: int) -> None:
         if self._companion is not None:

@@ -88,6 +88,8 @@ class CalibrationApp(PlainApp[Outcome]):
         self._stamps_without_driver: list[tuple[int, int]] = []
         self._last_flush_ns: int | None = None
         self._stopping = False
+        self._asked: dict[str, asyncio.Future[bytes]] = {}
+        """What another process has begun to prepare while pages are read, by module."""
 
     # --- keys and frames ----------------------------------------------------------------------------------------
 
@@ -104,6 +106,8 @@ class CalibrationApp(PlainApp[Outcome]):
 
     def on_unmount(self) -> None:
         """Leave the process as it was found."""
+        for task in self._asked.values():
+            task.cancel()
         self._garbage.restore()
         self._store.close(finished=False)
 
@@ -142,6 +146,7 @@ class CalibrationApp(PlainApp[Outcome]):
             self.exit(Outcome((), False, Fitted()))
             return
         parts, resumed = await self._parts()
+        self._prepare_games(parts)
         if not await self._ask(WelcomePage(parts, sitting.participant, resumed=resumed)):
             self.exit(Outcome((), False, Fitted()))
             return
@@ -158,6 +163,15 @@ class CalibrationApp(PlainApp[Outcome]):
         finished = finished and trouble is None
         await self._ask(SummaryPage(fitted, finished=finished, trouble=trouble))
         self.exit(Outcome(tuple(self._store.files), finished, fitted, trouble))
+
+    def _prepare_games(self, parts: tuple[Part, ...]) -> None:
+        """Let the game of feedback-lag be prepared while the first pages are read."""
+        for part in parts:
+            if part.schedule.config.task == "feedback lag" and not part.complete:
+                module = game_module(part.schedule)
+                self._asked[module] = asyncio.ensure_future(self._helper(module, part.schedule))
+                # Whoever waits for it gets its error; without anybody it is nobody's.
+                self._asked[module].add_done_callback(lambda task: task.cancelled() or task.exception())
 
     async def _ask(self, page: Page) -> bool:
         answer = await self.push_screen_wait(page)
@@ -225,11 +239,9 @@ class CalibrationApp(PlainApp[Outcome]):
             return BoxView()
         is_tetris = schedule.config.game == "tetris"
         answer = await self._wait_for(
-            "arl_tui.calibration.scenes" if is_tetris else "arl_tui.calibration.clips",
+            game_module(schedule),
             schedule,
-            WaitingPage(
-                "Getting ready", "The game is being prepared. The first time this takes a minute or two."
-            ),
+            WaitingPage("Getting ready", "The game is being prepared: some seconds."),
         )
         if answer is None:
             return None
@@ -245,7 +257,7 @@ class CalibrationApp(PlainApp[Outcome]):
         Raises:
             HelperError: the process failed.
         """
-        task = asyncio.ensure_future(self._helper(module, question))
+        task = self._asked.pop(module, None) or asyncio.ensure_future(self._helper(module, question))
         task.add_done_callback(lambda _: self.call_later(page.leave, True))
         try:
             if not await self._ask(page):
@@ -299,3 +311,8 @@ class CalibrationApp(PlainApp[Outcome]):
         if answer is None:
             return Fitted(failures={"all": "Nobody waited. The trials are kept: fit them with --refit."})
         return msgspec.json.decode(answer, type=Fitted)
+
+
+def game_module(schedule: Schedule) -> str:
+    """Return the module that prepares the game of a feedback-lag task."""
+    return f"arl_tui.calibration.{'scenes' if schedule.config.game == 'tetris' else 'clips'}"

@@ -113,7 +113,12 @@ def _possessions(schedule: Schedule) -> Iterator[list[PitchFrame]]:
 
 def main() -> None:
     """Read a schedule from the standard input, write its clips to the standard output, both JSON."""
+    from arl_tui.app.ahead import is_compiled, match_order
+    from core.numerics.interpreting import start_interpreting
+
     schedule = msgspec.json.decode(sys.stdin.buffer.read(), type=Schedule)
+    if not is_compiled(match_order(KeepawayConfig())):
+        start_interpreting()  # half the time of compiling
     sys.stdout.buffer.write(msgspec.json.encode(make_clips(schedule)))
 
 

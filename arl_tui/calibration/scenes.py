@@ -109,7 +109,10 @@ def _full_rows(wall: Wall) -> tuple[int, ...]:
 
 def main() -> None:
     """Read a schedule from the standard input, write its scenes to the standard output, both JSON."""
+    from core.numerics.interpreting import start_interpreting
+
     schedule = msgspec.json.decode(sys.stdin.buffer.read(), type=Schedule)
+    start_interpreting()  # faster than compiling, and all compiled code is still to be loaded
     sys.stdout.buffer.write(msgspec.json.encode(make_scenes(schedule)))
 
 

@@ -1,9 +1,11 @@
 """`arl watch`: look at any policy of Keepaway."""
 
+import atexit
 import os
 import re
 import secrets
 import sys
+import threading
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -98,10 +100,9 @@ def watch(
     from arl_tui.widgets.pitch_ink import DETAILS
 
     def prepare() -> "Exhibition":
+        get_ready(config)
         from core.keepaway.viewed_match import Exhibition
 
-        match = Exhibition(config, policy if saved is None else saved.sarsa(), root_seed, "watch")
-        rehearse(match)
         return Exhibition(config, policy if saved is None else saved.sarsa(), root_seed, "watch")
 
     screen = WatchScreen(
@@ -131,11 +132,30 @@ def run(app: "WatchApp") -> None:
         os._exit(0)
 
 
-def rehearse(match: "Exhibition") -> None:
-    """Play until somebody has decided: what is compiled by then is all there is."""
-    for _ in range(100):
-        if match.step().decider >= 0:
-            return
+def get_ready(config: "KeepawayConfig") -> None:
+    """Load all that matches of this task need; where it is not compiled, let Python play until it is."""
+    from arl_tui.app.ahead import Ahead, fill, is_compiled, match_order
+    from core.numerics.interpreting import (
+        CAN_INTERPRET,
+        load_interpreted,
+        start_interpreting,
+        stop_interpreting,
+    )
+
+    order = match_order(config)
+    if is_compiled(order) or not CAN_INTERPRET:
+        fill(order)
+        return
+    start_interpreting()
+    ahead = Ahead(order)
+    atexit.register(ahead.close)
+
+    def change_over() -> None:
+        ahead.wait()
+        load_interpreted()
+        stop_interpreting()
+
+    threading.Thread(target=change_over, name="change over", daemon=True).start()
 
 
 def read_policy(path: Path) -> "SavedPolicy":

@@ -56,7 +56,7 @@ class ClosingScreen(Page):
             yield Static(f"\nIn practice, {self._words.units[1]} per game, block by block:")
             yield LearningCurve(outcome.tally.practised)
         if outcome.recording is not None:
-            yield Static(Text(where_recorded(outcome)), classes="path")
+            yield Static(Text(how_much_recorded(outcome)), classes="path")
         yield Static("Press [reverse] Enter [/] to leave", classes="call")
 
     def _what_happened(self) -> str:
@@ -87,13 +87,16 @@ class ClosingScreen(Page):
         cast("ArlApp", self.app).exit(self.outcome)
 
 
-def where_recorded(outcome: "Outcome") -> str:
-    """Return where the recording is and how much of it is known to be on the disk, in words."""
+def how_much_recorded(outcome: "Outcome") -> str:
+    """Return how much of the session is recorded and known to be on the disk, in words.
+
+    The terminal names the file afterwards: names of files and folders may tell the condition.
+    """
     kept = outcome.kept
     what = "The session" if outcome.trouble is None else "Everything up to this moment"
     if kept is not None and kept.written < kept.recorded:
         what = "What could be written"
-    told = f"{what} is recorded in\n{outcome.recording}"
+    told = f"{what} is recorded."
     if kept is None:
         return told
     if kept.synced >= kept.recorded:

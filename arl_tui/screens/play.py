@@ -11,7 +11,7 @@ from textual.screen import Screen
 from textual.widgets import Static
 
 from arl_tui.app.gaps import length_s
-from arl_tui.app.link import Picture, TakenFor
+from arl_tui.app.link import Picture, Preparing, TakenFor
 from arl_tui.app.live_session import Cover, LiveSession, Occurrence, weight_in_use
 from arl_tui.games.panel import Progress, scene_of
 from arl_tui.palette import Palette
@@ -41,6 +41,16 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "guide": ("h", "f1"),
     "leave": ("q", "ctrl+q,ctrl+c"),
 }
+
+
+BAR_WIDTH = 20
+"""Cells."""
+
+
+def bar(share: float) -> str:
+    """Return a bar for a share in [0, 1], and the share in per cent."""
+    done = round(share * BAR_WIDTH)
+    return f"{'━' * done}[dim]{'─' * (BAR_WIDTH - done)}[/] {share:.0%}"
 
 
 class PlayScreen(Screen[None], inherit_bindings=False):
@@ -118,6 +128,8 @@ class PlayScreen(Screen[None], inherit_bindings=False):
                 self._begin_episode(occurrence)
             case EpisodeEnded():
                 self._end_episode(occurrence)
+            case Preparing(share=share) if self._live.phase == "running":
+                self._say(f"One moment, this first time:\n{bar(share)}")
             case TimeGap():
                 self._lay_over(PauseScreen(gap_s=length_s(occurrence)), "gap")
             case StopAsked() | SessionEnded():

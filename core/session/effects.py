@@ -111,6 +111,9 @@ def _plays_unseen(protocol: "Protocol") -> bool:
     return session.unseen_before > 0 or (session.unseen_between > 0 and session.episodes > 1)
 
 
+FORMER_DEFAULTS: dict[str, object] = {"screen.tick_ms": 80}
+"""Defaults of version 0.1: its `arl protocol` wrote every setting, so files of that time hold them."""
+
 USES: tuple[Use, ...] = (
     Use(("screen.tick_ms",), "in Tetris only", lambda p, m: p.game == "tetris" and _on_screen(p, m)),
     Use(("screen.speed",), "in Keepaway only", lambda p, m: p.game == "keepaway" and _on_screen(p, m)),
@@ -120,7 +123,12 @@ USES: tuple[Use, ...] = (
         _on_screen,
         refused=False,
     ),
-    Use(("screen.palette",), "on a screen: in live sessions only", _live, refused=False),
+    Use(
+        ("screen.palette", "screen.count_down_s", "screen.mark_presses", "screen.show_weight"),
+        "on a screen: in live sessions only",
+        _live,
+        refused=False,
+    ),
     Use(
         ("keys.wrong_press_rate",),
         "in live sessions only (a simulated participant has trainer.deliberate_rate)",
@@ -277,7 +285,7 @@ def uses_of(path: str) -> Iterator[Use]:
 
 
 def idle(protocol: "Protocol", default: "Protocol", modes: Sequence[Mode] = MODES) -> list[Idle]:
-    """Return the settings that differ from the defaults and have an effect in none of these modes.
+    """Return the settings that differ from the defaults, present and former, and have an effect in none of these modes.
 
     Args:
         protocol: any.
@@ -286,7 +294,10 @@ def idle(protocol: "Protocol", default: "Protocol", modes: Sequence[Mode] = MODE
     """
     found = []
     for path, value in changed(protocol, default):
-        for use in uses_of(".".join(map(str, path))):
+        name = ".".join(map(str, path))
+        if FORMER_DEFAULTS.get(name) == value:
+            continue
+        for use in uses_of(name):
             if not any(use.when(protocol, mode) for mode in modes):
                 found.append(Idle(path, value, use))
                 break

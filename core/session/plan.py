@@ -48,7 +48,7 @@ def expected_minutes(protocol: Protocol) -> float:
         game_s = session.watched_steps * TICKS_PER_PIECE * screen.tick_ms / 1000
     else:
         game_s = min(SECONDS_PER_MATCH, session.watched_steps * 0.1) / screen.speed
-    return session.episodes * (game_s + screen.pause_between_episodes_s) / 60
+    return session.episodes * (screen.count_down_s + game_s + screen.pause_between_episodes_s) / 60
 
 
 def weights_of_games(protocol: Protocol) -> list[EpisodeWeights]:

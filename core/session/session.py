@@ -3,7 +3,7 @@
 Everything that is not in its inputs follows from the protocol and the root seed, so a recording replays exactly.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 from core.combination.agent import ArlAgent, EpisodePolicy
@@ -28,6 +28,8 @@ class Session:
         self._player = player
         self._root_seed = root_seed
         self._next_step = 0
+        self.before_unseen: Callable[[], None] = lambda: None
+        """Called before each block of unseen episodes: whoever runs the session may wait there for compiled code."""
 
     def run(self, feedback: FeedbackSource, clock: Clock) -> Iterator[Output]:
         """Yield the session's outputs.
@@ -69,6 +71,7 @@ class Session:
             yield output
 
     def _play_unseen(self, count: int, audience: Audience, clock: Clock) -> UnseenPlayed:
+        self.before_unseen()
         policies: list[EpisodePolicy] = []
         outcomes: list[Played] = []
         for _ in range(count):

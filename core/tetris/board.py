@@ -10,7 +10,7 @@ All kernels run as plain Python too: no product here exceeds 63 bits.
 import numpy as np
 from numpy.typing import NDArray
 
-from core.numerics.compiled import JIT_DISABLED, kernel
+from core.numerics.compiled import kernel, kernel_with_twin
 from core.tetris.config import TetrisConfig
 from core.tetris.pieces import (
     FIRST_SHAPE,
@@ -90,7 +90,7 @@ def _splitmix64_high_in_python(seed: int, k: int) -> int:
 
 
 # uint64 arithmetic wraps when compiled, but warns as numpy scalars: plain Python takes the plain function.
-draw_32 = _splitmix64_high_in_python if JIT_DISABLED else kernel(_splitmix64_high)
+draw_32 = kernel_with_twin(_splitmix64_high, _splitmix64_high_in_python)
 
 
 @kernel

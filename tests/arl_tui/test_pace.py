@@ -11,9 +11,9 @@ from arl_tui.app.pace import ENOUGH, pace_facts, pace_warning
 from arl_tui.app.session_app import ArlApp, Outcome
 from arl_tui.screens.play import PlayScreen
 from arl_tui.screens.welcome import AT_SCREEN_S, WelcomeScreen
-from core.feedback import reach
 from core.numerics.clock import NS_PER_S, ManualClock
 from core.recording.schema import to_plain
+from core.session import reach
 from core.session.protocol import DEFAULTS, KEEPAWAY, Protocol, ScreenConfig, protocol_from
 from tests.arl_tui.driving import SIZE, app_for, begin, recorded, settle, text_of
 from tests.arl_tui.fakes import FakeLink, episode_ended, episode_started, session_ended
@@ -130,7 +130,7 @@ async def play_two_games(
     """Return the screen in the second game, and at the end: the weight is 0.02, the trust 0.25."""
     worker = await begin(pilot, link, protocol, steps=1)
     link.say(episode_ended())
-    link.say(msgspec.structs.replace(episode_started(1), w_h=0.02))
+    link.say(msgspec.structs.replace(episode_started(1), weight=0.02))
     worker.step(1, column=4)
     await pilot.pause(0.4)  # figures are redrawn four times a second
     during = screen_text(app)

@@ -163,8 +163,12 @@ def test_a_setting_without_effect_is_refused_with_its_line(tmp_path: Path, text:
 
 
 def test_a_setting_at_its_default_is_never_refused() -> None:
-    for game, table in (("tetris", {"screen": {"speed": 1.0}}), ("keepaway", {"screen": {"tick_ms": 80}})):
+    for game, table in (("tetris", {"screen": {"speed": 1.0}}), ("keepaway", {"screen": {"tick_ms": 200}})):
         assert protocol_from(table, game=game, to_run=True) == DEFAULTS[game]
+
+
+def test_a_setting_at_the_default_of_an_earlier_version_is_never_refused() -> None:
+    assert protocol_from({"screen": {"tick_ms": 80}}, game="keepaway", to_run=True).screen.tick_ms == 80
 
 
 @pytest.mark.parametrize(

@@ -18,12 +18,12 @@ from core.session.protocol import DEFAULTS, protocol_from
 def test_games_presses_and_minutes_by_hand() -> None:
     protocol = protocol_from({"session": {"episodes": 10, "unseen_before": 7, "unseen_between": 100}})
     assert unseen_games(protocol) == 7 + 9 * 100
-    # 10 games of 60 pieces of 8 ticks of 80 ms, and 2 s after each: 10 (38.4 + 2) / 60
-    assert expected_minutes(protocol) == pytest.approx(6.7333, abs=1e-3)
+    # 10 games of 60 pieces of 8 ticks of 200 ms, 3 s before and 2 s after each: 10 (3 + 96 + 2) / 60
+    assert expected_minutes(protocol) == pytest.approx(16.8333, abs=1e-3)
     assert "at most 5 in a game, 50 in all" in plan(protocol)["Presses"]
-    # 20 games of 10 s at half speed, and 2 s after each: 20 (20 + 2) / 60
+    # 20 games of 10 s at half speed, 3 s before and 2 s after each: 20 (3 + 20 + 2) / 60
     slow = protocol_from({"screen": {"speed": 0.5}}, game="keepaway")
-    assert expected_minutes(slow) == pytest.approx(22 / 3)
+    assert expected_minutes(slow) == pytest.approx(25 / 3)
 
 
 @pytest.mark.parametrize(

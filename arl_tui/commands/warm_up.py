@@ -1,0 +1,57 @@
+"""`arl warm-up`: compile everything now that sessions and matches would compile when they are first played."""
+
+import time
+
+import click
+
+from arl_tui.app.ahead import Ahead, Order, fill, is_compiled, match_order, session_order
+from arl_tui.commands.demo import demo_protocol
+
+LOOK_S = 0.2
+"""How often the bar is drawn anew."""
+STEPS = 200
+"""Of a bar."""
+
+
+def warm_up() -> None:
+    """Compile the kernels of both games, with a bar for each part of the work."""
+    from core.keepaway.pitch import KeepawayConfig
+    from core.numerics.interpreting import kernel_notes
+
+    orders = {
+        "Tetris": session_order(demo_protocol("tetris")),
+        "Keepaway": session_order(demo_protocol("keepaway")),
+        "Watching Keepaway": match_order(KeepawayConfig()),
+    }
+    for name, order in orders.items():
+        if is_compiled(order):
+            click.echo(f"{name}: compiled already.")
+        else:
+            _compile(name, order)
+    for line in kernel_notes():
+        click.echo(f"Note: {line}", err=True)
+
+
+def _compile(name: str, order: Order) -> None:
+    from core.numerics.interpreting import CAN_INTERPRET, interpreting, progress
+
+    if not CAN_INTERPRET:
+        click.echo(f"{name}: compiling ...")
+        fill(order)
+        return
+    with interpreting():
+        fill(order, noted=False)  # to know what is needed
+    ahead = Ahead(order)
+    try:
+        with click.progressbar(length=STEPS, label=f"{name:17}") as bar:
+            done = 0
+            while not ahead.finished:
+                now = round(progress().share * STEPS)
+                bar.update(max(0, now - done))
+                done = max(now, done)
+                time.sleep(LOOK_S)
+            bar.update(STEPS - done)
+    finally:
+        ahead.close()
+    if ahead.failed:
+        fill(order)  # here, so that what is wrong is told
