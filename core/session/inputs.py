@@ -38,8 +38,9 @@ from core.feedback.layouts import KeyReader, Reading, possible_readings
 from core.recording.reader import Recording, RecordingError
 from core.recording.schema import Header
 
-CLOCKS_AGREE_NS = 1_000_000
-"""Times that two processes read from one clock may differ by this much in the wrong order."""
+CLOCKS_AGREE_NS = (1_000_000, 50_000_000)
+"""Times that two processes read from one clock may differ by its resolution in the wrong order: at least and at most so
+much is allowed for."""
 LONGEST_NS = 1 << 62
 """No time of a session is beyond this, or below 0: 146 years."""
 
@@ -87,6 +88,8 @@ class _Screen:
 
     def __init__(self, header: Header, keys: KeyConfig) -> None:
         self._live = header.origin == "live"
+        least_ns, most_ns = CLOCKS_AGREE_NS
+        self._clocks_agree_ns = min(max(least_ns, header.clock_resolution_ns), most_ns)
         # Version 1 was written by programs whose covers could follow each other.
         self._strict_covers = self._live and header.version > 1
         self._keys = keys
@@ -177,7 +180,7 @@ class _Screen:
             _refuse(f"frame {frame} shows step {step}, which is none of the last two steps taken")
         if 0 <= step < self._last_shown:
             _refuse(f"frame {frame} shows step {step} after step {self._last_shown}")
-        if step >= 0 and flushed_ns < self._step_times[step] - CLOCKS_AGREE_NS:
+        if step >= 0 and flushed_ns < self._step_times[step] - self._clocks_agree_ns:
             _refuse(
                 f"frame {frame} shows step {step} at {flushed_ns} ns, before the step was taken at "
                 f"{self._step_times[step]} ns"
@@ -274,7 +277,7 @@ class _Screen:
         while self._counted < inputs:
             at_ns = self._waiting.popleft()
             self._counted += 1
-            if at_ns > time_ns + CLOCKS_AGREE_NS:
+            if at_ns > time_ns + self._clocks_agree_ns:
                 _refuse(
                     f"an output at {time_ns} ns has taken in input {self._counted - 1}, which came at {at_ns} ns: later"
                 )
