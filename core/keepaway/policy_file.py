@@ -34,6 +34,7 @@ LARGEST_HEADER: Final = 1 << 20
 _UNREADABLE = (
     ValueError,  # numpy, JSON
     LookupError,  # a part is missing
+    OSError,  # a place before the archive's beginning
     EOFError,
     RuntimeError,  # encrypted; nested too deeply
     NotImplementedError,  # packed by a method that Python does not know
@@ -136,10 +137,12 @@ def load_policy(path: Path) -> SavedPolicy:
         PolicyFileError: the file is not a policy, or of a version that is not known here.
         OSError: the file cannot be read.
     """
+    too_large = path.stat().st_size > LARGEST_FILE
+    content = b"" if too_large else path.read_bytes()
     try:
-        if path.stat().st_size > LARGEST_FILE:
+        if too_large:
             raise ValueError(f"more than {LARGEST_FILE:,} bytes")
-        with zipfile.ZipFile(io.BytesIO(path.read_bytes())) as archive:
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
             header = _header(_array(archive, "header", LARGEST_HEADER, np.dtype(np.uint8)).tobytes())
             _check_size(header)
             needed = _empty(header).weights.nbytes
