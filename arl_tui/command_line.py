@@ -52,7 +52,8 @@ def say(text: object = "", *, err: bool = False, nl: bool = True, **style: Any) 
         nl: end the line.
         style: as `click.style` takes it.
     """
-    click.secho(printable_lines(str(text), longest=None), err=err, nl=nl, **style)
+    shown = printable_lines(str(text), longest=None)
+    click.echo(click.style(shown, **style) if style else shown, err=err, nl=nl)
 
 
 def cannot_use(error: OSError) -> str:

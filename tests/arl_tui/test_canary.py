@@ -14,6 +14,7 @@ import pytest
 from click.testing import CliRunner
 
 from arl_tui.cli import main
+from arl_tui.commands import play
 from core.keepaway.pitch import KeepawayConfig
 from core.keepaway.policy_file import PolicyHeader, _empty
 from core.learners.sarsa_config import SarsaConfig
@@ -140,7 +141,7 @@ def test_tables_of_others_are_fitted_and_drawn_without_it(tmp_path):
     )
     table.write_bytes(f'participant,rt,"{CANARY}"\n{rows}'.replace("\r", "").encode())
     page, figure = tmp_path / "page.html", tmp_path / "figure.svg"
-    common = ("fit", table, "--column", "rt=rt", "--unit", "s", "--goodness", "0", "--resamples", "0")
+    common = ("fit", table, "--column", "rt=rt", "--column", "participant=participant", "--unit", "s", "--goodness", "0", "--resamples", "0")
     text = printed(*common, "--html", page, "--figure", figure, "--json", "-", "--workers", "1")
     assert "\\u001b" in text or "\\x1b" in text
     for made in (page, figure):
@@ -164,7 +165,13 @@ def test_imported_logs_and_their_presses(tmp_path):
         )
     )
     printed("import", "evaluations", table, "--out", tmp_path / "said")
-    printed("presses", tmp_path / "said")
+    lines = lines_of((tmp_path / "in" / "log.jsonl").read_bytes())
+    lines[0]["participant"] = CANARY
+    lines[0]["source"] = {CANARY: CANARY, "format": CANARY, "condition": CANARY, "file": CANARY}
+    forged = tmp_path / "in" / "forged.jsonl"
+    forged.write_bytes(sealed(lines))
+    assert "\\x1b" in printed("presses", forged)
+    assert "\\x1b" in printed("fit", forged, "--goodness", "0", "--resamples", "0")
 
 
 @pytest.mark.parametrize(
@@ -184,7 +191,8 @@ def test_settings_of_others_are_checked_without_it(tmp_path, command):
         printed(*command, file)
 
 
-def test_policies_of_others(tmp_path):
+def test_policies_of_others(tmp_path, monkeypatch):
+    monkeypatch.setattr(play, "need_terminal", lambda *_, **__: None)
     header = PolicyHeader(
         task=KeepawayConfig(), learner=SarsaConfig(), n_tilings=1, root_seed=1, hours=0.1, episodes=3, duration_s=5.0,
         created_utc=CANARY, software={CANARY: CANARY},
@@ -199,7 +207,7 @@ def test_policies_of_others(tmp_path):
         )
         path = tmp_path / "policy.npz"
         path.write_bytes(out.getvalue())
-        printed("watch", "keepaway", "--policy", path)
+        assert "\\x1b" in printed("watch", "keepaway", "--policy", path)
 
 
 def test_delays_of_others(tmp_path):
