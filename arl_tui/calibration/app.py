@@ -12,7 +12,6 @@ from textual import constants, events
 from arl_tui.app.driver import FlushClock, stamped_driver
 from arl_tui.app.garbage import GarbageControl
 from arl_tui.app.plain_app import PlainApp
-from arl_tui.app.session_app import key_name
 from arl_tui.calibration.clips import Clip, cycle_ms
 from arl_tui.calibration.fitting import FitOrder, Fitted
 from arl_tui.calibration.helper import HelperError, ask_helper
@@ -25,14 +24,15 @@ from arl_tui.calibration.pages import (
     WelcomePage,
     page_before,
 )
-from arl_tui.calibration.plan import PLANNED, Part, Sitting, new_parts, unfinished
-from arl_tui.calibration.scenes import Scene, tick_ms
+from arl_tui.calibration.plan import PLANNED, CalibrationSetup, Part, new_parts, unfinished
+from arl_tui.calibration.scenes import TrialPosition, tick_ms
 from arl_tui.calibration.trial_screen import SMALLEST, TrialScreen
 from arl_tui.calibration.trial_store import TrialStore
 from arl_tui.calibration.views import BoxView, GameView, PitchView, View
 from arl_tui.palette import palette_for
 from arl_tui.screens.covers import SmallWindowScreen, fits_into
 from arl_tui.screens.page import Page
+from arl_tui.session_app import key_name
 from core.feedback.keys import nanoseconds
 from core.numerics.clock import Clock, MonotonicClock, wall_time_utc
 from studies.reaction_time.protocol import Schedule
@@ -63,7 +63,7 @@ class CalibrationApp(PlainApp[Outcome]):
 
     def __init__(
         self,
-        sitting: Sitting,
+        setup: CalibrationSetup,
         *,
         clock: Clock | None = None,
         helper: Helper = ask_helper,
@@ -72,7 +72,7 @@ class CalibrationApp(PlainApp[Outcome]):
         """Prepare.
 
         Args:
-            sitting: who does what.
+            setup: who does what.
             clock: of trials and frames; keys bring their own time (the monotonic clock's).
             helper: asks another process; see `arl_tui.calibration.helper`.
             timing: limits for keys.
@@ -80,11 +80,11 @@ class CalibrationApp(PlainApp[Outcome]):
         self._clock = clock or MonotonicClock()
         self._flush_clock = FlushClock(self._clock)
         super().__init__(driver_class=stamped_driver(self._flush_clock))
-        self._sitting = sitting
+        self._setup = setup
         self._helper = helper
         self._timing = timing
         self._garbage = GarbageControl()
-        self._store = TrialStore(sitting)
+        self._store = TrialStore(setup)
         self._stamps_without_driver: list[tuple[int, int]] = []
         self._last_flush_ns: int | None = None
         self._stopping = False
@@ -138,16 +138,16 @@ class CalibrationApp(PlainApp[Outcome]):
             if shown != ANY_FRAME and isinstance(screen, TrialScreen):
                 screen.flushed(shown, time_ns, interval_ns)
 
-    # --- the sitting --------------------------------------------------------------------------------------------
+    # --- the course ---------------------------------------------------------------------------------------------
 
     async def _conduct(self) -> None:
-        sitting = self._sitting
-        if sitting.hindrances and not await self._ask(HindrancePage(sitting.hindrances)):
+        setup = self._setup
+        if setup.hindrances and not await self._ask(HindrancePage(setup.hindrances)):
             self.exit(Outcome((), False, Fitted()))
             return
         parts, resumed = await self._parts()
         self._prepare_games(parts)
-        if not await self._ask(WelcomePage(parts, sitting.participant, resumed=resumed)):
+        if not await self._ask(WelcomePage(parts, setup.participant, resumed=resumed)):
             self.exit(Outcome((), False, Fitted()))
             return
         finished = True
@@ -178,11 +178,11 @@ class CalibrationApp(PlainApp[Outcome]):
         return bool(answer)
 
     async def _parts(self) -> tuple[tuple[Part, ...], bool]:
-        """Return what is to be done, and whether that goes on with an earlier sitting."""
-        old = unfinished(self._sitting, wall_time_utc())
+        """Return what is to be done, and whether that goes on with an earlier calibration."""
+        old = unfinished(self._setup, wall_time_utc())
         if old is not None and (not old.is_old or await self._ask(OldSittingPage(old))):
             return old.parts, True
-        return new_parts(self._sitting), False
+        return new_parts(self._setup), False
 
     async def _run_part(self, part: Part) -> bool:
         """Run what is left of one task; return whether it went to its end."""
@@ -247,8 +247,8 @@ class CalibrationApp(PlainApp[Outcome]):
             return None
         palette = palette_for("standard", self.console.color_system)
         if is_tetris:
-            scenes = msgspec.json.decode(answer, type=list[Scene])
-            return GameView(scenes, palette, tick_ms(schedule), schedule.config.time_out_s)
+            positions = msgspec.json.decode(answer, type=list[TrialPosition])
+            return GameView(positions, palette, tick_ms(schedule), schedule.config.time_out_s)
         return PitchView(msgspec.json.decode(answer, type=list[Clip]), palette, cycle_ms(schedule))
 
     async def _wait_for(self, module: str, question: object, page: WaitingPage) -> bytes | None:
@@ -275,11 +275,11 @@ class CalibrationApp(PlainApp[Outcome]):
             self.size.width, self.size.height, stamps=stamps, frames_per_s=constants.MAX_FPS
         )
         found = facts.software() | terminal
-        found |= timing_facts(self._sitting.recordings, terminal, wall_time_utc())
+        found |= timing_facts(self._setup.recordings, terminal, wall_time_utc())
         name, resolution_ns = facts.clock_facts()
-        found |= {"clock": name, "clock_resolution_ns": str(resolution_ns), PLANNED: self._sitting.planned}
-        if self._sitting.hindrances:
-            found["hindrances"] = " and ".join(self._sitting.hindrances)
+        found |= {"clock": name, "clock_resolution_ns": str(resolution_ns), PLANNED: self._setup.planned}
+        if self._setup.hindrances:
+            found["hindrances"] = " and ".join(self._setup.hindrances)
         return found
 
     def end_by_signal(self, number: signal.Signals) -> None:
@@ -299,8 +299,8 @@ class CalibrationApp(PlainApp[Outcome]):
         if not self._store.complete:
             return Fitted()
         order = FitOrder(
-            recordings=str(self._sitting.recordings),
-            participant=self._sitting.participant,
+            recordings=str(self._setup.recordings),
+            participant=self._setup.participant,
             files=tuple(str(path) for path in self._store.complete),
         )
         page = WaitingPage("That was it", "Your times are being worked out ...")

@@ -82,12 +82,8 @@ def _reach(protocol: Protocol) -> str:
 
 
 def _compiled(protocol: Protocol) -> str:
-    import os
+    from arl_tui.ahead import is_compiled, session_order
 
-    import core.numerics.compiled  # noqa: F401 - sets the cache folder
-
-    folder = Path(os.environ["NUMBA_CACHE_DIR"])
-    kept = sum(1 for _ in folder.rglob("*.nbc"))
-    if kept:
-        return f"the kernels of {protocol.game}; {kept} compiled parts of the program are kept in {folder}"
+    if is_compiled(session_order(protocol)):
+        return f"the kernels of {protocol.game}, already"
     return f"the kernels of {protocol.game}, at the first start: a minute or two"

@@ -12,7 +12,8 @@ from arl_tui.command_line import say
 from core.events import SessionEnded
 from core.recording.reader import Recording, RecordingError, read_recording
 from core.recording.summary import summarise_recording
-from core.session.protocol import Protocol, protocol_from
+from core.session.protocol import Protocol
+from core.session.protocol_reading import protocol_from
 from core.system.foreign_text import printable
 
 GETTING_READY = "Getting ready; the first time this takes a minute or two ..."

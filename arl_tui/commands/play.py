@@ -11,15 +11,51 @@ from typing import TYPE_CHECKING
 import click
 import msgspec
 
-from arl_tui.command_line import say
+from arl_tui.command_line import GAMES, protocol_option, pseudonym, recordings_option, say, seed_option
+from arl_tui.drawing_rate import FRAMES_PER_S
 from arl_tui.signing import NoKey, signer_in_use
-from core.session.protocol import Protocol, load_protocol
+from core.session.protocol import Protocol
+from core.session.protocol_reading import load_protocol
 
 if TYPE_CHECKING:
-    from arl_tui.app.session_app import Outcome
+    from arl_tui.app.outcome import Outcome
 
-FRAMES_PER_S = "30"
-"""Upper bound of Textual's drawing rate; read when Textual is imported."""
+
+@click.command(short_help="Watch an agent learn a game and judge it by key presses.")
+@click.argument("game", type=GAMES, default="tetris")
+@protocol_option
+@click.option(
+    "--participant", callback=pseudonym, default="P00", show_default=True, help="Code of the participant."
+)
+@seed_option
+@click.option("--episodes", type=click.IntRange(1), help="How many games are watched.")
+@click.option(
+    "--credit",
+    metavar="RULE",
+    help="How presses are shared out among steps: the participant's own delay (participant, feedback-lag, simple, "
+    "pooled; see `arl calibrate`), paper, or a rule as in `arl replay`. By default the protocol's choice (delay_of), the "
+    "same for every participant; without a file that is a rule: previous in Tetris, gamma:2.5,0.3 in Keepaway.",
+)
+@recordings_option(to_write=True)
+def play(
+    game: str,
+    protocol: Path | None,
+    participant: str,
+    seed: int | None,
+    episodes: int | None,
+    credit: str | None,
+    recordings: Path,
+) -> None:
+    """Watch an agent learn GAME, and tell it by key presses what you think of it."""
+    play_session(
+        game,
+        protocol=protocol,
+        participant=participant,
+        seed=seed,
+        episodes=episodes,
+        recordings=recordings,
+        credit=credit,
+    )
 
 
 def play_session(
@@ -98,14 +134,14 @@ def run_live(
     os.environ.setdefault("TEXTUAL_FPS", FRAMES_PER_S)
     root_seed = secrets.randbits(63) if seed is None else seed
     gc.disable()  # start-up leaves nothing to collect; `GarbageControl` takes over with the app
-    from arl_tui.app.session_app import Sitting, build_app
-    from arl_tui.app.worker import start_worker
+    from arl_tui.session_app import SessionSetup, build_app
+    from arl_tui.worker import start_worker
 
     # Before the app runs, because no process can be started from inside it; but after everything is imported: on two
     # hardware threads of one core a worker that compiles slows the first picture down by a third.
     link = start_worker(protocol, root_seed, simulated=simulated)
     try:
-        sitting = Sitting(
+        setup = SessionSetup(
             protocol=protocol,
             root_seed=root_seed,
             participant=participant,
@@ -113,7 +149,7 @@ def run_live(
             simulated=simulated,
             source=source or {},
         )
-        app = build_app(sitting, link)
+        app = build_app(setup, link)
         outcome = app.run_in_terminal()
     finally:
         link.close()

@@ -101,7 +101,7 @@ def measure(scenes: tuple[str, ...], n_trials: int, longest_ms: int, seed: int) 
     import os
 
     from arl_tui.app import facts
-    from arl_tui.commands.play import FRAMES_PER_S
+    from arl_tui.drawing_rate import FRAMES_PER_S
     from arl_tui.timing.kept import machine_code, this_terminal
     from arl_tui.timing.plan import SCENES, make_plan
     from arl_tui.timing.result import TimingResult, summarise

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from arl_tui.screens.watch import WatchApp
     from core.keepaway.pitch import KeepawayConfig
     from core.keepaway.policy_file import SavedPolicy
-    from core.keepaway.viewed_match import Exhibition
+    from core.keepaway.viewed_match import ViewedMatch
 
 BENCHMARKS = {"hand": "hand-coded", "random": "random", "hold": "always hold"}
 VISIONS = ("exact", "360", "90")
@@ -89,7 +89,8 @@ def watch(
     detail: str | None,
 ) -> None:
     """Look at a policy playing Keepaway, as fast or slowly as you like. Nothing is recorded."""
-    from arl_tui.commands.play import FRAMES_PER_S, need_terminal
+    from arl_tui.commands.play import need_terminal
+    from arl_tui.drawing_rate import FRAMES_PER_S
 
     need_terminal("arl watch", instead="arl train keepaway --help")
     os.environ.setdefault("TEXTUAL_FPS", FRAMES_PER_S)
@@ -99,11 +100,11 @@ def watch(
     from arl_tui.screens.watch import WatchApp, WatchScreen
     from arl_tui.widgets.pitch_ink import DETAILS
 
-    def prepare() -> "Exhibition":
+    def prepare() -> "ViewedMatch":
         get_ready(config)
-        from core.keepaway.viewed_match import Exhibition
+        from core.keepaway.viewed_match import ViewedMatch
 
-        return Exhibition(config, policy if saved is None else saved.sarsa(), root_seed, "watch")
+        return ViewedMatch(config, policy if saved is None else saved.sarsa(), root_seed, "watch")
 
     screen = WatchScreen(
         heading(policy, saved, config, root_seed),
@@ -134,7 +135,7 @@ def run(app: "WatchApp") -> None:
 
 def get_ready(config: "KeepawayConfig") -> None:
     """Load all that matches of this task need; where it is not compiled, let Python play until it is."""
-    from arl_tui.app.ahead import Ahead, fill, is_compiled, match_order
+    from arl_tui.ahead import Ahead, fill, is_compiled, match_order
     from core.numerics.interpreting import (
         CAN_INTERPRET,
         load_interpreted,

@@ -1,18 +1,16 @@
 """The last screen: thanks, what happened, and where the recording is; or what went wrong."""
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, ClassVar, cast
+from typing import ClassVar, cast
 
 from rich.text import Text
 from textual.binding import Binding, BindingType
 from textual.widget import Widget
 from textual.widgets import Static
 
+from arl_tui.app.outcome import Outcome, SessionControls
 from arl_tui.screens.page import Page
 from arl_tui.words import Words
-
-if TYPE_CHECKING:
-    from arl_tui.app.session_app import ArlApp, Outcome
 
 
 class ClosingScreen(Page):
@@ -26,7 +24,7 @@ class ClosingScreen(Page):
 
     VERTICAL_BREAKPOINTS = [(0, "-short"), (34, "-tall")]  # noqa: RUF012 - as Textual declares it
 
-    def __init__(self, outcome: "Outcome", words: Words, *, show_weight: bool = False) -> None:
+    def __init__(self, outcome: Outcome, words: Words, *, show_weight: bool = False) -> None:
         """Prepare.
 
         Args:
@@ -84,10 +82,10 @@ class ClosingScreen(Page):
 
     def action_leave(self) -> None:
         """Close the program."""
-        cast("ArlApp", self.app).exit(self.outcome)
+        cast(SessionControls, self.app).exit(self.outcome)
 
 
-def how_much_recorded(outcome: "Outcome") -> str:
+def how_much_recorded(outcome: Outcome) -> str:
     """Return how much of the session is recorded and known to be on the disk, in words.
 
     The terminal names the file afterwards: names of files and folders may tell the condition.

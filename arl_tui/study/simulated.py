@@ -12,16 +12,15 @@ import msgspec
 import numpy as np
 from textual.pilot import Pilot
 
+from arl_tui.games.registry import words_of
 from arl_tui.study.page_app import PageApp, Results
 from arl_tui.study.pages import BreakPage, ConsentPage, StopPage, StudyPage
 from arl_tui.study.question_pages import QuestionPage
 from arl_tui.study.run import BlockCall, OnResult, Pages, Played, ignore_result
-from arl_tui.words import words_of
 from core.feedback.simulated_participants import persons
 from core.numerics.clock import NS_PER_S, ManualClock
 from core.numerics.streams import stream
 from core.recording.reader import read_recording
-from studies.demo import simulate_session, summarise
 from studies.lab.config import Block, Calibration, Practice
 from studies.lab.questions import Choice, FreeText, Likert, Number, Question, Scale
 from studies.lab.read import LoadedStudy
@@ -152,6 +151,8 @@ class SimulatedPresenter:
         )
         call.folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         path = call.folder / f"{call.code}-step-{call.facts['step']}-{call.facts['sitting']}.jsonl"
+        from studies.demo import simulate_session, summarise  # compiled code comes with them
+
         simulate_session(
             protocol,
             call.seed,

@@ -12,7 +12,7 @@ from core.numerics.clock import ManualClock
 from core.recording.reader import Recording, RecordingError
 from core.recording.version_1 import as_far_as_recorded
 from core.session.inputs import check_inputs
-from core.session.protocol import protocol_from
+from core.session.protocol_reading import protocol_from
 from core.session.session import Session
 
 TOLD_EVERY = 1000

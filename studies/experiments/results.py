@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from core.numerics.arrays import Floats
 from studies.experiments.run import SWEEP_FILE, SweepError, SweepRecord, check_settings, read_record
 from studies.experiments.sweep import Experiment, describe_settings, load_experiment
 from studies.experiments.trial_file import Played, read_trials, seed_of
@@ -15,9 +15,6 @@ from studies.experiments.trial_file import Played, read_trials, seed_of
 
 class DamagedSweep(SweepError):
     """Files of a sweep are damaged; the message names them."""
-
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 import pytest
 
 from arl_tui.app.link import Begin, FromWorker, Picture, TakenFor, ToWorker, WorkerLine
-from arl_tui.app.worker import Show
+from arl_tui.worker import SessionPlayer
 from core.events import FrameShown, Input, KeyPressed, Output, Resumed, ScreenCleared, StepTaken, StopAsked
 from core.numerics.clock import NS_PER_S, Clock, ManualClock
 from core.session.protocol import Protocol, ScreenConfig
@@ -90,7 +90,7 @@ def line(clock: ManualClock) -> ScriptedLine:
 def run(line: ScriptedLine, outputs: Iterable[Output]) -> ScriptedSession:
     protocol = Protocol(screen=ScreenConfig(tick_ms=TICK_MS, pause_between_episodes_s=1.0))
     session = ScriptedSession(outputs)
-    Show(line, protocol, line.clock).run(session)  # type: ignore[arg-type]
+    SessionPlayer(line, protocol, line.clock).run(session)  # type: ignore[arg-type]
     return session
 
 
@@ -207,5 +207,5 @@ def test_a_setting_leaves_the_marks_out(line: ScriptedLine) -> None:
         200, KeyPressed(press=0, time_ns=200 * MS, key="j", value=1.0, frame=0, step=0, verdict="accepted")
     )
     screen = ScreenConfig(tick_ms=TICK_MS, pause_between_episodes_s=1.0, mark_presses=False)
-    Show(line, Protocol(screen=screen), line.clock).run(ScriptedSession(TWO_STEPS))  # type: ignore[arg-type]
+    SessionPlayer(line, Protocol(screen=screen), line.clock).run(ScriptedSession(TWO_STEPS))  # type: ignore[arg-type]
     assert not any(isinstance(message, TakenFor) for _, message in line.sent)

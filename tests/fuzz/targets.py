@@ -25,11 +25,11 @@ from core.recording.importers.tamer_log import import_tamer_log
 from core.recording.reader import RecordingError, read_recording
 from core.recording.summary import summarise_recording
 from core.session.inputs import check_inputs
-from core.session.protocol import load_protocol, protocol_from
 from core.session.protocol_file import ProtocolError
+from core.session.protocol_reading import load_protocol, protocol_from
 from core.session.replay import replay_exactly
 from core.session.session import build_session
-from core.session.what_if import hear, watched_steps
+from core.session.what_if import replay_human_model, watched_steps
 from studies.evaluations.table import EvaluationColumns, read_evaluations
 from studies.experiments.trial_file import DamagedTrial, Played, read_rows
 from studies.lab.read import StudyError, load_study
@@ -97,7 +97,7 @@ def _replay(path: Path) -> object:
     if not small or protocol.delay_of != "rule":
         return None  # a session of hours may be asked for in good faith
     replay_exactly(recording, build_session(protocol, recording.header.root_seed))
-    hear(recording, protocol, watched_steps(recording, protocol), count=lambda press: True)
+    replay_human_model(recording, protocol, watched_steps(recording, protocol), count=lambda press: True)
     return None
 
 

@@ -11,8 +11,8 @@ from core.recording.publish import publish_copy
 from core.recording.reader import read_recording
 from core.recording.recorder import Recorder
 from core.recording.signature import SigningError, make_key, public_key, signer, verify
+from tests.core.recording.test_long_recordings import ORIGINAL
 from tests.core.recording.test_recording import HEADER
-from tests.core.test_long_recordings import ORIGINAL
 from tests.fuzz.mutate import resealed
 
 
