@@ -6,10 +6,15 @@ from typing import Literal
 import click
 
 from arl_tui.command_line import Arl, ToWrite, recordings_option
+from arl_tui.commands.anonymise import anonymise
+from arl_tui.commands.archive import archive
+from arl_tui.commands.compare import compare
 from arl_tui.commands.experiment import experiment
+from arl_tui.commands.export import export
 from arl_tui.commands.fit import fit
 from arl_tui.commands.import_log import ImportGroup
 from arl_tui.commands.presses import presses
+from arl_tui.commands.recordings_format import schema, upgrade
 from arl_tui.commands.study import study
 from arl_tui.commands.timing import timing
 from arl_tui.commands.train import train
@@ -104,8 +109,8 @@ def demo(game: str, person: str | None, seed: int | None, recordings: Path) -> N
     run_demo(game, somebody=person, seed=seed, recordings=recordings)
 
 
-@main.command(short_help="Replay a recording exactly, or under other learning rules.")
-@click.argument("recording", type=FILE)
+@main.command(short_help="Replay recordings exactly, or under other learning rules.")
+@click.argument("recordings", type=FILE, nargs=-1, required=True, metavar="RECORDINGS...")
 @click.option(
     "--credit",
     "credits",
@@ -149,7 +154,7 @@ def demo(game: str, person: str | None, seed: int | None, recordings: Path) -> N
     help="Take a recording that was cut off for what it holds.",
 )
 def replay(
-    recording: Path,
+    recordings: tuple[Path, ...],
     credits: tuple[str, ...],
     schemes: tuple[str, ...],
     protocol: Path | None,
@@ -160,11 +165,11 @@ def replay(
     plot_path: Path | None,
     allow_truncated: bool,
 ) -> None:
-    """Run RECORDING again: exactly (status 1 and the first difference if it differs), or as a what-if."""
-    from arl_tui.commands.replay import replay_recording
+    """Run RECORDINGS again: exactly (status 1 and the first difference if one differs), or as a what-if."""
+    from arl_tui.commands.replay import replay_recordings
 
-    replay_recording(
-        recording,
+    replay_recordings(
+        recordings,
         credits=credits,
         schemes=schemes,
         protocol=protocol,
@@ -354,29 +359,49 @@ def warm_up() -> None:
     run()
 
 
-@main.command(name="recordings", short_help="List the recordings there are, and check each.")
+@main.group(
+    name="recordings",
+    invoke_without_command=True,
+    short_help="List the recordings there are, and check each.",
+)
 @recordings_option(to_write=False)
 @click.option("--csv", "csv_path", type=ToWrite(), help="Write the list to a file, with everything it says.")
 @click.option(
     "--publish",
     type=ToWrite(folder=True),
     metavar="DIR",
-    help="Copy all sound recordings into a new folder, without dates in headers and names, chained anew.",
+    help="Copy all sound recordings into a new folder, without dates in headers and names, chained anew. `arl anonymise` removes "
+    "more.",
 )
-def list_recordings(recordings: Path, csv_path: Path | None, publish: Path | None) -> None:
+@click.pass_context
+def list_recordings(
+    context: click.Context, recordings: Path, csv_path: Path | None, publish: Path | None
+) -> None:
     """List the recordings there are, with what each holds and how its session ended, and check each.
 
     Status 1 where a file is damaged: each of them is named with its reason, and hides no other.
     """
     from arl_tui.commands.recordings import list_all, publish_all
 
+    if context.invoked_subcommand is not None:
+        if csv_path is not None or publish is not None:
+            raise click.UsageError(
+                f"--csv and --publish are not for {context.invoked_subcommand}: leave them out"
+            )
+        return
     if publish is not None:
         publish_all(recordings, publish)
         return
     list_all(recordings, csv_path=csv_path)
 
 
+list_recordings.add_command(upgrade)
+list_recordings.add_command(schema)
+main.add_command(anonymise)
+main.add_command(archive)
+main.add_command(compare)
 main.add_command(experiment)
+main.add_command(export)
 main.add_command(fit)
 main.add_command(study)
 main.add_command(presses)
