@@ -9,6 +9,7 @@ import click
 import msgspec
 
 from arl_tui.command_line import FILE, ToWrite, recordings_option, say
+from arl_tui.commands.recordings_format import schema, upgrade
 from arl_tui.home import elsewhere, recordings_folder, why_here
 from arl_tui.recordings import CALIBRATION_FOLDER, all_recordings
 from core.recording.reader import Recording, RecordingError
@@ -52,14 +53,19 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
     ended_in_words: str = ""
 
 
-@click.command(name="recordings", short_help="List the recordings there are, and check each.")
+@click.group(
+    name="recordings",
+    invoke_without_command=True,
+    short_help="List the recordings there are, and check each.",
+)
 @recordings_option(to_write=False)
 @click.option("--csv", "csv_path", type=ToWrite(), help="Write the list to a file, with everything it says.")
 @click.option(
     "--publish",
     type=ToWrite(folder=True),
     metavar="DIR",
-    help="Copy all sound recordings into a new folder, without dates in headers and names, chained anew.",
+    help="Copy all sound recordings into a new folder, without dates in headers and names, chained anew. `arl anonymise` removes "
+    "more.",
 )
 @click.option(
     "--verify",
@@ -74,13 +80,25 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
     help="Make a key for signatures: FILE, which stays with you, and FILE.pub. Sessions sign where ARL_SIGNING_KEY names "
     "FILE.",
 )
+@click.pass_context
 def list_recordings(
-    recordings: Path, csv_path: Path | None, publish: Path | None, verify: Path | None, make_key: Path | None
+    context: click.Context,
+    recordings: Path,
+    csv_path: Path | None,
+    publish: Path | None,
+    verify: Path | None,
+    make_key: Path | None,
 ) -> None:
     """List the recordings there are, with what each holds and how its session ended, and check each.
 
     Status 1 where a file is damaged: each of them is named with its reason, and hides no other.
     """
+    if context.invoked_subcommand is not None:
+        if any((csv_path, publish, verify, make_key)):
+            raise click.UsageError(
+                f"--csv, --publish, --verify and --make-key are not for {context.invoked_subcommand}: leave them out"
+            )
+        return
     if make_key is not None or verify is not None:
         from arl_tui.commands.signatures import make_new_key, verify_all
 
@@ -93,6 +111,10 @@ def list_recordings(
         publish_all(recordings, publish)
         return
     list_all(recordings, csv_path=csv_path)
+
+
+list_recordings.add_command(upgrade)
+list_recordings.add_command(schema)
 
 
 def list_all(folder: Path, *, csv_path: Path | None = None) -> None:
@@ -139,9 +161,11 @@ def tell_one(path: Path, folder: Path, recording: Recording | None, reason: str)
         say(f"    {printable(reason, longest=None)}")
         return
     header = recording.header
-    when = header.created_utc.removesuffix("+00:00").replace("T", " ")
+    when = header.created_utc
+    if when[:1].isdigit():  # else it was removed
+        when = when.removesuffix("+00:00").replace("T", " ") + " UTC"
     say(name, nl=False, bold=True)
-    say(printable(f"  {header.participant}  {header.origin}  {when} UTC"))
+    say(printable(f"  {header.participant}  {header.origin}  {when}"))
     say(f"    {printable(summarise_recording(recording).words)}")
     for note in recording.notes:
         say(f"    beware: {printable(note, longest=None)}")
