@@ -6,6 +6,7 @@ from typing import Literal
 import click
 
 from arl_tui.command_line import Arl, ToWrite, recordings_option
+from arl_tui.commands.anonymise import anonymise
 from arl_tui.commands.experiment import experiment
 from arl_tui.commands.fit import fit
 from arl_tui.commands.import_log import ImportGroup
@@ -358,6 +359,7 @@ def list_recordings(recordings: Path, csv_path: Path | None, publish: Path | Non
     list_all(recordings, csv_path=csv_path)
 
 
+main.add_command(anonymise)
 main.add_command(experiment)
 main.add_command(fit)
 main.add_command(study)
