@@ -95,8 +95,16 @@ def codebook(as_json: bool) -> None:
 @click.option(
     "--name", default="Key presses and reaction times", show_default=True, help="Name of the data set."
 )
-@click.option("--author", "authors", multiple=True, help="An author; may be given several times.")
+@click.option(
+    "--author",
+    "authors",
+    multiple=True,
+    help="An author; may be given several times. BIDS expects two or more.",
+)
 @click.option("--licence", default="", help="Licence of the data, such as CC0.")
+@click.option("--institution", default="", help="Where the data were recorded.")
+@click.option("--institution-address", default="", help="Its address.")
+@click.option("--department", default="", help="Its department.")
 @click.option("--with-dates", is_flag=True, help="Write when sessions began.")
 @click.option("--with-free-text", is_flag=True, help="Write remarks and names of other keys.")
 @plain_errors
@@ -106,6 +114,9 @@ def bids(
     name: str,
     authors: tuple[str, ...],
     licence: str,
+    institution: str,
+    institution_address: str,
+    department: str,
     with_dates: bool,
     with_free_text: bool,
 ) -> None:
@@ -116,7 +127,14 @@ def bids(
     from studies.exports.bids import BidsSettings, export_bids
 
     settings = BidsSettings(
-        name=name, authors=authors, licence=licence, dates=with_dates, free_text=with_free_text
+        name=name,
+        authors=authors,
+        licence=licence,
+        institution=institution,
+        institution_address=institution_address,
+        department=department,
+        dates=with_dates,
+        free_text=with_free_text,
     )
     exported = export_bids(folder, into, settings)
     click.echo(f"{len(exported.files)} tables in {printable(str(into), longest=None)}")

@@ -8,6 +8,7 @@ import json
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from importlib.metadata import version
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,7 @@ from typing import Any
 from core.foreign_text import printable
 from core.private_files import make_private_folder
 from core.recording.reader import Recording, RecordingError, read_recording
-from studies.exports.bids_pages import COLUMNS, INSTRUCTIONS, README, TASKS, write_stimuli
+from studies.exports.bids_pages import COLUMNS, HED, HED_VERSION, INSTRUCTIONS, README, TASKS, write_stimuli
 from studies.exports.columns import Cell, Column, Row
 from studies.exports.event_rows import press_rows, step_rows
 from studies.exports.other_rows import trial_rows
@@ -38,8 +39,12 @@ class BidsSettings:
     name: str = "Key presses and reaction times"
     """Of the data set."""
     authors: tuple[str, ...] = ()
+    """The validator expects two or more."""
     licence: str = ""
     """Such as CC0 or PDDL; empty: not said."""
+    institution: str = ""
+    institution_address: str = ""
+    department: str = ""
     dates: bool = False
     """Write when sessions began (`_scans.tsv`)."""
     free_text: bool = False
@@ -156,7 +161,15 @@ class _Writer:
     def _games(self, session: SessionRows) -> Iterator[Row]:
         for row in session.game_rows():
             if row["watched"]:
-                names = "game performance trust_before trust_after weight condition sitting".split()
+                names = [
+                    "game",
+                    "performance",
+                    "trust_before",
+                    "trust_after",
+                    "weight",
+                    "condition",
+                    "sitting",
+                ]
                 yield {
                     "onset": row["started_s"],
                     "duration": row["duration_s"],
@@ -165,7 +178,20 @@ class _Writer:
                 }
 
     def _presses(self, session: SessionRows) -> Iterator[Row]:
-        names = "game step condition sitting value judgement verdict counted retracted asked_wrong pressed_by key".split()
+        names = [
+            "game",
+            "step",
+            "condition",
+            "sitting",
+            "value",
+            "judgement",
+            "verdict",
+            "counted",
+            "retracted",
+            "asked_wrong",
+            "pressed_by",
+            "key",
+        ]
         for row in press_rows(session):
             said = {name: row[name] for name in names}
             if row["verdict"] == "other" and not self.settings.free_text:
@@ -202,13 +228,17 @@ class _Writer:
     def finish(self) -> None:
         """Write what describes the data set as a whole."""
         settings = self.settings
+        said = {"License": settings.licence, "Authors": list(settings.authors)}
         description: dict[str, Any] = {
             "Name": settings.name,
             "BIDSVersion": BIDS_VERSION,
+            "HEDVersion": HED_VERSION,
             "DatasetType": "raw",
-            "License": settings.licence or "not stated",
-            "Authors": list(settings.authors) or ["not stated"],
-            "GeneratedBy": [{"Name": "arl-tui", "Description": "arl export bids"}],
+            **{name: value for name, value in said.items() if value},
+            "GeneratedBy": [
+                {"Name": "arl-tui", "Version": version("arl-tui"), "Description": "arl export bids"}
+            ],
+            "SourceDatasets": [{"Version": "files of the formats arl-recording and arl-reaction-times"}],
         }
         self._json("dataset_description.json", description)
         (self.into / "README.md").write_text(README, encoding="utf-8")
@@ -217,10 +247,22 @@ class _Writer:
             columns = COLUMNS if is_game else self._trial_columns()
             about = {"TaskName": task, "TaskDescription": TASKS.get(task, TASKS["trials"])}
             about["Instructions"] = INSTRUCTIONS.get(task, INSTRUCTIONS["trials"])
-            suffix = "events" if is_game else "beh"
-            self._json(f"task-{task}_{suffix}.json", {**about, **sidecar(columns)})
+            about |= self._institution()
+            found = sidecar(columns)
+            if is_game:
+                found["trial_type"]["HED"] = HED
+            self._json(f"task-{task}_{'events' if is_game else 'beh'}.json", {**about, **found})
         self._participants()
         write_stimuli(self.into / "stimuli", self._tasks)
+
+    def _institution(self) -> dict[str, str]:
+        settings = self.settings
+        said = {
+            "InstitutionName": settings.institution,
+            "InstitutionAddress": settings.institution_address,
+            "InstitutionalDepartmentName": settings.department,
+        }
+        return {name: value for name, value in said.items() if value}
 
     def _participants(self) -> None:
         columns = (
@@ -245,7 +287,18 @@ class _Writer:
 
 
 def _steps(session: SessionRows) -> Iterator[Row]:
-    names = "game step condition sitting piece action actor reward feedback presses_credited".split()
+    names = [
+        "game",
+        "step",
+        "condition",
+        "sitting",
+        "piece",
+        "action",
+        "actor",
+        "reward",
+        "feedback",
+        "presses_credited",
+    ]
     for row in step_rows(session):
         shown = row["shown_s"] is not None
         yield {

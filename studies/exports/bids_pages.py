@@ -6,8 +6,8 @@ from pathlib import Path
 from core.private_files import make_private_folder
 from core.tetris.shapes import ORIENTATION_ROWS
 from studies.exports.columns import Column
-from studies.exports.tables import PRESSES, STEPS
 from studies.exports.tables import PLAYED as GAMES
+from studies.exports.tables import PRESSES, STEPS
 from studies.exports.words import PIECES
 
 _EVENT_TYPES = {
@@ -15,11 +15,38 @@ _EVENT_TYPES = {
     "step": "one step of a game on screen: a piece, or a decision of a keeper",
     "press": "a key press, also one that did not count",
 }
+HED_VERSION = "8.3.0"
+HED = {
+    "game": "Experiment-structure",
+    "step": "Sensory-event, Visual-presentation, Experimental-stimulus",
+    "press": "Agent-action, Participant-response, (Press, Keyboard-key)",
+}
+"""What kind of event each `trial_type` is, in Hierarchical Event Descriptors."""
 _BY_NAME = {column.name: column for table in (GAMES, STEPS, PRESSES) for column in table.columns}
-_TAKEN = (
-    "game step piece action actor reward feedback presses_credited key value judgement verdict counted retracted asked_wrong "
-    "pressed_by performance trust_before trust_after weight condition sitting"
-).split()
+_TAKEN = [
+    "game",
+    "step",
+    "piece",
+    "action",
+    "actor",
+    "reward",
+    "feedback",
+    "presses_credited",
+    "key",
+    "value",
+    "judgement",
+    "verdict",
+    "counted",
+    "retracted",
+    "asked_wrong",
+    "pressed_by",
+    "performance",
+    "trust_before",
+    "trust_after",
+    "weight",
+    "condition",
+    "sitting",
+]
 COLUMNS: tuple[Column, ...] = (
     Column("onset", "number", "When the event began, since the session began. A step that was never shown: when it was decided.", "s"),
     Column("duration", "number", "How long it lasted, pauses left out; 0 for a press; n/a where it is not known.", "s"),
