@@ -7,6 +7,7 @@ import click
 
 from arl_tui.command_line import Arl, ToWrite, recordings_option
 from arl_tui.commands.anonymise import anonymise
+from arl_tui.commands.archive import archive
 from arl_tui.commands.experiment import experiment
 from arl_tui.commands.export import export
 from arl_tui.commands.fit import fit
@@ -340,7 +341,9 @@ def show_protocol(game: str | None, protocol: Path | None, check: Path | None, m
 
 
 @main.group(
-    name="recordings", invoke_without_command=True, short_help="List the recordings there are, and check each."
+    name="recordings",
+    invoke_without_command=True,
+    short_help="List the recordings there are, and check each.",
 )
 @recordings_option(to_write=False)
 @click.option("--csv", "csv_path", type=ToWrite(), help="Write the list to a file, with everything it says.")
@@ -372,6 +375,7 @@ def list_recordings(
 list_recordings.add_command(upgrade)
 list_recordings.add_command(schema)
 main.add_command(anonymise)
+main.add_command(archive)
 main.add_command(experiment)
 main.add_command(export)
 main.add_command(fit)

@@ -139,3 +139,23 @@ def bids(
     exported = export_bids(folder, into, settings)
     click.echo(f"{len(exported.files)} tables in {printable(str(into), longest=None)}")
     tell_trouble(exported.left_out, exported.damaged)
+
+
+@export.command(short_help="Minari data sets, one per game.")
+@source_argument
+@into_option
+@plain_errors
+def minari(folder: Path, into: Path) -> None:
+    """Write the watched games of the recordings in FOLDER as Minari data sets, for other programs' learners.
+
+    Needs minari: pip install 'arl-tui[minari]'. Minari finds the data sets by MINARI_DATASETS_PATH.
+    """
+    from studies.exports.minari import FOLDER_VARIABLE, export_minari
+
+    exported = export_minari(folder, into)
+    for name, episodes in exported.episodes.items():
+        click.echo(
+            f"{name}: {episodes} games, presses in {printable(str(into / name / 'presses.csv'), longest=None)}"
+        )
+    click.echo(f"Load: {FOLDER_VARIABLE}={printable(str(into), longest=None)}; minari.load_dataset({name!r})")
+    tell_trouble(exported.left_out, exported.damaged)
