@@ -18,7 +18,7 @@ from core.recording.schema import VERSION, End, Header
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 _LATER = (TimeGap, FocusLost, FocusRegained)
 """Events that version 1 does not have."""
-_LATER_FIELDS = {KeyPressed: ("read_as", "layout")}
+_LATER_FIELDS: dict[type[msgspec.Struct], tuple[str, ...]] = {KeyPressed: ("read_as", "layout")}
 _CHAIN = {
     "type": "string",
     "pattern": f"^[0-9a-f]{{{CHAIN_DIGITS}}}$",

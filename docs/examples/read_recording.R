@@ -1,4 +1,4 @@
-# Read a recording in R: Rscript read_recording.R FILE. Needs the packages jsonlite and openssl.
+# Read a recording in R: Rscript read_recording.R FILE. Needs jsonlite and openssl.
 suppressPackageStartupMessages({library(jsonlite); library(openssl)})
 
 # Returns the header, the events, and whether the session was closed properly.
@@ -12,11 +12,13 @@ read_recording <- function(path) {
   if (!all(grepl(pattern, sealed))) stop(path, ":", which(!grepl(pattern, sealed))[1], ": no chain")
   payloads <- sub(pattern, "}", sealed)
   chains <- substr(sealed, nchar(sealed) - 17, nchar(sealed) - 2)
-  digest <- raw(0)
-  for (number in seq_along(payloads)) {  # the hash runs over all lines so far
-    digest <- c(digest, charToRaw(enc2utf8(payloads[number])))
-    if (substr(as.character(sha256(digest)), 1, 16) != chains[number])
-      stop(path, ":", number, ": this line was changed, or one before it")
+  whole <- function(n) {  # the chain of line n is the hash of all payloads up to it
+    text <- charToRaw(paste(payloads[seq_len(n)], collapse = ""))
+    substr(as.character(sha256(text)), 1, 16) == chains[n]
+  }
+  if (!whole(length(payloads))) {
+    first <- Position(Negate(whole), seq_along(payloads))
+    stop(path, ":", first, ": this line was changed, or one before it")
   }
   records <- lapply(payloads, fromJSON, simplifyVector = FALSE)
   header <- records[[1]]

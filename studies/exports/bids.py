@@ -273,7 +273,7 @@ class _Writer:
                 "imported": "another program's log",
             }),
         )  # fmt: skip
-        rows = [
+        rows: list[Row] = [
             {"participant_id": f"sub-{label}", "origin": " ".join(sorted(subject.origins)) or None}
             for label, subject in sorted(self._subjects.items())
         ]
@@ -282,7 +282,9 @@ class _Writer:
         if self.settings.dates:
             for label, subject in self._subjects.items():
                 when = (Column("filename", "text", ""), Column("acq_time", "text", ""))
-                scans = [{"filename": name, "acq_time": _date(date)} for name, date in subject.scans]
+                scans: list[Row] = [
+                    {"filename": name, "acq_time": _date(date)} for name, date in subject.scans
+                ]
                 self._table(f"sub-{label}/sub-{label}_scans.tsv", when, scans)
 
 
