@@ -52,8 +52,9 @@ def anonymise(
 ) -> None:
     """Copy SOURCE, a recording or a folder, to the new folder INTO so that it can be published.
 
-    Recordings, reaction trials and records of sittings are copied. Copies are sealed anew and replay exactly; their headers
-    say what was done and name the old file by its hash. SOURCE stays as it is. Status 1 where a file is damaged.
+    Recordings, reaction trials and records of sittings are copied. Copies are sealed anew and replay exactly;
+    their headers say what was done and name the old file by its hash. SOURCE stays as it is. Status 1 where a
+    file is damaged.
     """
     from core.recording.anonymise import Anonymising, removals
     from studies.exports.anonymise import anonymise as copy

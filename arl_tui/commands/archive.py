@@ -56,8 +56,9 @@ def archive(
 ) -> None:
     """Make an archive of the data in FOLDER that can be deposited as it is.
 
-    It holds the anonymised data, tidy tables with their codebook, a BIDS data set, Minari data sets (where minari is
-    installed), protocols and study files, the format's JSON Schema, versions and lock file, checksums, and a README.
+    It holds the anonymised data, tidy tables with their codebook, a BIDS data set, Minari data sets (where
+    minari is installed), protocols and study files, the format's JSON Schema, versions and lock file,
+    checksums, and a README.
     """
     from arl_tui.facts import REPOSITORY, software
     from core.recording.anonymise import Anonymising, removals

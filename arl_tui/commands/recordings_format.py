@@ -12,10 +12,10 @@ from core.foreign_text import printable
 @click.argument("source", type=click.Path(exists=True, path_type=Path))
 @click.argument("into", type=ToWrite(folder=True))
 def upgrade(source: Path, into: Path) -> None:
-    """Write each recording in SOURCE, a file or a folder, that is of an earlier version again, in the new folder INTO.
+    """Write each recording in SOURCE that is of an earlier version again, in the new folder INTO.
 
-    Old files stay as they are and are read as ever. New ones replay exactly; what the old version did not record is null
-    in them. Status 1 where a file is damaged.
+    Old files stay as they are and are read as ever. New ones replay exactly; what the old version did not
+    record is null in them. Status 1 where a file is damaged.
     """
     from core.private_files import create_private, make_private_folder, write_all
     from core.recording.reader import RecordingError, read_recording

@@ -1,7 +1,8 @@
-"""Copies of recordings that can be published: without dates, terminal facts, free text and codes, sealed anew.
+"""Copies of recordings that can be published: without dates, terminal facts, free text and codes.
 
-Nothing that a replay or an analysis needs is changed: events keep their times, and every other byte. What is removed
-stands in the header's texts; of events only the names of keys that mean nothing to the session are removed.
+Nothing that a replay or an analysis needs is changed: events keep their times, and every other byte. What is
+removed stands in the header's texts; of events only the names of keys that mean nothing to the session are
+removed.
 """
 
 import hashlib
@@ -21,9 +22,10 @@ from core.recording.undo import as_recorded
 Removal = Literal["dates", "terminal", "free-text", "other-keys", "codes"]
 """What can be removed.
 
-`dates`: wall-clock times. `terminal`: facts about the machine, except how times were measured. `free-text`: texts that
-are neither settings nor versions (paths, names of files, remarks, typed answers). `other-keys`: names of keys that
-mean nothing in the session: they may have been typed text. `codes`: participants get new codes.
+`dates`: wall-clock times. `terminal`: facts about the machine, except how times were measured. `free-text`:
+texts that are neither settings nor versions (paths, names of files, remarks, typed answers). `other-keys`:
+names of keys that mean nothing in the session: they may have been typed text. `codes`: participants get new
+codes.
 """
 REMOVALS: tuple[Removal, ...] = get_args(Removal)
 
@@ -46,7 +48,8 @@ class Anonymising:
     """Secret, kept apart from the copies: new codes follow from it and from the old ones."""
     removed: frozenset[Removal] = frozenset(REMOVALS)
     keyed_hash: bool = False
-    """Name the old file by HMAC-SHA256 under the key; False: by SHA-256, which anybody can compute of the old file."""
+    """Name the old file by HMAC-SHA256 under the key; False: by SHA-256, which anybody can compute of the old
+    file."""
 
     def code(self, old: str) -> str:
         """Return the new code of a participant: `A` and 10 of the letters A-Z and digits 2-7.
@@ -99,8 +102,8 @@ def without_dates(value: Any) -> Any:
 def anonymised(recording: Recording, how: Anonymising) -> bytes:
     """Return the content of a copy of a recording.
 
-    The copy is of the same version of the format. A line that was being written when the session was cut off is not
-    in it.
+    The copy is of the same version of the format. A line that was being written when the session was cut off
+    is not in it.
 
     Args:
         recording: as it was read.

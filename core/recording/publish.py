@@ -1,4 +1,4 @@
-"""Copies of recordings without dates, for publication: chained anew, so that they read and replay as the originals."""
+"""Copies of recordings without dates, chained anew: they read and replay as the originals."""
 
 import re
 from pathlib import Path
@@ -28,7 +28,7 @@ def publish_copy(recording: Recording, target: Path) -> None:
 
 
 def publish_folder(paths: list[Path], into: Path) -> list[tuple[Path, Path]]:
-    """Copy recordings into a folder under names without dates: the participant's code and a number, oldest first.
+    """Copy recordings into a folder under names without dates: code and number, oldest first.
 
     Args:
         paths: of the recordings.

@@ -1,4 +1,4 @@
-"""Recordings of an earlier version of the format, written again in the present one. The old files stay as they are."""
+"""Recordings of an earlier version of the format, written again in the present one."""
 
 import hashlib
 from pathlib import Path
@@ -21,7 +21,8 @@ def recorded_version(header: Header) -> int:
 def upgraded(recording: Recording) -> bytes:
     """Return the content of a recording in the present version of the format.
 
-    What the old version did not record is null. The header says from which version and file the copy was made.
+    What the old version did not record is null. The header says from which version and file the copy was
+    made.
 
     Args:
         recording: as it was read, of an earlier version.

@@ -12,7 +12,8 @@ def read(path: str) -> tuple[dict[str, Any], list[dict[str, Any]], bool]:
     """Return the header, the events, and whether the session was closed properly.
 
     Raises:
-        ValueError: a line was changed, lost or moved, or the file is of a version that this reader does not know.
+        ValueError: a line was changed, lost or moved, or the file is of a version that this reader does not
+        know.
     """
     with open(path, "rb") as file:
         whole, _, _ = file.read().rpartition(b"\n")  # behind the last newline: a line that was never finished

@@ -1,7 +1,9 @@
-"""Train a learner of another package from presses alone: MINARI_DATASETS_PATH=FOLDER python train_from_presses.py.
+"""Train a learner of another package from presses alone.
 
-scikit-learn's ridge regression learns what participants think of a placement: the feedback credited to a step, from the
-features of what was done. Environmental rewards are not used.
+Run: MINARI_DATASETS_PATH=FOLDER python train_from_presses.py
+
+scikit-learn's ridge regression learns what participants think of a placement: the feedback credited to a
+step, from the features of what was done. Environmental rewards are not used.
 """
 
 import minari

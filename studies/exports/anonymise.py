@@ -86,8 +86,8 @@ def anonymise(
 ) -> Copies:
     """Copy everything in a folder, or one file, anonymised.
 
-    Recordings and trials get names of the new code and a number, in the order in which they were made; the folders of a
-    study's participants get the new codes.
+    Recordings and trials get names of the new code and a number, in the order in which they were made; the
+    folders of a study's participants get the new codes.
 
     Args:
         place: a folder or a file.
@@ -128,7 +128,7 @@ class _Other(Exception):
 
 @dataclass(frozen=True, slots=True)
 class _Found:
-    """A file by what naming needs; its content is read again when it is copied, so that memory does not grow."""
+    """A file by what naming needs; its content is read again when it is copied."""
 
     source: Source
     code: str
@@ -197,7 +197,13 @@ def _trials(trials: TrialFile, how: Anonymising, content: bytes) -> bytes:
         created_utc=NO_DATE if "dates" in how.removed else trials.header.created_utc,
         facts=how.facts(trials.header.facts) | how.about(content),
     )
-    return b"".join(msgspec.json.encode(line) + b"\n" for line in (header, *trials.trials))
+    records = [msgspec.structs.replace(each, comment=_remark(each.comment, how)) for each in trials.trials]
+    return b"".join(msgspec.json.encode(line) + b"\n" for line in (header, *records))
+
+
+def _remark(comment: str, how: Anonymising) -> str:
+    """Return the program's remark on a trial without how the terminal was reached."""
+    return re.sub(r"resumed \([^)]*\)", "resumed", comment) if "terminal" in how.removed else comment
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""A folder that can be deposited as it is (OSF, Zenodo): anonymised data, tables, what they mean, and checksums."""
+"""A folder that can be deposited as it is: anonymised data, tables, what they mean, and checksums."""
 
 import hashlib
 import json

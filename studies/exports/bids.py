@@ -1,7 +1,7 @@
 """A BIDS data set of a folder of data: events of each session, reaction trials, and what the columns mean.
 
-Follows the Brain Imaging Data Structure, section "Behavioral experiments (with no neural recordings)". Dates and texts
-that people typed are left out unless they are asked for.
+Follows the Brain Imaging Data Structure, section "Behavioral experiments (with no neural recordings)". Dates
+and texts that people typed are left out unless they are asked for.
 """
 
 import json

@@ -96,7 +96,7 @@ def write_stimuli(folder: Path, tasks: Collection[str]) -> None:
 
 
 def _drawing(rows: tuple[int, ...]) -> str:
-    """Return a piece drawn with #, its top row first; `rows` are bit masks from the lowest row, bit 0 at the left."""
+    """Return a piece drawn with #, top row first; `rows` are bit masks, lowest row first, bit 0 at the left."""
     width = max(rows).bit_length()
     lines = ["".join("#" if row >> column & 1 else "." for column in range(width)) for row in reversed(rows)]
     return "\n".join(lines) + "\n"

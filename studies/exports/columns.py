@@ -1,4 +1,4 @@
-"""Columns of exported tables, and the codebook that describes them. Tables are declared once, in `tables.py`."""
+"""Columns of exported tables, and the codebook that describes them."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field

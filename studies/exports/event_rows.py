@@ -1,4 +1,4 @@
-"""The rows of one recorded session that come in great numbers: steps, presses, credit, frames, interruptions."""
+"""Rows of one session that come in great numbers: steps, presses, credit, frames, interruptions."""
 
 import json
 from collections.abc import Iterator

@@ -286,7 +286,7 @@ def _spaces(protocol: Protocol) -> tuple[Any, Any]:
 
 
 def _observations(protocol: Protocol, states: list[Any], domain: Any) -> Any:
-    """Return what is seen in each state: row 0 of a board is the lowest; variables of the keeper who decides."""
+    """Return what is seen in each state: a board (row 0 is the lowest), or the deciding keeper's variables."""
     if isinstance(protocol.domain, TetrisConfig):
         rows = protocol.domain.rows
         boards = [

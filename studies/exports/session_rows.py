@@ -300,7 +300,7 @@ def between(first_ns: int, second_ns: int) -> float:
 
 
 def time_of(event: msgspec.Struct) -> int | None:
-    """Return when an event happened, in nanoseconds of the recording's clock; None where it has no time of its own."""
+    """Return when an event happened, in nanoseconds of the recording's clock; None where it has no time."""
     time_ns = getattr(event, "time_ns", getattr(event, "flushed_ns", None))
     return None if time_ns is None else int(time_ns)
 

@@ -1,4 +1,4 @@
-"""What lies in a folder of data: recordings, reaction trials and records of sittings, told apart by their first lines."""
+"""What lies in a folder of data: recordings, reaction trials, sittings, told apart by their first lines."""
 
 import os
 from collections.abc import Iterator
@@ -51,7 +51,7 @@ class _Said(msgspec.Struct):
 
 
 def find_sources(place: Path) -> Iterator[Source]:
-    """Yield the files of data in a folder and below, in the order of their names; or the one file that is named.
+    """Yield the files of data in a folder and below, in the order of their names; or the one file.
 
     Args:
         place: a folder, or a file.

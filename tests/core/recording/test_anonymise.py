@@ -1,4 +1,4 @@
-"""Anonymised copies: nothing that names a person, a day or a machine is left, and a replay is as exact as before."""
+"""Anonymised copies: nothing names a person, a day or a machine, and a replay is as exact as before."""
 
 import hashlib
 import hmac

@@ -1,4 +1,4 @@
-"""The format as others see it: the JSON Schema, readers in other languages, files upgraded to the present version."""
+"""The format as others see it: JSON Schema, readers in other languages, upgraded files."""
 
 import importlib.util
 import json

@@ -1,4 +1,4 @@
-"""Minari data sets: its own loader reads them, games are those of the recordings, and a third-party learner learns."""
+"""Minari data sets: its loader reads them, games are those recorded, and a third-party learner learns."""
 
 import os
 import re
