@@ -35,7 +35,7 @@ OTHER_KEY = "(other key)"
 _DATE = re.compile(r"(?<!\d)\d{4}-?[01]\d-?[0-3]\d(?!\d)([T ]?[\d:.]+(Z|[+-]\d\d:?\d\d)?)?")
 _MEASURING = re.compile(r"stamps|frames_per_s|timing_")
 """Begins the names of facts that say how exactly times were measured: an analysis needs them."""
-_KEPT_SOURCES = re.compile(r"study\.|credit(?!_files$)|format$|condition$|published$|anonymised|upgraded")
+_KEPT_SOURCES = re.compile(r"study\.|credit(?!_files$)|format$|condition( |$)|published$|anonymised|upgraded")
 """Begins the names of facts in `Header.source` that are settings, not texts."""
 _OTHER_PRESS = b'"verdict":"other"'
 

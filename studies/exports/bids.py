@@ -123,7 +123,7 @@ class _Writer:
     def _session(self, recording: Recording) -> None:
         session = SessionRows(recording, "")
         header = recording.header
-        subject, stem = self._named(header.participant, header.origin, session.game)
+        subject, stem = self._named(header.participant, header.origin, session.game or "judging")
         rows = sorted(
             chain(self._games(session), _steps(session), self._presses(session)), key=lambda row: _onset(row)
         )
@@ -200,7 +200,7 @@ class _Writer:
                 "onset": row["time_s"],
                 "duration": 0.0,
                 "trial_type": "press",
-                "response_time": row["since_shown_s"],
+                "response_time": row["since_frame_s" if row["domain"] is None else "since_shown_s"],
                 **said,
             }
 
@@ -312,10 +312,11 @@ def _steps(session: SessionRows) -> Iterator[Row]:
         }
 
 
-def _stimulus(game: str, row: Row) -> str:
+def _stimulus(game: str, row: Row) -> str | None:
+    """Return the drawing of what a step showed; a piece as it comes where its orientation is not recorded."""
     if game == "keepaway":
         return "keepaway.txt"
-    return f"tetris/{row['piece']}-{row['orientation'] or 1}.txt"
+    return f"tetris/{row['piece']}-{row['orientation'] or 1}.txt" if row["piece"] else None
 
 
 def _onset(row: Row) -> float:

@@ -6,8 +6,8 @@ from pathlib import Path
 from core.private_files import make_private_folder
 from core.tetris.shapes import ORIENTATION_ROWS
 from studies.exports.columns import Column
+from studies.exports.event_tables import PRESSES, STEPS
 from studies.exports.tables import PLAYED as GAMES
-from studies.exports.tables import PRESSES, STEPS
 from studies.exports.words import PIECES
 
 _EVENT_TYPES = {
@@ -51,7 +51,7 @@ COLUMNS: tuple[Column, ...] = (
     Column("onset", "number", "When the event began, since the session began. A step that was never shown: when it was decided.", "s"),
     Column("duration", "number", "How long it lasted, pauses left out; 0 for a press; n/a where it is not known.", "s"),
     Column("trial_type", "text", "What kind of event it is.", levels=_EVENT_TYPES),
-    Column("response_time", "number", "Of a press: time since the step on screen was first shown.", "s"),
+    Column("response_time", "number", "Of a press: time since the step on screen was first shown; in imported evaluations, since the event judged.", "s"),
     Column("stim_file", "text", "Of a step: the drawing of its stimulus, below /stimuli."),
     *(_BY_NAME[name] for name in _TAKEN),
 )  # fmt: skip
@@ -59,11 +59,13 @@ COLUMNS: tuple[Column, ...] = (
 TASKS = {
     "tetris": "The participant watches an agent play Tetris in a text terminal and judges its last move by key presses.",
     "keepaway": "The participant watches agents play Keepaway in a text terminal and judges the last pass by key presses.",
+    "judging": "The participant judges what an agent does; imported from a table of evaluations.",
     "trials": "Reaction-time trials in a text terminal: a foreperiod, a stimulus, and a key.",
 }
 INSTRUCTIONS = {
     "tetris": "Tell the computer what you think of where the last piece came to rest: one key for good, one for bad.",
     "keepaway": "Tell the team what you think of its last pass, or of holding the ball too long: one key for good, one for bad.",
+    "judging": "Not recorded.",
     "trials": "Press the key as fast as you can when the stimulus appears.",
 }
 README = """# Key presses on an agent's play, and reaction times

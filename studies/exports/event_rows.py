@@ -9,6 +9,7 @@ from core.episode import (
     FocusLost,
     FocusRegained,
     FrameShown,
+    KeyPressed,
     Resumed,
     ScreenCleared,
     StepTaken,
@@ -32,11 +33,16 @@ def step_rows(session: SessionRows) -> Iterator[Row]:
             step = int(row["step_index"] or 0)
             presses[step] = presses.get(step, 0) + 1
             feedback[step] = feedback.get(step, 0.0) + float(row["feedback"] or 0.0)
+    credited = session.recording.header.origin != "imported"
     for step, taken in session.steps.items():
-        yield _step_row(session, taken, presses.get(step, 0), feedback.get(step, 0.0))
+        got: Row = {
+            "presses_credited": presses.get(step, 0) if credited else None,
+            "feedback": feedback.get(step, 0.0) if credited else None,
+        }
+        yield {**_step_row(session, taken), **got}
 
 
-def _step_row(session: SessionRows, taken: StepTaken, presses: int, feedback: float) -> Row:
+def _step_row(session: SessionRows, taken: StepTaken) -> Row:
     seen, place, detail = session.on_screen.get(taken.step, _NEVER), session.places[taken.step], taken.detail
     known = taken.human_action >= 0
     return {
@@ -60,8 +66,6 @@ def _step_row(session: SessionRows, taken: StepTaken, presses: int, feedback: fl
         "cycle_index": detail.get("cycle"),
         "reward": taken.reward,
         "state_json": _state(taken),
-        "presses_credited": presses,
-        "feedback": feedback,
     }
 
 
@@ -88,6 +92,7 @@ def press_rows(session: SessionRows) -> Iterator[Row]:
             "since_shown_s": (
                 between(seen.shown_ns, pressed.time_ns) if on_screen and seen.shown_ns is not None else None
             ),
+            "since_frame_s": _since_frame(session, pressed),
             "key": pressed.key,
             "read_as": pressed.read_as or None,
             "layout": pressed.layout or None,
@@ -107,6 +112,11 @@ def press_rows(session: SessionRows) -> Iterator[Row]:
             "trust": None if started is None else started.trust,
             "weight": None if started is None else started.weight,
         }
+
+
+def _since_frame(session: SessionRows, pressed: KeyPressed) -> float | None:
+    flushed_ns = session.frames.get(pressed.frame)
+    return None if flushed_ns is None else between(flushed_ns, pressed.time_ns)
 
 
 def _credited(credit: CreditGiven | None) -> Row:

@@ -27,9 +27,9 @@ from core.recording.reader import Recording, RecordingError, read_recording
 from core.tetris.config import TetrisConfig
 from studies.exports.columns import codebook
 from studies.exports.event_rows import press_rows, step_rows
+from studies.exports.event_tables import PRESSES
 from studies.exports.session_rows import SessionRows
 from studies.exports.sources import Source, Trouble, find_sources
-from studies.exports.tables import PRESSES
 from studies.exports.tidy import CsvFile, ExportError, TableFile
 
 NAMESPACE = "arl"
@@ -137,7 +137,7 @@ class _Sets:
         recording = read_recording(source.path)
         if recording.header.origin == "imported":
             raise NotReplayedError("imported: what the agent did is not in it")
-        session = SessionRows(recording, source.relative.as_posix().partition(".jsonl")[0])
+        session = SessionRows(recording, source.session)
         protocol = protocol_from(recording.header.protocol)
         name = f"{NAMESPACE}/{_variant(protocol)}-v0"
         # All games first: a session is exported as a whole or not at all.

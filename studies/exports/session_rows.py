@@ -29,6 +29,9 @@ from core.recording.upgrade import recorded_version
 from studies.exports.columns import Cell, Row
 from studies.exports.words import PERFORMANCE_UNITS, action_of, actor_of, piece_of
 
+IMPORTED_CONDITION = "condition "
+"""Begins the names of facts in the header by which an imported table was divided."""
+
 
 @dataclass(slots=True)
 class OnScreen:
@@ -62,7 +65,7 @@ class SessionRows:
         self.recording = recording
         self.session = session
         self.summary = summarise_recording(recording)
-        self.game = self.summary.game
+        self.game = self.summary.game if self.says_game else ""
         self.places: dict[int, Place] = {}
         """Of each step."""
         self.steps: dict[int, StepTaken] = {}
@@ -74,10 +77,18 @@ class SessionRows:
         self.credit: dict[int, CreditGiven] = {}
         """By press."""
         self.on_screen: dict[int, OnScreen] = {}
+        self.frames: dict[int, int] = {}
+        """When each frame was flushed, nanoseconds."""
         self._current = -1
         self._since_ns = 0
         for event in recording.events:
             self._note(event)
+
+    @property
+    def says_game(self) -> bool:
+        """Whether the recording says which game was watched; imported tables of evaluations do not."""
+        header = self.recording.header
+        return header.origin != "imported" or "domain" in header.protocol
 
     def _note(self, event: msgspec.Struct) -> None:
         match event:
@@ -97,6 +108,7 @@ class SessionRows:
             case CreditGiven():
                 self.credit[event.press] = event
             case FrameShown():
+                self.frames[event.frame] = event.flushed_ns
                 self._screen(event.step, event.flushed_ns)
             case ScreenCleared():
                 self._screen(-1, event.time_ns)
@@ -128,7 +140,7 @@ class SessionRows:
             "participant": header.participant,
             "session": self.session,
             "study": source.get("study.study"),
-            "condition": source.get("study.condition") or self.summary.condition or None,
+            "condition": self.summary.condition or _imported_condition(source),
             "sitting": _from_one(source.get("study.sitting")),
             "place": _from_one(source.get("study.place")),
         }
@@ -136,7 +148,7 @@ class SessionRows:
     @cached_property
     def keys(self) -> Row:
         """First columns of the tables of a session."""
-        return {**self.first_columns, "origin": self.recording.header.origin, "domain": self.game}
+        return {**self.first_columns, "origin": self.recording.header.origin, "domain": self.game or None}
 
     def seconds(self, time_ns: int | None) -> float | None:
         """Return a time in seconds since the session began."""
@@ -157,6 +169,8 @@ class SessionRows:
     @cached_property
     def protocol(self) -> Protocol | None:
         """The protocol with all its defaults; None where the header's is not one of a session."""
+        if not self.says_game:
+            return None
         try:
             return protocol_from(self.recording.header.protocol)
         except ValueError:
@@ -310,6 +324,12 @@ def step_actor(game: str, detail: Mapping[str, int]) -> str | None:
     return actor_of(game, detail)
 
 
+def _imported_condition(source: Mapping[str, str]) -> str | None:
+    """Return the columns by which an imported table was divided, such as `task=coffee; set=data`."""
+    names = [name for name in source if name.startswith(IMPORTED_CONDITION)]
+    return "; ".join(f"{name.removeprefix(IMPORTED_CONDITION)}={source[name]}" for name in names) or None
+
+
 def _from_one(number: str | None) -> int | None:
     return int(number) + 1 if number and number.isdecimal() else None
 
@@ -318,5 +338,5 @@ def _leaves(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
     if isinstance(value, Mapping) and value:
         for name, below in value.items():
             yield from _leaves(below, f"{path}.{name}" if path else str(name))
-    else:
+    elif path:
         yield path, value

@@ -12,8 +12,8 @@ from core.recording.schema import FORMAT as RECORDING
 from studies.lab.sitting_log import FORMAT as SITTING
 from studies.reaction_time.trial_log import FORMAT as TRIALS
 
-PACKED = (".jsonl.gz", ".jsonl.bz2", ".jsonl.xz")
-"""Ends of names of recordings that are read although they are compressed."""
+PACKED = (".jsonl.gz", ".jsonl.bz2", ".jsonl.xz", ".jsonl.zip", ".jsonl.zst")
+"""Ends of names of packed recordings. The last two are not read: reading them says so."""
 LONGEST_HEADER = 1 << 22
 """Bytes of a first line that are looked at."""
 _KINDS: dict[str, Literal["recording", "trials", "sitting"]] = {
@@ -33,6 +33,11 @@ class Source:
     kind: Literal["recording", "trials", "sitting", "other"]
     format: str = ""
     """What a file of another kind says it is; empty where it does not say."""
+
+    @property
+    def session(self) -> str:
+        """Name of the session in tables: unique, also where a file lies beside a packed copy of itself."""
+        return self.relative.as_posix().removesuffix(".jsonl")
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,22 +17,11 @@ from core.private_files import make_private_folder
 from core.recording.reader import RecordingError, read_recording
 from studies.exports.columns import Cell, Column, Row, Table, codebook, codebook_page
 from studies.exports.event_rows import credit_rows, frame_rows, interruption_rows, press_rows, step_rows
+from studies.exports.event_tables import CREDIT, FRAMES, INTERRUPTIONS, PRESSES, STEPS
 from studies.exports.other_rows import answer_rows, trial_rows
 from studies.exports.session_rows import SessionRows
 from studies.exports.sources import Source, Trouble, find_sources
-from studies.exports.tables import (
-    ANSWERS,
-    CREDIT,
-    FRAMES,
-    INTERRUPTIONS,
-    PLAYED,
-    PRESSES,
-    SESSIONS,
-    SETTINGS,
-    STEPS,
-    TABLES,
-    TRIALS,
-)
+from studies.exports.tables import ANSWERS, PLAYED, SESSIONS, SETTINGS, TABLES, TRIALS
 from studies.lab.sealed import SealedFileError
 from studies.lab.sitting_log import read_sitting
 from studies.reaction_time.trial_log import TrialFileError, read_trials
@@ -206,7 +195,7 @@ def rows_of(source: Source) -> Iterator[tuple[Table, Row]]:
         OtherKindError: the file is of another kind.
         OSError: it cannot be read.
     """
-    name = source.relative.as_posix().partition(".jsonl")[0]
+    name = source.session
     match source.kind:
         case "recording":
             yield from _of_session(SessionRows(read_recording(source.path), name))

@@ -7,10 +7,13 @@ import subprocess
 import sysconfig
 from pathlib import Path
 
+import msgspec
 import pytest
 
+from core.recording.recorder import LineWriter
 from studies.exports.bids import BidsSettings, export_bids
 from studies.exports.tidy import ExportError
+from tests.core.recording.test_recording import HEADER, press
 from tests.studies.exports.conftest import REFERENCE
 
 SETTINGS = BidsSettings(
@@ -103,11 +106,6 @@ def test_dates_and_typed_texts_are_left_out_unless_asked_for(lab, tmp_path):
 
 
 def test_participants_whose_labels_would_be_the_same_are_refused(tmp_path):
-    import msgspec
-
-    from core.recording.recorder import LineWriter
-    from tests.core.recording.test_recording import HEADER, press
-
     for code in ("P-01", "P_01"):
         writer = LineWriter(
             tmp_path / "data" / f"{code}.jsonl", msgspec.structs.replace(HEADER, participant=code)

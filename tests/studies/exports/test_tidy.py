@@ -12,7 +12,8 @@ import pytest
 
 from core.episode import KeyPressed, PressRetracted
 from core.recording.reader import read_recording
-from studies.exports.tables import PRESSES, TABLES
+from studies.exports.event_tables import PRESSES
+from studies.exports.tables import TABLES
 from studies.exports.tidy import ExportError, export_tidy
 from studies.exports.words import action_of
 from tests.studies.exports.conftest import REFERENCE, REPOSITORY, run
@@ -205,3 +206,34 @@ def test_the_pandas_example_runs(tables):
     assert "annealed" in done.stdout
     page = (REPOSITORY / "docs" / "publish-data.md").read_text(encoding="utf-8")
     assert Path(example).read_text(encoding="utf-8").split('"""\n', 1)[1].strip() in page
+
+
+@pytest.fixture
+def imported(tmp_path):
+    """Evaluations from a table: presses with delays, no game."""
+    (tmp_path / "table.csv").write_text(
+        "participant_id,time_s,value,delay_s,task\nP1,1.0,1,0.5,a\nP1,2.0,-1,0.25,a\nP2,1.0,1,0.5,b\n"
+    )
+    run("import", "evaluations", tmp_path / "table.csv", "--by", "task", "--out", tmp_path / "data")
+    return tmp_path / "data"
+
+
+def test_imported_evaluations_have_delays_and_conditions_and_claim_no_game(imported, tmp_path):
+    run("export", "tidy", imported, "--out", tmp_path / "out")
+    presses = table(tmp_path / "out", "presses")
+    assert sorted(presses.condition) == ["task=a", "task=a", "task=b"]
+    assert presses.domain.isna().all()
+    assert sorted(presses.since_frame_s) == pytest.approx([0.25, 0.5, 0.5])
+    assert len(table(tmp_path / "out", "settings")) == 0
+
+
+def test_a_packed_copy_beside_its_original_is_another_session(lab, tmp_path):
+    import gzip
+
+    folder = tmp_path / "data"
+    folder.mkdir()
+    content = (lab / "tetris-linear-equation-4.jsonl").read_bytes()
+    (folder / "a.jsonl").write_bytes(content)
+    (folder / "a.jsonl.gz").write_bytes(gzip.compress(content))
+    run("export", "tidy", folder, "--out", tmp_path / "out")
+    assert list(table(tmp_path / "out", "sessions").session) == ["a", "a.jsonl.gz"]
