@@ -6,10 +6,14 @@ from typing import Literal
 import click
 
 from arl_tui.command_line import Arl, ToWrite, recordings_option
+from arl_tui.commands.anonymise import anonymise
+from arl_tui.commands.archive import archive
 from arl_tui.commands.experiment import experiment
+from arl_tui.commands.export import export
 from arl_tui.commands.fit import fit
 from arl_tui.commands.import_log import ImportGroup
 from arl_tui.commands.presses import presses
+from arl_tui.commands.recordings_format import schema, upgrade
 from arl_tui.commands.study import study
 from arl_tui.commands.timing import timing
 from arl_tui.commands.train import train
@@ -354,29 +358,44 @@ def warm_up() -> None:
     run()
 
 
-@main.command(name="recordings", short_help="List the recordings there are, and check each.")
+@main.group(
+    name="recordings",
+    invoke_without_command=True,
+    short_help="List the recordings there are, and check each.",
+)
 @recordings_option(to_write=False)
 @click.option("--csv", "csv_path", type=ToWrite(), help="Write the list to a file, with everything it says.")
 @click.option(
     "--publish",
     type=ToWrite(folder=True),
     metavar="DIR",
-    help="Copy all sound recordings into a new folder, without dates in headers and names, chained anew.",
+    help="Copy all sound recordings into a new folder, without dates in headers and names, chained anew. `arl anonymise` removes "
+    "more.",
 )
-def list_recordings(recordings: Path, csv_path: Path | None, publish: Path | None) -> None:
+@click.pass_context
+def list_recordings(
+    context: click.Context, recordings: Path, csv_path: Path | None, publish: Path | None
+) -> None:
     """List the recordings there are, with what each holds and how its session ended, and check each.
 
     Status 1 where a file is damaged: each of them is named with its reason, and hides no other.
     """
     from arl_tui.commands.recordings import list_all, publish_all
 
+    if context.invoked_subcommand is not None:
+        return
     if publish is not None:
         publish_all(recordings, publish)
         return
     list_all(recordings, csv_path=csv_path)
 
 
+list_recordings.add_command(upgrade)
+list_recordings.add_command(schema)
+main.add_command(anonymise)
+main.add_command(archive)
 main.add_command(experiment)
+main.add_command(export)
 main.add_command(fit)
 main.add_command(study)
 main.add_command(presses)
