@@ -250,7 +250,8 @@ class Viewing:
         placements = self._candidates(step, board)
         piece = self._piece(step)
         marks: dict[tuple[int, int], str] = {}
-        wanted = [] if other is None else [("1'", other.chosen)]
+        differs = own is not None and other is not None and other.chosen != own.chosen
+        wanted = [("1'", other.chosen)] if differs and other is not None else []
         wanted += [] if own is None else [(str(n), one.action) for n, one in enumerate(own.best, 1)]
         for mark, action in wanted:
             if action < len(placements):

@@ -231,8 +231,9 @@ class ViewerScreen(Screen[str], inherit_bindings=False):
                 for column, step in enumerate(level):
                     share = strip.shares.get(step, 0.0)
                     if share >= 0.005:
-                        text = "99" if share >= 0.995 else f"{share * 100:2.0f}"
-                        marks[view.rows - 1 - row, column] = (text if share < 0.995 else "1.", style)
+                        whole = "++" if press.value > 0 else "--"
+                        text = whole if share >= 0.995 else f"{share * 100:2.0f}"
+                        marks[view.rows - 1 - row, column] = (text, style)
         if view.falling is not None and look.before is not None:
             for cell, mark in self.viewing.candidates(moment.step, look.before.wall.board).items():
                 row, column = cell
@@ -270,7 +271,7 @@ class ViewerScreen(Screen[str], inherit_bindings=False):
 
     def _status(self, moment: Moment) -> list[Run]:
         transport = self.transport
-        state = "▶" if transport.playing else "⏸"
+        state = "playing" if transport.playing else "paused "
         speed = f"x{transport.speed:g}" if transport.speed >= 1 else f"x1/{1 / transport.speed:g}"
         at = clock_text(moment.time_ns - self.session.start_ns)
         whole = clock_text(self.session.end_ns - self.session.start_ns)
