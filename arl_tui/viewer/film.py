@@ -112,7 +112,7 @@ async def _filmed(viewing: Viewing, times: list[int], film: _Film) -> None:
     app = ViewerApp(screen)
     async with app.run_test(size=SIZE) as pilot:
         await pilot.pause()
-        while not viewing.ready:
+        while not (viewing.ready and viewing.warm):
             await asyncio.sleep(0.05)
         with click.progressbar(times, label="Filming", file=sys.__stderr__) as shown:
             since, last = 0.0, None

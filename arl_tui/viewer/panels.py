@@ -21,7 +21,7 @@ from core.combination.episode_weights import FORM_NAMES
 from core.foreign_text import printable
 from studies.session_view.credit_strip import CreditStrip
 from studies.session_view.session import Press
-from studies.session_view.thinking import Considered, Thought
+from studies.session_view.thoughts import Considered, Thought
 
 ActionName = Callable[[int], str]
 """Names an action in at most 8 characters."""

@@ -19,7 +19,7 @@ from core.tetris.game import Board, FallingPiece, landing_row
 from studies.session_view.credit_strip import PAPER, UNIFORM, CreditStrip, strip_of
 from studies.session_view.session import Press, SessionView
 from studies.session_view.tags import Tags, write_tags_csv
-from studies.session_view.thinking import Thought, Thoughts
+from studies.session_view.thoughts import Thought, Thoughts
 
 HOLD = 0
 NO_TIMES: NDArray[np.int64] = np.zeros(0, dtype=np.int64)
@@ -99,6 +99,8 @@ class Viewing:
         self._differences: tuple[int, NDArray[np.int64]] = (0, NO_TIMES)
         self._strip = lru_cache(maxsize=64)(self._strip_of)
         self._candidates = lru_cache(maxsize=8)(self._candidates_of)
+        self.warm = False
+        """Whether compiled code has been loaded; see `warm_up`."""
         self.drawn_receivers: Callable[[], tuple[int, tuple[int, ...]]] = lambda: (-1, ())
         """Returns the row of the step drawn last, and to whom its options pass; set by what draws the pitch."""
         if what_if is not None:
@@ -108,13 +110,23 @@ class Viewing:
     def state(self) -> tuple[object, ...]:
         """Changes whenever something that is drawn has changed, apart from the time."""
         other = None if self.other is None else (self.other.words, len(self.other.thoughts))
-        return self._rule, self._own.words, other, len(self.tags.all), self.other_name
+        return self.warm, self._rule, self._own.words, other, len(self.tags.all), self.other_name
 
     @property
     def unit(self) -> str:
         """What is counted in a game, as a label of at most 8 letters."""
         protocol = self.session.protocol
         return "score" if protocol is None else words_of(protocol.game).units[1]
+
+    def warm_up(self) -> None:
+        """Load the compiled code that names placements: a second or two, a minute the first time. In any thread."""
+        protocol = self.session.protocol
+        if protocol is not None and isinstance(protocol.domain, TetrisConfig):
+            from core.tetris.afterstate import Tetris
+
+            domain = Tetris(protocol.domain)
+            domain.placements(domain.initial(0))
+        self.warm = True
 
     # --- credit ---------------------------------------------------------------------------------------------------
 
@@ -232,7 +244,7 @@ class Viewing:
 
     def placements(self, step: int) -> list[tuple[int, int]]:
         """Return (orientation, leftmost column) of each action at a step of Tetris; nothing where it is not known."""
-        known = self._board_of(step) if step >= 0 else None
+        known = self._board_of(step) if step >= 0 and self.warm else None
         return [] if known is None else list(self._candidates(step, known))
 
     _board: tuple[int, Board] = (-1, ())
@@ -247,6 +259,8 @@ class Viewing:
         """
         self._board = step, board
         own, other = self.own_thought(step), self.other_thought(step)
+        if not self.warm or (own is None and other is None):
+            return {}
         placements = self._candidates(step, board)
         piece = self._piece(step)
         marks: dict[tuple[int, int], str] = {}

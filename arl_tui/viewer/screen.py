@@ -1,6 +1,7 @@
 """The viewer's screen: game, credit, values, timeline, and the keys that move through a session."""
 
 import math
+import threading
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -19,7 +20,7 @@ from arl_tui.viewer.panels import beside, press_line, strip_lines, thought_lines
 from arl_tui.viewer.pictures import Look, Pictures, PitchPictures
 from arl_tui.viewer.reading import Viewing
 from arl_tui.viewer.rows import BOLD, DIM, Rows, Run
-from arl_tui.viewer.timeline import Timeline, clock_text
+from arl_tui.viewer.timeline import Facts, Timeline, clock_text
 from core.clock import Clock, MonotonicClock
 from core.foreign_text import printable
 from core.keepaway.picture import PitchFrame
@@ -127,7 +128,7 @@ class ViewerScreen(Screen[str], inherit_bindings=False):
         colours = self._colours or self.app.console.color_system
         palette = palette_for("standard", colours, no_color=self.app.no_color and self._colours is None)
         domain = None if self.session.protocol is None else self.session.protocol.domain
-        unit = self.viewing.unit
+        unit, facts = self.viewing.unit, Facts(self.session)
         with Horizontal(id="upper"):
             if isinstance(domain, TetrisConfig) or domain is None:
                 size = (20, 10) if domain is None else (domain.rows, domain.columns)
@@ -140,16 +141,17 @@ class ViewerScreen(Screen[str], inherit_bindings=False):
                 yield self._pitch
             with Vertical(id="right"):
                 yield Rows(id="status")
-                yield Timeline(self.session, unit, tall=False, id="timeline-right")
+                yield Timeline(self.session, facts, unit, tall=False, id="timeline-right")
                 yield Rows(id="credit")
                 yield Rows(id="thought")
-        yield Timeline(self.session, unit, id="timeline-below")
+        yield Timeline(self.session, facts, unit, id="timeline-below")
         yield Rows(id="foot")
 
     def on_mount(self) -> None:
         """Begin to draw."""
         if self._pitch is not None:
             self.add_class("-keepaway")
+        threading.Thread(target=self.viewing.warm_up, daemon=True).start()
         self.set_interval(FRAME_S, self.draw)
         self.call_after_refresh(self.draw)
 

@@ -83,12 +83,12 @@ class Facts:
         self.bad: Times = np.sort(times[counted & (value < 0)])
         self.taken_back: Times = np.sort(times[(presses["verdict"] == 0) & ~counted])
         self.refused: Times = np.sort(times[(presses["verdict"] != 0) & ~np.isnan(value)])
-        self.starts: Times = np.asarray(session.games["start"])
+        self.starts: Times = session.times("game")
         ends = session.games["end"]
         following = np.append(self.starts[1:], session.end_ns)
         self.ends: Times = np.where(ends < 0, following, ends)
-        self.performance = np.asarray(session.games["performance"], dtype=np.float64)
-        self.weight = np.asarray(session.games["weight"], dtype=np.float64)
+        self.performance = np.ascontiguousarray(session.games["performance"], dtype=np.float64)
+        self.weight = np.ascontiguousarray(session.games["weight"], dtype=np.float64)
         trust = np.asarray(session.games["trust"], dtype=np.float64)
         after = np.asarray(session.games["trust_after"], dtype=np.float64)
         # Version 1 did not record what trust said when a game began: what it said after the game before.
@@ -114,11 +114,14 @@ class Timeline(Rows):
             super().__init__()
             self.time_ns = time_ns
 
-    def __init__(self, session: SessionView, unit: str, *, tall: bool = True, id: str | None = None) -> None:
+    def __init__(
+        self, session: SessionView, facts: Facts, unit: str, *, tall: bool = True, id: str | None = None
+    ) -> None:
         """Prepare.
 
         Args:
             session: what is drawn.
+            facts: of the session.
             unit: of performance, as a label.
             tall: draw everything, in ten lines; otherwise the most important, in seven.
             id: Textual's name of the widget.
@@ -126,7 +129,7 @@ class Timeline(Rows):
         super().__init__(id=id)
         self.tall = tall
         self._session = session
-        self._facts = Facts(session)
+        self._facts = facts
         self._unit = unit
         self.stretch = Stretch(session.start_ns, session.end_ns)
         """What is shown; see `zoom`."""

@@ -10,7 +10,7 @@ from typing import Self
 from core.foreign_text import printable
 from core.protocol import Protocol
 from studies.pools import processes
-from studies.session_view.thinking import Thoughts, own_thoughts, what_if_thoughts
+from studies.session_view.thoughts import Thoughts
 
 
 class Working:
@@ -64,11 +64,11 @@ class Workers:
 
     def own(self) -> Working:
         """Begin with the session's own agent."""
-        return self._submit(own_thoughts)
+        return self._submit(_own)
 
     def what_if(self, protocol: Protocol) -> Working:
         """Begin with an agent that learns from the recording under another protocol."""
-        return self._submit(what_if_thoughts, protocol)
+        return self._submit(_what_if, protocol)
 
     def _submit(self, function: object, *arguments: object) -> Working:
         if self._pool is None:
@@ -77,3 +77,15 @@ class Workers:
         out = self._folder / f"{self._n}.thoughts"
         assert callable(function)
         return Working(Thoughts(out), self._pool.submit(function, self._recording, out, *arguments))
+
+
+def _own(recording: Path, out: Path) -> str:
+    from studies.session_view.thinking import own_thoughts  # here, not above: compiled code comes with it
+
+    return own_thoughts(recording, out)
+
+
+def _what_if(recording: Path, out: Path, protocol: Protocol) -> str:
+    from studies.session_view.thinking import what_if_thoughts
+
+    return what_if_thoughts(recording, out, protocol)

@@ -90,6 +90,12 @@ class SessionView:
         self.marks: Rows = index.tables["marks"]
         self.unseen: Rows = index.tables["unseen"]
         self.start_ns, self.end_ns = index.start_ns, index.end_ns
+        # Columns that are searched lie in one piece; a search in a table of rows would copy the column every time.
+        self._frame_times = np.ascontiguousarray(self.frames["time"])
+        self._step_numbers = np.ascontiguousarray(self.steps["number"])
+        self._game_starts = np.ascontiguousarray(self.games["start"])
+        self._all_press_times = np.ascontiguousarray(self.presses["time"])
+        self._credited = np.ascontiguousarray(index.tables["credits"]["press"])
 
     @property
     def imported(self) -> bool:
@@ -110,8 +116,8 @@ class SessionView:
 
     def at(self, time_ns: int) -> Moment:
         """Return what was on screen at a time."""
-        frame = int(np.searchsorted(self.frames["time"], time_ns, side="right")) - 1
-        game = int(np.searchsorted(self.games["start"], time_ns, side="right")) - 1
+        frame = int(np.searchsorted(self._frame_times, time_ns, side="right")) - 1
+        game = int(np.searchsorted(self._game_starts, time_ns, side="right")) - 1
         covered, covered_ns = self._cover(time_ns)
         if frame < 0:
             return Moment(time_ns, -1, -1, game, 0, covered)
@@ -138,7 +144,7 @@ class SessionView:
         if row < 0 or self.marks["kind"][row] == RESUMED:
             return "", 0
         since = int(self.marks["time"][row])
-        frame = int(np.searchsorted(self.frames["time"], time_ns, side="right")) - 1
+        frame = int(np.searchsorted(self._frame_times, time_ns, side="right")) - 1
         if frame >= 0 and self.frames["time"][frame] >= since:
             return "", 0
         return REASONS[int(self.marks["detail"][row])], time_ns - since
@@ -149,7 +155,7 @@ class SessionView:
 
     def step_row(self, number: int) -> int:
         """Return the row of a step by its number; -1 where there is none."""
-        numbers = self.steps["number"]
+        numbers = self._step_numbers
         if number < len(numbers) and numbers[number] == number:
             return number
         row = int(np.searchsorted(numbers, number))
@@ -210,7 +216,7 @@ class SessionView:
 
     def press_near(self, time_ns: int) -> int:
         """Return the row of the newest press at or before a time, other keys left out; -1 where there is none."""
-        row = int(np.searchsorted(self.presses["time"], time_ns, side="right")) - 1
+        row = int(np.searchsorted(self._all_press_times, time_ns, side="right")) - 1
         while row >= 0 and np.isnan(self.presses["value"][row]):
             row -= 1
         return row
@@ -218,9 +224,9 @@ class SessionView:
     def credit_of(self, press: int) -> CreditGiven | None:
         """Return how a press, by its number, was credited; None where it was not."""
         table = self.index.tables["credits"]
-        row = int(np.searchsorted(table["press"], press))
-        if row >= len(table) or table["press"][row] != press:
-            rows = np.flatnonzero(table["press"] == press)
+        row = int(np.searchsorted(self._credited, press))
+        if row >= len(table) or self._credited[row] != press:
+            rows = np.flatnonzero(self._credited == press)
             if not len(rows):
                 return None
             row = int(rows[0])
@@ -237,10 +243,10 @@ class SessionView:
             Begin and end of each interval, and the number of its step, shape (n,) each. The first interval begins at or
             before `from_ns` where there is one.
         """
-        first = max(0, int(np.searchsorted(self.frames["time"], from_ns, side="right")) - 1)
+        first = max(0, int(np.searchsorted(self._frame_times, from_ns, side="right")) - 1)
         while first > 0 and self.frames["nth"][first] != 0:
             first -= 1
-        last = int(np.searchsorted(self.frames["time"], to_ns, side="right"))
+        last = int(np.searchsorted(self._frame_times, to_ns, side="right"))
         changes: list[tuple[int, int]] = [
             (int(time), int(step))
             for time, step in zip(
@@ -315,9 +321,9 @@ class SessionView:
     def times(self, kind: Kind) -> NDArray[np.int64]:
         """Return the times of all frames, steps (when they came on screen), presses or games, ascending."""
         if kind == "frame":
-            return np.asarray(self.frames["time"])
+            return self._frame_times
         if kind == "game":
-            return np.asarray(self.games["start"])
+            return self._game_starts
         return self._shown_times if kind == "step" else self._press_times
 
     @cached_property
