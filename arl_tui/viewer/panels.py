@@ -122,15 +122,19 @@ def thought_lines(
     if thought is None:
         yield [(title, BOLD), ("  not known yet", DIM)]
         return
-    form = FORM_NAMES.get(thought.form, "")
-    yield [
-        (title, BOLD),
-        (f"  policy {thought.policy}, {form}" if not compact else f"  policy {thought.policy}", DIM),
+    about: list[Run] = [
+        ("  trust ", DIM),
+        (f"{thought.trust:.2f}", TRUST),
+        (" weight ", DIM),
+        (f"{thought.weight:.2f}", WEIGHT),
+        (" handed to H" if thought.handed_over else "", BOLD),
     ]
-    yield [
-        ("trust ", DIM), (f"{thought.trust:.2f}", TRUST), ("  weight ", DIM), (f"{thought.weight:.2f}", WEIGHT),
-        ("  handed to H" if thought.handed_over else "", BOLD),
-    ]  # fmt: skip
+    policy = f"  policy {thought.policy}"
+    if compact:
+        yield [(title[:34], BOLD), (policy if len(title) + len(policy) <= 34 else "", DIM)]
+        yield about
+    else:
+        yield [(title, BOLD), (f"{policy}, {FORM_NAMES.get(thought.form, '')}", DIM), *about]
     columns = (8, 7, 7) if compact else (10, 9, 9)
     yield [(f"  {'':8}{'R':>{columns[0]}}{'H':>{columns[1]}}{'f(R,H)':>{columns[2]}}", DIM)]
     for place, action in enumerate(thought.best, 1):
