@@ -8,6 +8,7 @@ import click
 from arl_tui.command_line import Arl, ToWrite, recordings_option
 from arl_tui.commands.anonymise import anonymise
 from arl_tui.commands.archive import archive
+from arl_tui.commands.compare import compare
 from arl_tui.commands.experiment import experiment
 from arl_tui.commands.export import export
 from arl_tui.commands.fit import fit
@@ -108,8 +109,8 @@ def demo(game: str, person: str | None, seed: int | None, recordings: Path) -> N
     run_demo(game, somebody=person, seed=seed, recordings=recordings)
 
 
-@main.command(short_help="Replay a recording exactly, or under other learning rules.")
-@click.argument("recording", type=FILE)
+@main.command(short_help="Replay recordings exactly, or under other learning rules.")
+@click.argument("recordings", type=FILE, nargs=-1, required=True, metavar="RECORDINGS...")
 @click.option(
     "--credit",
     "credits",
@@ -153,7 +154,7 @@ def demo(game: str, person: str | None, seed: int | None, recordings: Path) -> N
     help="Take a recording that was cut off for what it holds.",
 )
 def replay(
-    recording: Path,
+    recordings: tuple[Path, ...],
     credits: tuple[str, ...],
     schemes: tuple[str, ...],
     protocol: Path | None,
@@ -164,11 +165,11 @@ def replay(
     plot_path: Path | None,
     allow_truncated: bool,
 ) -> None:
-    """Run RECORDING again: exactly (status 1 and the first difference if it differs), or as a what-if."""
-    from arl_tui.commands.replay import replay_recording
+    """Run RECORDINGS again: exactly (status 1 and the first difference if one differs), or as a what-if."""
+    from arl_tui.commands.replay import replay_recordings
 
-    replay_recording(
-        recording,
+    replay_recordings(
+        recordings,
         credits=credits,
         schemes=schemes,
         protocol=protocol,
@@ -394,6 +395,7 @@ list_recordings.add_command(upgrade)
 list_recordings.add_command(schema)
 main.add_command(anonymise)
 main.add_command(archive)
+main.add_command(compare)
 main.add_command(experiment)
 main.add_command(export)
 main.add_command(fit)
