@@ -139,6 +139,16 @@ def bids(
     )
     exported = export_bids(folder, into, settings)
     click.echo(f"{len(exported.files)} tables in {printable(str(into), longest=None)}")
+    unsaid = {
+        "--author (two or more)": len(authors) > 1,
+        "--licence": licence,
+        "--institution": institution,
+        "--institution-address": institution_address,
+        "--department": department,
+    }
+    missing = [option for option, said in unsaid.items() if not said]
+    if missing:
+        click.echo(f"Not said, and the validator will warn of it: {', '.join(missing)}")
     tell_trouble(exported.left_out, exported.damaged)
 
 
