@@ -73,6 +73,9 @@ def tidy(folder: Path, into: Path, file_format: Literal["csv", "parquet"]) -> No
     for name, rows in exported.rows.items():
         click.echo(f"  {name + '.' + file_format:20} {rows:>9,} rows")
     click.echo("  codebook.md, codebook.json")
+    for first, second in exported.twice:
+        names = printable(f"{first} and {second}", longest=None)
+        click.echo(f"Beware: {names} seem to be one session: its rows are there twice.", err=True)
     tell_trouble(exported.left_out, exported.damaged)
 
 

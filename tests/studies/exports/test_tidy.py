@@ -250,5 +250,11 @@ def test_a_packed_copy_beside_its_original_is_another_session(lab, tmp_path):
     content = (lab / "tetris-linear-equation-4.jsonl").read_bytes()
     (folder / "a.jsonl").write_bytes(content)
     (folder / "a.jsonl.gz").write_bytes(gzip.compress(content))
-    run("export", "tidy", folder, "--out", tmp_path / "out")
+    output = run("export", "tidy", folder, "--out", tmp_path / "out")
     assert list(table(tmp_path / "out", "sessions").session) == ["a", "a.jsonl.gz"]
+    assert "Beware: a and a.jsonl.gz seem to be one session" in output
+
+
+def test_sessions_of_one_participant_are_not_taken_for_one(lab, tmp_path):
+    output = run("export", "tidy", lab / "studies", "--out", tmp_path / "out")
+    assert "seem to be one session" not in output
