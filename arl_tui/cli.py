@@ -384,6 +384,10 @@ def list_recordings(
     from arl_tui.commands.recordings import list_all, publish_all
 
     if context.invoked_subcommand is not None:
+        if csv_path is not None or publish is not None:
+            raise click.UsageError(
+                f"--csv and --publish are not for {context.invoked_subcommand}: leave them out"
+            )
         return
     if publish is not None:
         publish_all(recordings, publish)

@@ -73,6 +73,9 @@ def tidy(folder: Path, into: Path, file_format: Literal["csv", "parquet"]) -> No
     for name, rows in exported.rows.items():
         click.echo(f"  {name + '.' + file_format:20} {rows:>9,} rows")
     click.echo("  codebook.md, codebook.json")
+    for first, second in exported.twice:
+        names = printable(f"{first} and {second}", longest=None)
+        click.echo(f"Beware: {names} seem to be one session: its rows are there twice.", err=True)
     tell_trouble(exported.left_out, exported.damaged)
 
 
@@ -139,6 +142,16 @@ def bids(
     )
     exported = export_bids(folder, into, settings)
     click.echo(f"{len(exported.files)} tables in {printable(str(into), longest=None)}")
+    unsaid = {
+        "--author (two or more)": len(authors) > 1,
+        "--licence": licence,
+        "--institution": institution,
+        "--institution-address": institution_address,
+        "--department": department,
+    }
+    missing = [option for option, said in unsaid.items() if not said]
+    if missing:
+        click.echo(f"Not said, and the validator will warn of it: {', '.join(missing)}")
     tell_trouble(exported.left_out, exported.damaged)
 
 

@@ -94,8 +94,10 @@ def lines_of(path: Path, folder: Path, recording: Recording | None, reason: str)
         yield f"    {printable(reason, longest=None)}"
         return
     header = recording.header
-    when = header.created_utc.removesuffix("+00:00").replace("T", " ")
-    yield click.style(name, bold=True) + printable(f"  {header.participant}  {header.origin}  {when} UTC")
+    when = header.created_utc
+    if when[:1].isdigit():  # else it was removed
+        when = when.removesuffix("+00:00").replace("T", " ") + " UTC"
+    yield click.style(name, bold=True) + printable(f"  {header.participant}  {header.origin}  {when}")
     yield f"    {printable(summarise_recording(recording).words)}"
     for note in recording.notes:
         yield f"    beware: {printable(note, longest=None)}"

@@ -104,9 +104,8 @@ def _exports(data: Path, into: Path, settings: ArchiveSettings, parts: dict[str,
     try:
         export_minari(data, into / "minari")
     except ExportError:
-        (into / "minari").rmdir()  # no games: reaction trials only, or imported logs
-    else:
-        parts["minari/"] = "watched games as Minari data sets; set MINARI_DATASETS_PATH to this folder"
+        return  # no games: reaction trials only, or imported logs
+    parts["minari/"] = "watched games as Minari data sets; set MINARI_DATASETS_PATH to this folder"
 
 
 def _format(folder: Path, parts: dict[str, str]) -> None:

@@ -267,8 +267,8 @@ class _Writer:
     def _participants(self) -> None:
         columns = (
             Column("participant_id", "text", "Label of the participant."),
-            Column("origin", "text", "Whether a person or a simulated participant pressed.", levels={
-                "live": "a person at a terminal",
+            Column("origin", "text", "Whether a real or a simulated participant pressed.", levels={
+                "live": "a participant at a terminal",
                 "simulated": "a simulated participant",
                 "imported": "another program's log",
             }),

@@ -95,6 +95,8 @@ def export_minari(place: Path, into: Path) -> MinariExport:
             except NotReplayedError as error:
                 result.left_out.append(Trouble(source.path, str(error)))
     if not result.episodes:
+        if not any(into.iterdir()):
+            into.rmdir()
         reasons = "; ".join(str(trouble) for trouble in (*result.damaged, *result.left_out)[:3])
         raise ExportError(f"{place}: no game could be exported. {reasons}".rstrip())
     return result

@@ -32,7 +32,7 @@ def boolean(name: str, meaning: str) -> Column:
 
 
 ORIGINS = {
-    "live": "a person at a terminal",
+    "live": "a participant at a terminal",
     "simulated": "a simulated participant",
     "imported": "another program's log",
 }

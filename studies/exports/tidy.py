@@ -30,6 +30,9 @@ FileFormat = Literal["csv", "parquet"]
 ROWS_AT_ONCE = 10_000
 """Rows of a Parquet table that are held in memory."""
 
+_SAME = ("participant", "created_utc", "root_seed", "duration_s", "steps", "presses_counted")
+"""Columns in which two files of one session agree, and two sessions do not."""
+
 
 class ExportError(ValueError):
     """An export cannot be made; the message says why and what to do."""
@@ -47,6 +50,8 @@ class Exported:
     """Files of other kinds."""
     damaged: list[Trouble] = field(default_factory=list)
     """Files that could not be read."""
+    twice: list[tuple[str, str]] = field(default_factory=list)
+    """Pairs of sessions that seem to be the same one: copies, or the same session in two versions of the format."""
 
 
 class TableFile(ABC):
@@ -156,7 +161,7 @@ def export_tidy(place: Path, into: Path, *, file_format: FileFormat = "csv") -> 
     sources = list(find_sources(place))
     make_private_folder(into)
     kind = CsvFile if file_format == "csv" else ParquetFile
-    result = Exported()
+    result, seen = Exported(), dict[tuple[Cell, ...], str]()
     with ExitStack() as stack:
         files = {
             table.name: stack.enter_context(kind(into / f"{table.name}.{file_format}", table))
@@ -167,6 +172,10 @@ def export_tidy(place: Path, into: Path, *, file_format: FileFormat = "csv") -> 
                 for table, row in rows_of(source):
                     files[table.name].add(table.checked(row))
                     result.rows[table.name] += 1
+                    if table is SESSIONS:
+                        first = seen.setdefault(tuple(row[name] for name in _SAME), source.session)
+                        if first != source.session:
+                            result.twice.append((first, source.session))
                 result.files += 1
             except (RecordingError, TrialFileError, SealedFileError) as error:
                 result.damaged.append(Trouble(source.path, str(error)))

@@ -29,6 +29,8 @@ WRITING: dict[str, tuple[str | Path, ...]] = {
     "timing --json": ("timing",),
     "import tamer-log --recordings": ("import", "tamer-log", GOLDEN),
     "import tamer-log --out": ("import", "tamer-log", GOLDEN),
+    "import evaluations --recordings": ("import", "evaluations", GOLDEN),
+    "import evaluations --out": ("import", "evaluations", GOLDEN),
     "replay --csv": ("replay", GOLDEN, *RULE),
     "replay --plot": ("replay", GOLDEN, *RULE),
     "recordings --csv": ("recordings", "--recordings", GOLDEN.parent),

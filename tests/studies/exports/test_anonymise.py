@@ -85,6 +85,7 @@ def test_the_same_key_gives_the_same_codes_and_is_never_among_the_data(lab, tmp_
         read_or_make_key(tmp_path / "no-key", apart_from=(lab,))
 
 
+@pytest.mark.jit
 def test_an_archive_holds_everything_and_its_checksums_hold(lab, study_file, tmp_path):
     import hashlib
 

@@ -14,7 +14,7 @@ from core.recording.recorder import LineWriter
 from studies.exports.bids import BidsSettings, export_bids
 from studies.exports.tidy import ExportError
 from tests.core.recording.test_recording import HEADER, press
-from tests.studies.exports.conftest import REFERENCE
+from tests.studies.exports.conftest import REFERENCE, run
 
 SETTINGS = BidsSettings(
     name="Reference recordings",
@@ -114,3 +114,9 @@ def test_participants_whose_labels_would_be_the_same_are_refused(tmp_path):
         writer.close()
     with pytest.raises(ExportError, match="both be sub-P01"):
         export_bids(tmp_path / "data", tmp_path / "bids")
+
+
+def test_what_was_not_said_about_the_data_set_is_named(tmp_path):
+    output = run("export", "bids", REFERENCE, "--out", tmp_path / "bids", "--licence", "CC0")
+    assert "the validator will warn of it: --author (two or more), --institution" in output
+    assert "--licence" not in output

@@ -2,10 +2,10 @@
 
 import csv
 import json
+import shutil
 import subprocess
 import sys
 import tracemalloc
-from pathlib import Path
 from typing import get_args, get_type_hints
 
 import pytest
@@ -204,8 +204,23 @@ def test_the_pandas_example_runs(tables):
     example = REPOSITORY / "docs" / "examples" / "presses_in_pandas.py"
     done = subprocess.run([sys.executable, example, tables], capture_output=True, text=True, check=True)
     assert "annealed" in done.stdout
+
+
+def test_the_r_example_runs(tables):
+    if shutil.which("Rscript") is None:
+        pytest.skip("Rscript is not on this machine")
+    example = REPOSITORY / "docs" / "examples" / "presses_in_lme4.R"
+    done = subprocess.run(["Rscript", example, tables], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "participant" in done.stdout
+
+
+def test_examples_in_the_docs_are_the_files_that_run():
     page = (REPOSITORY / "docs" / "publish-data.md").read_text(encoding="utf-8")
-    assert Path(example).read_text(encoding="utf-8").split('"""\n', 1)[1].strip() in page
+    for name in ("presses_in_pandas.py", "presses_in_lme4.R", "train_from_presses.py"):
+        text = (REPOSITORY / "docs" / "examples" / name).read_text(encoding="utf-8")
+        code = text.split('"""\n', 1)[1] if name.endswith(".py") else text
+        assert code.strip() in page, name
 
 
 @pytest.fixture
@@ -235,5 +250,11 @@ def test_a_packed_copy_beside_its_original_is_another_session(lab, tmp_path):
     content = (lab / "tetris-linear-equation-4.jsonl").read_bytes()
     (folder / "a.jsonl").write_bytes(content)
     (folder / "a.jsonl.gz").write_bytes(gzip.compress(content))
-    run("export", "tidy", folder, "--out", tmp_path / "out")
+    output = run("export", "tidy", folder, "--out", tmp_path / "out")
     assert list(table(tmp_path / "out", "sessions").session) == ["a", "a.jsonl.gz"]
+    assert "Beware: a and a.jsonl.gz seem to be one session" in output
+
+
+def test_sessions_of_one_participant_are_not_taken_for_one(lab, tmp_path):
+    output = run("export", "tidy", lab / "studies", "--out", tmp_path / "out")
+    assert "seem to be one session" not in output
