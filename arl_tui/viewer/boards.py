@@ -1,4 +1,4 @@
-"""The games with marks on them: credited pieces and candidates on a board, bars at the receivers on a pitch."""
+"""The games with marks: credited pieces and candidates on a board, bars at the receivers on a pitch."""
 
 from collections.abc import Mapping
 from types import MappingProxyType

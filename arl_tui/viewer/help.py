@@ -3,11 +3,12 @@
 from collections.abc import Iterable
 from typing import ClassVar
 
+from rich.text import Text
 from textual.binding import Binding, BindingType
 from textual.widget import Widget
 from textual.widgets import Static
 
-from arl_tui.screens.page import Page, key_cap
+from arl_tui.screens.page import Page
 
 ROWS = (
     ("space", "play, pause"), ("+ -", "speed, 1/8 to 64"), (". ,", "next, previous frame"),
@@ -32,9 +33,13 @@ class ViewerHelp(Page):
     def body(self) -> Iterable[Widget]:
         """Return the keys and their meanings."""
         widest = max(len(key) for key, _ in ROWS)
-        yield Static(
-            "\n".join(f"{key_cap(key)}{' ' * (widest - len(key))}  {meaning}" for key, meaning in ROWS)
-        )
+        text = Text()
+        for key, meaning in ROWS:
+            # No markup: brackets are keys here, and small letters are other keys than capital ones.
+            text.append(f" {key} ", style="bold reverse")
+            text.append(f"{' ' * (widest - len(key))}  {meaning}\n")
+        text.rstrip()
+        yield Static(text)
 
     def action_back(self) -> None:
         """Go on."""

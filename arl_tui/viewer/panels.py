@@ -1,6 +1,7 @@
-"""What stands beside the game: the credit of a press, and what the agent thought; lines of text, no widgets."""
+"""Lines of text beside the game: the credit of a press, and what the agent thought. No widgets."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
+from typing import Literal
 
 from rich.style import Style
 
@@ -25,6 +26,10 @@ from studies.session_view.thoughts import Considered, Thought
 
 ActionName = Callable[[int], str]
 """Names an action in at most 8 characters."""
+Detail = Literal["whole", "compact", "narrow"]
+"""How much room there is: any, 34 columns, or 17 columns for f(R, H) alone."""
+COLUMNS: dict[Detail, tuple[int, ...]] = {"whole": (10, 9, 9), "compact": (8, 7, 7), "narrow": (7,)}
+"""Widths of R, H and f(R, H)."""
 SHOWN = 0.005
 """Shares below this are not written."""
 
@@ -108,7 +113,7 @@ def _in_words(strip: CreditStrip) -> str:
 
 
 def thought_lines(
-    thought: Thought | None, name: ActionName, title: str, *, compact: bool, others_choice: int | None = None
+    thought: Thought | None, name: ActionName, title: str, *, detail: Detail, others_choice: int | None = None
 ) -> Iterator[list[Run]]:
     """Yield what an agent thought at one decision.
 
@@ -116,7 +121,7 @@ def thought_lines(
         thought: the decision; None while it is not known.
         name: of an action.
         title: whose thought it is.
-        compact: in at most 34 columns.
+        detail: how much is written.
         others_choice: what the agent beside it chose, where there is one.
     """
     if thought is None:
@@ -130,18 +135,32 @@ def thought_lines(
         (" handed to H" if thought.handed_over else "", BOLD),
     ]
     policy = f"  policy {thought.policy}"
-    if compact:
+    if detail == "narrow":
+        yield [(title[:26], BOLD)]
+        yield [
+            ("weight ", DIM),
+            (f"{thought.weight:.2f}", WEIGHT),
+            (" handed" if thought.handed_over else "", BOLD),
+        ]
+    elif detail == "compact":
         yield [(title[:34], BOLD), (policy if len(title) + len(policy) <= 34 else "", DIM)]
         yield about
     else:
         yield [(title, BOLD), (f"{policy}, {FORM_NAMES.get(thought.form, '')}", DIM), *about]
-    columns = (8, 7, 7) if compact else (10, 9, 9)
-    yield [(f"  {'':8}{'R':>{columns[0]}}{'H':>{columns[1]}}{'f(R,H)':>{columns[2]}}", DIM)]
+    columns = COLUMNS[detail]
+    heads = ("R", "H", "f(R,H)")[-len(columns) :]
+    yield [
+        (
+            "  " + " " * 8 + "".join(f"{head:>{width}}" for head, width in zip(heads, columns, strict=True)),
+            DIM,
+        )
+    ]
     for place, action in enumerate(thought.best, 1):
         yield _action_line(place, action, thought, name, columns, others_choice)
+    alone = "" if detail == "narrow" else " alone"
     yield [
-        ("R alone ", DIM), (name(thought.environment), None),
-        ("  H alone ", DIM), (name(thought.human) if thought.human >= 0 else "-", None),
+        (f"R{alone} ", DIM), (name(thought.environment), None),
+        (f"  H{alone} ", DIM), (name(thought.human) if thought.human >= 0 else "-", None),
     ]  # fmt: skip
 
 
@@ -150,12 +169,12 @@ def _action_line(
     action: Considered,
     thought: Thought,
     name: ActionName,
-    columns: Sequence[int],
+    columns: tuple[int, ...],
     others_choice: int | None,
 ) -> list[Run]:
     chosen = action.action == thought.chosen
     human = _number(action.h) if thought.human_known else "-"
-    figures = (_number(action.r), human, _number(action.f))
+    figures = (_number(action.r), human, _number(action.f))[-len(columns) :]
     text = "".join(f"{figure:>{width}}" for figure, width in zip(figures, columns, strict=True))
     differs = chosen and others_choice is not None and others_choice != action.action
     return [
@@ -173,10 +192,30 @@ def _number(value: float) -> str:
 
 
 def beside(left: list[list[Run]], right: list[list[Run]], width: int) -> list[list[Run]]:
-    """Return two blocks of lines side by side; the left one gets `width` columns."""
+    """Return two blocks of lines side by side; the left one gets `width` columns, and is cut off there."""
     lines: list[list[Run]] = []
     for row in range(max(len(left), len(right))):
-        first = left[row] if row < len(left) else []
+        first = _cut(left[row] if row < len(left) else [], width - 1)
         used = sum(len(text) for text, _ in first)
-        lines.append([*first, (" " * max(1, width - used), None), *(right[row] if row < len(right) else [])])
+        lines.append([*first, (" " * (width - used), None), *(right[row] if row < len(right) else [])])
     return lines
+
+
+def _cut(line: list[Run], width: int) -> list[Run]:
+    kept: list[Run] = []
+    for text, style in line:
+        kept.append((text[: max(0, width)], style))
+        width -= len(text)
+    return kept
+
+
+def key_line(keys: tuple[tuple[str, str], ...], width: int) -> list[Run]:
+    """Return as many keys with their meanings as there is room for; the last two, help and quit, always."""
+    *first, guide, leave = keys
+    room = width - sum(len(key) + len(meaning) + 3 for key, meaning in (guide, leave))
+    shown = []
+    for key, meaning in first:
+        room -= len(key) + len(meaning) + 3
+        if room >= 0:
+            shown.append((key, meaning))
+    return [part for key, meaning in (*shown, guide, leave) for part in ((key, BOLD), (f" {meaning}  ", DIM))]

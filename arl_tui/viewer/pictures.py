@@ -1,4 +1,4 @@
-"""What was on screen at a moment of a recording: the same pictures as the session showed, drawn by the same stage."""
+"""What was on screen at a moment of a recording, drawn by the stage that drew the session."""
 
 from dataclasses import dataclass, field
 from typing import Final, Protocol

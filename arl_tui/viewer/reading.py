@@ -128,7 +128,7 @@ class Viewing:
             domain.placements(domain.initial(0))
         self.warm = True
 
-    # --- credit ---------------------------------------------------------------------------------------------------
+    # --- credit ---------------------------------------------------------------------------------------------
 
     @property
     def rule(self) -> Rule:
@@ -153,7 +153,7 @@ class Viewing:
             return None
         return strip_of(self.session, press, chosen.delay, recorded=chosen.recorded)
 
-    # --- decisions ------------------------------------------------------------------------------------------------
+    # --- decisions ------------------------------------------------------------------------------------------
 
     @property
     def ready(self) -> bool:
@@ -240,7 +240,7 @@ class Viewing:
             else f"#{action}"
         )
 
-    # --- marks on the game ----------------------------------------------------------------------------------------
+    # --- marks on the game ----------------------------------------------------------------------------------
 
     def placements(self, step: int) -> list[tuple[int, int]]:
         """Return (orientation, leftmost column) of each action at a step of Tetris; nothing where it is not known."""
@@ -324,7 +324,7 @@ class Viewing:
         keeper = self.session.step_taken(step).detail["keeper"]
         return {HOLD: keeper, **dict(enumerate(mates, HOLD + 1))}
 
-    # --- tags -----------------------------------------------------------------------------------------------------
+    # --- tags -----------------------------------------------------------------------------------------------
 
     def export_tags(self) -> str:
         """Write the tagged moments beside the recording; return what was done, in words."""

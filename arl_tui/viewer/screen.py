@@ -5,7 +5,6 @@ import threading
 from typing import ClassVar, Literal
 
 import numpy as np
-from rich.style import Style
 from textual import events
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
@@ -14,15 +13,15 @@ from textual.screen import Screen
 from textual.widgets import Input
 
 from arl_tui.palette import palette_for
-from arl_tui.viewer.boards import BLAMED, CANDIDATE, PRAISED, WHAT_IF, MarkedBoard, MarkedPitch, bar
+from arl_tui.viewer.boards import MarkedBoard, MarkedPitch
+from arl_tui.viewer.drawing import NEAR_NS, board_marks, decision_lines, pitch_marks, status_line
 from arl_tui.viewer.help import ViewerHelp
-from arl_tui.viewer.panels import beside, press_line, strip_lines, thought_lines
+from arl_tui.viewer.panels import key_line, press_line, strip_lines
 from arl_tui.viewer.pictures import Look, Pictures, PitchPictures
 from arl_tui.viewer.reading import Viewing
 from arl_tui.viewer.rows import BOLD, DIM, Rows, Run
 from arl_tui.viewer.timeline import Facts, Timeline, clock_text
 from core.clock import Clock, MonotonicClock
-from core.foreign_text import printable
 from core.keepaway.picture import PitchFrame
 from core.tetris.config import TetrisConfig
 from core.tetris.picture import Snapshot
@@ -33,8 +32,6 @@ from studies.session_view.transport import Transport
 FRAME_S = 1 / 30
 ROOMY = 32
 """From so many lines on the timeline takes the whole width below the game."""
-NEAR_NS = 1_000_000_000
-"""A tag is at hand within this time."""
 KEYS = (
     ("space", "play"), ("← →", "step"), ("[ ]", "press"), ("↑ ↓", "game"), ("+ -", "speed"), ("c", "rule"),
     ("w", "what-if"), ("n", "differs"), ("1-9", "tag"), ("h", "all keys"), ("q", "quit"),
@@ -121,7 +118,7 @@ class ViewerScreen(Screen[str], inherit_bindings=False):
         self._board: MarkedBoard | None = None
         self._pitch: MarkedPitch | None = None
 
-    # --- layout ---------------------------------------------------------------------------------------------------
+    # --- layout ---------------------------------------------------------------------------------------------
 
     def compose(self) -> ComposeResult:
         """Lay out the game on the left, everything else beside and below it."""
@@ -167,7 +164,7 @@ class ViewerScreen(Screen[str], inherit_bindings=False):
         name = "#timeline-below" if self.has_class("-roomy") else "#timeline-right"
         return self.query_one(name, Timeline)
 
-    # --- drawing --------------------------------------------------------------------------------------------------
+    # --- drawing --------------------------------------------------------------------------------------------
 
     def draw(self) -> None:
         """Draw what is due; nothing where nothing has changed."""
@@ -215,48 +212,14 @@ class ViewerScreen(Screen[str], inherit_bindings=False):
                 self._board.border_subtitle = f"{lines}{following}"
             if isinstance(look.view, Snapshot):
                 self._board.show(look.view)
-                self._board.mark(self._board_marks(moment, look, look.view) if self.marks else {})
+                self._board.mark(board_marks(self.viewing, moment, look, look.view) if self.marks else {})
         elif self._pitch is not None and isinstance(look.view, PitchFrame):
             self._pitch.title = title
             self._pitch.show(look.view)
-            self._pitch.mark(self._pitch_marks(moment, look.view) if self.marks else {})
-
-    def _board_marks(
-        self, moment: Moment, look: Look, view: Snapshot
-    ) -> dict[tuple[int, int], tuple[str, Style]]:
-        """Return the share of credit on each block of a credited piece, and the ranks of candidates."""
-        marks: dict[tuple[int, int], tuple[str, Style]] = {}
-        strip, press = self.viewing.strip(moment.time_ns)
-        if strip is not None and press is not None:
-            style = PRAISED if press.value > 0 else BLAMED
-            for row, level in enumerate(look.ids[: view.rows]):
-                for column, step in enumerate(level):
-                    share = strip.shares.get(step, 0.0)
-                    if share >= 0.005:
-                        whole = "++" if press.value > 0 else "--"
-                        text = whole if share >= 0.995 else f"{share * 100:2.0f}"
-                        marks[view.rows - 1 - row, column] = (text, style)
-        if view.falling is not None and look.before is not None:
-            for cell, mark in self.viewing.candidates(moment.step, look.before.wall.board).items():
-                row, column = cell
-                if row < view.rows:
-                    style = WHAT_IF if mark.endswith("'") else CANDIDATE
-                    marks.setdefault((view.rows - 1 - row, column), (f"{mark:<2}", style))
-        return marks
-
-    def _pitch_marks(self, moment: Moment, view: PitchFrame) -> dict[int, tuple[str, Style]]:
-        """Return a bar for each option: at the receiver, or for holding the ball at the one who decides."""
-        return {
-            player: (
-                f"{bar(share)}{text}",
-                CANDIDATE if chosen else Style(color="#c4cfc8", bgcolor="#12291d"),
-            )
-            for player, (share, text, chosen) in self.viewing.bars(moment.step).items()
-            if player < len(view.players)
-        }
+            self._pitch.mark(pitch_marks(self.viewing, moment, look.view) if self.marks else {})
 
     def _draw_text(self, moment: Moment, look: Look) -> None:
-        self.query_one("#status", Rows).show([self._status(moment)])
+        self.query_one("#status", Rows).show([status_line(self.viewing, self.transport, moment)])
         width = self.query_one("#credit", Rows).size.width
         strip, press = self.viewing.strip(moment.time_ns)
         lines: list[list[Run]] = [[("No press yet", DIM)]]
@@ -266,50 +229,14 @@ class ViewerScreen(Screen[str], inherit_bindings=False):
             if strip is not None:
                 lines += strip_lines(strip, self.viewing.rule.words, width, tall=self.has_class("-roomy"))
         self.query_one("#credit", Rows).show(lines)
-        self.query_one("#thought", Rows).show(self._thought_lines(moment, width))
-        said = self._said or (look.words if look.view is not None else "")
-        keys: list[Run] = [part for key, meaning in KEYS for part in ((key, BOLD), (f" {meaning}  ", DIM))]
-        self.query_one("#foot", Rows).show([[(said, BOLD)] if said else keys])
-
-    def _status(self, moment: Moment) -> list[Run]:
-        transport = self.transport
-        state = "playing" if transport.playing else "paused "
-        speed = f"x{transport.speed:g}" if transport.speed >= 1 else f"x1/{1 / transport.speed:g}"
-        at = clock_text(moment.time_ns - self.session.start_ns)
-        whole = clock_text(self.session.end_ns - self.session.start_ns)
-        step = f"  step {int(self.session.steps['number'][moment.step])}" if moment.step >= 0 else ""
-        games = f"  game {moment.game + 1}/{len(self.session.games)}" if moment.game >= 0 else ""
-        tag = self.viewing.tags.near(moment.time_ns, NEAR_NS)
-        note = f"  [{tag.tag}] {printable(tag.note, longest=40)}" if tag is not None else ""
-        return [
-            (f"{state} {at}", BOLD),
-            (f" of {whole}  {speed}", None),
-            (f"{games}{step}", None),
-            (note, BOLD),
-        ]
-
-    def _thought_lines(self, moment: Moment, width: int) -> list[list[Run]]:
-        viewing = self.viewing
-        if moment.step < 0:
-            return [[("Between games", DIM)], [(viewing.own_words[: max(0, width)], DIM)]]
-        compact = width < 44 or (viewing.other is not None and width < 80)
-        own, other = viewing.own_thought(moment.step), viewing.other_thought(moment.step)
-        name = viewing.namer(moment.step)
-        own_choice = None if own is None else own.chosen
-        left = list(thought_lines(own, name, "Agent", compact=compact))
-        left.append([(viewing.own_words, DIM)])
-        if viewing.other is None:
-            return left
-        right = list(
-            thought_lines(
-                other, name, f"What-if {viewing.other_name}", compact=compact, others_choice=own_choice
-            )
+        self.query_one("#thought", Rows).show(
+            decision_lines(self.viewing, moment, width, roomy=self.has_class("-roomy"))
         )
-        right.append([(viewing.other_words, DIM)])
-        half = 36 if compact else max(44, width // 2)
-        return beside(left, right, half) if width >= 2 * half - 4 else [*right]
+        said = self._said or (look.words if look.view is not None else "")
+        foot = self.query_one("#foot", Rows)
+        foot.show([[(said, BOLD)] if said else key_line(KEYS, foot.size.width)])
 
-    # --- keys -----------------------------------------------------------------------------------------------------
+    # --- keys -----------------------------------------------------------------------------------------------
 
     def say(self, text: str) -> None:
         """Write a sentence in place of the keys; it goes with the next key."""
@@ -379,7 +306,7 @@ class ViewerScreen(Screen[str], inherit_bindings=False):
                 else "w begins a what-if"
             )
 
-    # --- tags -----------------------------------------------------------------------------------------------------
+    # --- tags -----------------------------------------------------------------------------------------------
 
     def action_tag(self, digit: str) -> None:
         """Mark this moment."""
@@ -414,7 +341,7 @@ class ViewerScreen(Screen[str], inherit_bindings=False):
 
         self.say(save_screen(self.app, self.viewing.path, self.transport.time_ns - self.session.start_ns))
 
-    # --- questions ------------------------------------------------------------------------------------------------
+    # --- questions ------------------------------------------------------------------------------------------
 
     def action_ask(self, what: Asking) -> None:
         """Ask for a number or a note in a line at the bottom."""

@@ -1,4 +1,4 @@
-"""The timeline of a session: games, presses, pauses, performance, trust and weight, with the place of the viewer."""
+"""The timeline of a session: games, presses, pauses, performance, trust, weight, and where the viewer is."""
 
 import math
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Sessions beside each other: performance, presses, agreement, consistency, delay, trust and weight over games."""
+"""Sessions beside each other: performance, presses, agreement, consistency, delay, trust and weight."""
 
 import math
 from collections import defaultdict

@@ -42,6 +42,7 @@ def draw_comparison(groups: Groups) -> "Figure":
     """Return a figure: performance, presses, trust and weight over games, a line for each group."""
     # Half a second that only this needs; Figure, not pyplot: no window system is asked for.
     from matplotlib.figure import Figure
+    from matplotlib.ticker import MaxNLocator
 
     figure = Figure(figsize=(10.0, 6.4), layout="constrained")
     for axes, (what, heading) in zip(figure.subplots(2, 2).flat, PANELS, strict=True):
@@ -57,6 +58,7 @@ def draw_comparison(groups: Groups) -> "Figure":
             axes.plot(range(1, len(mean) + 1), mean, color=colour, marker=mark, markersize=4, label=label)
         axes.set_title(heading, fontsize="medium")
         axes.set_xlabel("game")
+        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
         axes.grid(alpha=0.3)
     handles, labels = figure.axes[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=3, fontsize="small")

@@ -1,4 +1,4 @@
-"""How one press is shared out among the steps that were on screen before it, under the recorded rule and any other."""
+"""How one press is shared out among the steps on screen before it, under the recorded rule and any other."""
 
 from dataclasses import dataclass
 from typing import Final

@@ -1,4 +1,4 @@
-"""The index of a recording: where each game, step, frame and press stands in its file, so that any moment is found at once.
+"""The index of a recording: where each game, step, frame and press stands in its file.
 
 It is kept beside the recording (`FILE.jsonl.index`) and made again when the recording's file has changed. Building it
 reads the whole file once and checks its chain. Memory does not grow with the recording.

@@ -1,4 +1,4 @@
-"""A recorded session as the viewer asks about it: what was on screen at a moment, what comes next, what a press was worth."""
+"""A recorded session as the viewer asks about it: what was on screen when, and what a press was worth."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -112,7 +112,7 @@ class SessionView:
         found = self.index.header.protocol
         return protocol_from(found) if found else None
 
-    # --- what was on screen ---------------------------------------------------------------------------------------
+    # --- what was on screen ---------------------------------------------------------------------------------
 
     def at(self, time_ns: int) -> Moment:
         """Return what was on screen at a time."""
@@ -190,7 +190,7 @@ class SessionView:
             end += 1
         return int((self.frames["nth"][first:end] >= 0).sum())
 
-    # --- presses --------------------------------------------------------------------------------------------------
+    # --- presses --------------------------------------------------------------------------------------------
 
     def press(self, row: int) -> Press:
         """Return a press by its row."""
@@ -285,7 +285,7 @@ class SessionView:
         rows = np.flatnonzero((self.marks["kind"] == GAP) & (self.marks["time"] <= time_ns))
         return int(self.marks["since"][rows[-1]]) if len(rows) else -1
 
-    # --- stretches of the timeline --------------------------------------------------------------------------------
+    # --- stretches of the timeline --------------------------------------------------------------------------
 
     @cached_property
     def pauses(self) -> list[tuple[int, int, str]]:
@@ -316,7 +316,7 @@ class SessionView:
             found.append((since, self.end_ns, why))
         return found
 
-    # --- where to go ----------------------------------------------------------------------------------------------
+    # --- where to go ----------------------------------------------------------------------------------------
 
     def times(self, kind: Kind) -> NDArray[np.int64]:
         """Return the times of all frames, steps (when they came on screen), presses or games, ascending."""

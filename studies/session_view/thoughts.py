@@ -1,4 +1,4 @@
-"""Decisions of an agent as they are read again: R, H and f(R, H) of its best actions. Nothing compiled is imported."""
+"""Decisions of an agent as they are read again: R, H and f(R, H) of its best actions. No compiled code."""
 
 import os
 from dataclasses import dataclass

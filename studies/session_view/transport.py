@@ -1,4 +1,4 @@
-"""Where the viewer is in a recording, and how it moves: play, pause, scrub, step, speed. No widgets, no terminal."""
+"""Where the viewer is in a recording, and how it moves: play, pause, scrub, step, speed. No widgets."""
 
 from typing import Final
 

@@ -41,9 +41,9 @@ def test_a_session_is_scrubbed_stepped_and_played(tmp_path: Path) -> None:
 def test_keepaway_and_a_what_if(tmp_path: Path) -> None:
     path = shutil.copy(KEEPAWAY, tmp_path / "session.jsonl")
     with Terminal(
-        "watch", str(path), "--credit", "previous", "--at", "20", cwd=tmp_path, columns=120, lines=40
+        "watch", str(path), "--credit", "previous", "--at", "23", cwd=tmp_path, columns=120, lines=40
     ) as terminal:
-        terminal.wait_for("paused  0:20.0")
+        terminal.wait_for("paused  0:23.0")
         terminal.wait_for("What-if previous")
         terminal.wait_for("decisions differ")
         terminal.resize(80, 24)
