@@ -11,9 +11,9 @@ from pathlib import Path
 
 import msgspec
 
-from core.clock import wall_time_utc
 from core.feedback.delays import Delay, GammaDelay, describe, parse_delay
-from core.private_files import make_private_folder, write_private
+from core.numerics.clock import wall_time_utc
+from core.system.private_files import make_private_folder, write_private
 from studies.reaction_time.protocol import Task
 
 FORMAT = "arl-participant-delays"

@@ -7,10 +7,10 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
-from core.private_files import make_private_folder
+from core.system.private_files import make_private_folder
 
 if TYPE_CHECKING:
-    from core.episode import Event
+    from core.events import Event
 
 ENDINGS = (".jsonl", ".jsonl.gz", ".jsonl.bz2", ".jsonl.xz", ".jsonl.zip", ".jsonl.zst")
 """Of recordings; of those that are packed in a way which is not read, too, so that none is passed over in silence."""

@@ -69,5 +69,5 @@ _WORDS = {"tetris": TETRIS, "keepaway": KEEPAWAY}
 
 
 def words_of(game: str) -> Words:
-    """Return the words of a game by its name (`core.protocol.Protocol.game`)."""
+    """Return the words of a game by its name (`core.session.protocol.Protocol.game`)."""
     return _WORDS[game]

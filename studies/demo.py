@@ -10,18 +10,18 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from core.clock import ManualClock, wall_time_utc
-from core.episode import EpisodeEnded, EpisodeStarted, KeyPressed, PressRetracted, UnseenPlayed
+from core.events import EpisodeEnded, EpisodeStarted, KeyPressed, PressRetracted, UnseenPlayed
+from core.feedback.keys import PressGate
 from core.feedback.source import Seat, SimulatedParticipant
 from core.feedback.trainers import SimulatedTrainer
-from core.games import game_of
-from core.keys import PressGate
-from core.protocol import Protocol, protocol_from
+from core.numerics.clock import ManualClock, wall_time_utc
+from core.numerics.streams import stream_seed
 from core.recording.reader import Recording
 from core.recording.recorder import LineWriter
 from core.recording.schema import Header, to_plain
-from core.session import build_session
-from core.streams import stream_seed
+from core.registry import game_of
+from core.session.protocol import Protocol, protocol_from
+from core.session.session import build_session
 
 
 def simulate_session(
@@ -90,7 +90,7 @@ class SessionSummary:
     """What a participant or experimenter wants to know of a session at a glance."""
 
     game: str
-    """Its name, as in `core.protocol.Protocol.game`."""
+    """Its name, as in `core.session.protocol.Protocol.game`."""
     episodes: int
     """Watched episodes."""
     unseen_episodes: int

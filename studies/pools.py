@@ -7,7 +7,7 @@ from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from multiprocessing import get_context
 
-from core.processes import leave_with
+from core.system.processes import leave_with
 
 
 @contextmanager

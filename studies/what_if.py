@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 from core.combination.agent import ArlAgent
 from core.combination.config import ANNEALED_SCHEMES, SCHEMES, Per, Scheme
 from core.combination.human_learner import HumanLearner
-from core.episode import CreditGiven, KeyPressed, PressRetracted
+from core.events import CreditGiven, KeyPressed, PressRetracted
 from core.feedback.credit import Delay, describe
-from core.games import game_of
-from core.protocol import Protocol
+from core.numerics.streams import stream, stream_seed
 from core.recording.reader import Recording, read_recording
-from core.streams import stream, stream_seed
-from core.what_if import WatchedStep, hear, relearn, watched_steps
+from core.registry import game_of
+from core.session.protocol import Protocol
+from core.session.what_if import WatchedStep, hear, relearn, watched_steps
 from studies.pools import processes
 from studies.statistics import Interval, mean_interval, paired_difference
 

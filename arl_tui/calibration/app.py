@@ -9,7 +9,10 @@ from pathlib import Path
 import msgspec
 from textual import constants, events
 
-from arl_tui.app import key_name
+from arl_tui.app.driver import FlushClock, stamped_driver
+from arl_tui.app.garbage import GarbageControl
+from arl_tui.app.plain_app import PlainApp
+from arl_tui.app.session_app import key_name
 from arl_tui.calibration.clips import Clip, cycle_ms
 from arl_tui.calibration.fitting import FitOrder, Fitted
 from arl_tui.calibration.helper import HelperError, ask_helper
@@ -27,14 +30,11 @@ from arl_tui.calibration.scenes import Scene, tick_ms
 from arl_tui.calibration.trial_screen import SMALLEST, TrialScreen
 from arl_tui.calibration.trial_store import TrialStore
 from arl_tui.calibration.views import BoxView, GameView, PitchView, View
-from arl_tui.driver import FlushClock, stamped_driver
-from arl_tui.garbage import GarbageControl
 from arl_tui.palette import palette_for
-from arl_tui.plain_app import PlainApp
 from arl_tui.screens.covers import SmallWindowScreen, fits_into
 from arl_tui.screens.page import Page
-from core.clock import Clock, MonotonicClock, wall_time_utc
-from core.keys import nanoseconds
+from core.feedback.keys import nanoseconds
+from core.numerics.clock import Clock, MonotonicClock, wall_time_utc
 from studies.reaction_time.protocol import Schedule
 from studies.reaction_time.trial import TrialTiming
 from studies.reaction_time.trial_log import TrialFileError
@@ -267,7 +267,7 @@ class CalibrationApp(PlainApp[Outcome]):
             task.cancel()
 
     def _facts(self) -> dict[str, str]:
-        from arl_tui import facts  # Not needed before the first paint.
+        from arl_tui.app import facts  # Not needed before the first paint.
         from arl_tui.timing.kept import timing_facts
 
         stamps = "flush" if self._flush_clock.running else "queued"

@@ -14,8 +14,8 @@ import msgspec
 
 from core.keepaway.picture import NOBODY, PitchFrame
 from core.keepaway.pitch import CYCLE_S, ONGOING, KeepawayConfig
-from core.protocol import KEEPAWAY
-from core.streams import stream, stream_seed
+from core.numerics.streams import stream, stream_seed
+from core.session.protocol import KEEPAWAY
 from studies.reaction_time.protocol import Schedule
 
 MARK = "NOW"
@@ -99,7 +99,7 @@ def _event_at(frames: list[PitchFrame], wanted: str, n_before: int) -> int | Non
 def _possessions(schedule: Schedule) -> Iterator[list[PitchFrame]]:
     """Yield episodes of one match, each as all its pictures."""
     # Here, not above: compiled code, and the screen's process imports this module.
-    from core.keepaway.exhibition import Exhibition
+    from core.keepaway.viewed_match import Exhibition
 
     match = Exhibition(KeepawayConfig(), "hand", stream_seed(schedule.root_seed, "feedback-lag match"))
     for _ in range(MOST_EPISODES):
@@ -113,8 +113,8 @@ def _possessions(schedule: Schedule) -> Iterator[list[PitchFrame]]:
 
 def main() -> None:
     """Read a schedule from the standard input, write its clips to the standard output, both JSON."""
-    from arl_tui.ahead import is_compiled, match_order
-    from core.interpreting import start_interpreting
+    from arl_tui.app.ahead import is_compiled, match_order
+    from core.numerics.interpreting import start_interpreting
 
     schedule = msgspec.json.decode(sys.stdin.buffer.read(), type=Schedule)
     if not is_compiled(match_order(KeepawayConfig())):

@@ -12,8 +12,8 @@ import msgspec
 
 from arl_tui.calibration.plan import GameName, newest_complete
 from arl_tui.participants import LATE_MS, Quantity, TaskDelay, keep_delay
-from core.clock import seconds, wall_time_utc
 from core.feedback.delays import GammaDelay
+from core.numerics.clock import seconds, wall_time_utc
 from studies.reaction_time.protocol import Task, TrialRecord
 from studies.reaction_time.trial_log import TrialFileError, read_trials
 

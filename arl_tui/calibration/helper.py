@@ -8,7 +8,7 @@ from asyncio.subprocess import PIPE
 
 import msgspec
 
-from core.processes import leave_with
+from core.system.processes import leave_with
 
 
 class HelperError(RuntimeError):

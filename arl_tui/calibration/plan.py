@@ -10,7 +10,7 @@ import msgspec
 
 from arl_tui.recordings import CALIBRATION_FOLDER
 from core.keepaway.pitch import CYCLE_S
-from core.protocol import DEFAULTS, Protocol
+from core.session.protocol import DEFAULTS, Protocol
 from studies.reaction_time.protocol import Schedule, Task, TaskConfig
 from studies.reaction_time.schedule import expected_minutes, make_schedule
 from studies.reaction_time.trial_log import LONGEST_PAUSE_H, TrialFile, read_trials

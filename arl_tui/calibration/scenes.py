@@ -12,8 +12,8 @@ import sys
 import msgspec
 import numpy as np
 
-from core.protocol import TETRIS
-from core.streams import stream, stream_seed
+from core.numerics.streams import stream, stream_seed
+from core.session.protocol import TETRIS
 from core.tetris.config import TetrisConfig
 from core.tetris.game import FallingPiece, landing_row, reachable_placements
 from core.tetris.picture import Counts, Snapshot, Wall, animate, snapshot
@@ -109,7 +109,7 @@ def _full_rows(wall: Wall) -> tuple[int, ...]:
 
 def main() -> None:
     """Read a schedule from the standard input, write its scenes to the standard output, both JSON."""
-    from core.interpreting import start_interpreting
+    from core.numerics.interpreting import start_interpreting
 
     schedule = msgspec.json.decode(sys.stdin.buffer.read(), type=Schedule)
     start_interpreting()  # faster than compiling, and all compiled code is still to be loaded

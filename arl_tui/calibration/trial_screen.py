@@ -14,11 +14,11 @@ from textual.geometry import Size
 from textual.screen import Screen
 from textual.widgets import Static
 
+from arl_tui.app.garbage import GarbageControl
 from arl_tui.calibration.texts import LET_GO, SESSION_KEYS, key_reminder, practice_word
 from arl_tui.calibration.views import View
-from arl_tui.garbage import GarbageControl
 from arl_tui.screens.covers import fits_into
-from core.clock import NS_PER_S, Clock, seconds
+from core.numerics.clock import NS_PER_S, Clock, seconds
 from studies.reaction_time.protocol import BlockPlan, Schedule, TrialPlan, TrialRecord
 from studies.reaction_time.trial import Trial, TrialTiming
 

@@ -6,7 +6,7 @@ import msgspec
 
 from arl_tui.calibration.plan import Part, Sitting, slug
 from arl_tui.recordings import CALIBRATION_FOLDER, create_new
-from core.clock import wall_time_utc
+from core.numerics.clock import wall_time_utc
 from studies.reaction_time.protocol import TrialRecord
 from studies.reaction_time.trial_log import TrialHeader, TrialWriter
 

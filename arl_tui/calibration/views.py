@@ -11,8 +11,8 @@ from arl_tui.calibration.stimulus import StimulusBox
 from arl_tui.palette import Palette
 from arl_tui.widgets.board import TetrisBoard
 from arl_tui.widgets.pitch import PitchWidget
+from core.feedback.keys import NS_PER_MS
 from core.keepaway.picture import between
-from core.keys import NS_PER_MS
 from studies.reaction_time.protocol import TrialPlan
 
 PICTURES_PER_S = 30

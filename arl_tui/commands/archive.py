@@ -7,7 +7,7 @@ import click
 from arl_tui.command_line import ToWrite
 from arl_tui.commands.anonymise import KEEP
 from arl_tui.commands.export import plain_errors, tell_trouble
-from core.foreign_text import printable
+from core.system.foreign_text import printable
 
 LOCK_FILE = "requirements.lock"
 
@@ -60,7 +60,7 @@ def archive(
     minari is installed), protocols and study files, the format's JSON Schema, versions and lock file,
     checksums, and a README.
     """
-    from arl_tui.facts import REPOSITORY, software
+    from arl_tui.app.facts import REPOSITORY, software
     from core.recording.anonymise import Anonymising, removals
     from studies.exports.anonymise import read_or_make_key
     from studies.exports.archive import ArchiveSettings, make_archive

@@ -9,11 +9,11 @@ import click
 import msgspec
 
 from arl_tui.commands.credit import credit_lines
-from core.effects import idle, warnings_of
+from core.configuration.reading import printable
 from core.feedback.delays import GammaDelay, describe
-from core.protocol import DEFAULTS, Protocol
-from core.reading import printable
-from core.session_plan import plan
+from core.session.effects import idle, warnings_of
+from core.session.plan import plan
+from core.session.protocol import DEFAULTS, Protocol
 
 WIDEST = 110
 """Columns of a line at most."""
@@ -65,7 +65,7 @@ def notes(protocol: Protocol) -> Iterator[str]:
 
 def _reach(protocol: Protocol) -> str:
     """Return the share of a press that reaches the step it was meant for, under the delay in force."""
-    from core.reach import delay_in_force, reach_of  # here, not above: compiled code comes with it
+    from core.session.reach import delay_in_force, reach_of  # here, not above: compiled code comes with it
 
     measured = protocol.delay_of != "rule"
     if measured:
@@ -84,7 +84,7 @@ def _reach(protocol: Protocol) -> str:
 def _compiled(protocol: Protocol) -> str:
     import os
 
-    import core.compiled  # noqa: F401 - sets the cache folder
+    import core.numerics.compiled  # noqa: F401 - sets the cache folder
 
     folder = Path(os.environ["NUMBA_CACHE_DIR"])
     kept = sum(1 for _ in folder.rglob("*.nbc"))

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from arl_tui.command_line import ToWrite
-from core.foreign_text import printable, printable_lines
+from core.system.foreign_text import printable, printable_lines
 
 if TYPE_CHECKING:
     from studies.session_view.comparison import By, SessionFigures

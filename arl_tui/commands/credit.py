@@ -20,10 +20,10 @@ from arl_tui.participants import (
     task_key,
     task_of,
 )
-from core.effects import wrong_delay
 from core.feedback.delays import Delay
-from core.protocol import Protocol
 from core.recording.reader import Recording
+from core.session.effects import wrong_delay
+from core.session.protocol import Protocol
 
 
 def credit_of(text: str, recordings: Path, participant: str, game: str) -> CreditChoice:

@@ -8,15 +8,15 @@ from pathlib import Path
 import click
 import msgspec
 
-from arl_tui import facts
+from arl_tui.app import facts
 from arl_tui.commands.exact import read_or_stop, run_again
 from arl_tui.commands.play import run_live
 from arl_tui.recordings import create_new
 from arl_tui.words import words_of
-from core.clock import wall_time_utc
 from core.feedback.config import TrainerConfig
-from core.feedback.persons import person
-from core.protocol import KEEPAWAY, Protocol, ScreenConfig, SessionConfig
+from core.feedback.simulated_participants import person
+from core.numerics.clock import wall_time_utc
+from core.session.protocol import KEEPAWAY, Protocol, ScreenConfig, SessionConfig
 
 PARTICIPANT = "demo"
 

@@ -6,12 +6,12 @@ from pathlib import Path
 import click
 import msgspec
 
-from arl_tui import facts
-from core.episode import SessionEnded
-from core.foreign_text import printable
-from core.protocol import Protocol, protocol_from
+from arl_tui.app import facts
+from core.events import SessionEnded
 from core.recording.reader import Recording, RecordingError, read_recording
 from core.recording.summary import summarise_recording
+from core.session.protocol import Protocol, protocol_from
+from core.system.foreign_text import printable
 
 GETTING_READY = "Getting ready; the first time this takes a minute or two ..."
 """Said where everything may have to be compiled first."""
@@ -53,8 +53,8 @@ def protocol_of(recording: Recording) -> Protocol:
 def run_again(recording: Recording) -> None:
     """Run a recording again and say that it came out the same; leave with status 1 where it did not."""
     # Compiled code comes with these.
-    from core.replay import replay_exactly
-    from core.session import build_session
+    from core.session.replay import replay_exactly
+    from core.session.session import build_session
 
     need_outputs(recording)
     session = build_session(protocol_of(recording), recording.header.root_seed)

@@ -67,7 +67,7 @@ def run(
     out: Path,
 ) -> None:
     """Play experiment NAME: every trial that has no file yet. May be stopped at any time and goes on from there."""
-    from arl_tui import facts
+    from arl_tui.app import facts
     from studies.experiments.run import SweepError, run_sweep
     from studies.experiments.sweep import root_seeds
 

@@ -8,7 +8,7 @@ from typing import Any, Literal
 import click
 
 from arl_tui.command_line import ToWrite
-from core.foreign_text import printable, printable_lines
+from core.system.foreign_text import printable, printable_lines
 
 source_argument = click.argument("folder", type=click.Path(exists=True, path_type=Path))
 into_option = click.option(

@@ -190,8 +190,8 @@ def fit_files(files: Sequence[Path], request: Request) -> None:
     """Read, select, fit, print and write."""
     from arl_tui.commands.fit_input import limit_lines, oddity_lines, read, select_from, source_lines, task_of
     from arl_tui.commands.fit_tables import fault_lines, not_fitted_lines, reading_lines
-    from core.clock import wall_time_utc
-    from core.foreign_text import printable
+    from core.numerics.clock import wall_time_utc
+    from core.system.foreign_text import printable
     from studies.reaction_time.report import Result, write_report
 
     if request.out is not None and request.out.exists():

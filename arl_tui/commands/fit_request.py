@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
-from core.foreign_text import printable_lines
+from core.system.foreign_text import printable_lines
 
 if TYPE_CHECKING:
     from studies.reaction_time.tables.contract import Unit

@@ -37,7 +37,7 @@ def import_with(name: str, source: Path, folder: Path, settings: Mapping[str, st
 
 
 def _failed(error: Exception) -> click.ClickException:
-    from core.foreign_text import printable_lines
+    from core.system.foreign_text import printable_lines
 
     return click.ClickException(printable_lines(str(error)))
 

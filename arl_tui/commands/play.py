@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 import click
 import msgspec
 
-from core.protocol import Protocol, load_protocol
+from core.session.protocol import Protocol, load_protocol
 
 if TYPE_CHECKING:
-    from arl_tui.app import Outcome
+    from arl_tui.app.session_app import Outcome
 
 FRAMES_PER_S = "30"
 """Upper bound of Textual's drawing rate; read when Textual is imported."""
@@ -92,8 +92,8 @@ def run_live(
     os.environ.setdefault("TEXTUAL_FPS", FRAMES_PER_S)
     root_seed = secrets.randbits(63) if seed is None else seed
     gc.disable()  # start-up leaves nothing to collect; `GarbageControl` takes over with the app
-    from arl_tui.app import Sitting, build_app
-    from arl_tui.worker import start_worker
+    from arl_tui.app.session_app import Sitting, build_app
+    from arl_tui.app.worker import start_worker
 
     # Before the app runs, because no process can be started from inside it; but after everything is imported: on two
     # hardware threads of one core a worker that compiles slows the first picture down by a third.

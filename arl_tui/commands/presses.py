@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from arl_tui.commands.fit_request import say
-from core.foreign_text import printable_lines
+from core.system.foreign_text import printable_lines
 
 if TYPE_CHECKING:
     from studies.evaluations.presses import Press

@@ -10,9 +10,9 @@ import click
 import msgspec
 
 from arl_tui.commands.play import read_protocol
-from core.catalogue import TAG, Kind, Setting, Struct, settings_of, table_docs, tag_of
-from core.effects import MODES, idle, uses_of
-from core.protocol import DEFAULTS, Protocol
+from core.configuration.catalogue import TAG, Kind, Setting, Struct, settings_of, table_docs, tag_of
+from core.session.effects import MODES, idle, uses_of
+from core.session.protocol import DEFAULTS, Protocol
 
 WIDE = 100
 """Columns of the printed file."""

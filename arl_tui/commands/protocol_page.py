@@ -7,9 +7,9 @@ import click
 import msgspec
 
 from arl_tui.commands.protocol import toml_value
-from core.catalogue import TAG, Kind, Setting, Struct, settings_of, table_docs, tables_of
-from core.effects import USES
-from core.protocol import DEFAULTS, Protocol
+from core.configuration.catalogue import TAG, Kind, Setting, Struct, settings_of, table_docs, tables_of
+from core.session.effects import USES
+from core.session.protocol import DEFAULTS, Protocol
 
 OPENING = """# Every setting of a protocol
 

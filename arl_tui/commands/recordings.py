@@ -10,9 +10,9 @@ import msgspec
 
 from arl_tui.home import elsewhere, recordings_folder, why_here
 from arl_tui.recordings import CALIBRATION_FOLDER, all_recordings
-from core.foreign_text import printable
 from core.recording.reader import Recording, RecordingError, read_recording
 from core.recording.summary import RecordingSummary, summarise_recording
+from core.system.foreign_text import printable
 
 Found = tuple[Path, Recording | None, str]
 """A file; what it holds, None where it is damaged; and the reason."""

@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from arl_tui.command_line import ToWrite
-from core.foreign_text import printable
+from core.system.foreign_text import printable
 
 
 @click.command(short_help="Write recordings of earlier versions again in the present one.")
@@ -17,10 +17,10 @@ def upgrade(source: Path, into: Path) -> None:
     Old files stay as they are and are read as ever. New ones replay exactly; what the old version did not
     record is null in them. Status 1 where a file is damaged.
     """
-    from core.private_files import create_private, make_private_folder, write_all
     from core.recording.reader import RecordingError, read_recording
     from core.recording.schema import VERSION
     from core.recording.upgrade import upgraded, upgraded_path
+    from core.system.private_files import create_private, make_private_folder, write_all
     from studies.exports.sources import find_sources
 
     if into.exists() and any(into.iterdir()):

@@ -13,10 +13,10 @@ from arl_tui.commands.exact import GETTING_READY, need_outputs, protocol_of, rea
 from arl_tui.commands.play import read_protocol
 from arl_tui.commands.what_if_table import table, write_csv
 from arl_tui.words import words_of
-from core.effects import idle
 from core.feedback.delays import describe
-from core.protocol import DEFAULTS, Protocol
 from core.recording.reader import RecordingError
+from core.session.effects import idle
+from core.session.protocol import DEFAULTS, Protocol
 
 if TYPE_CHECKING:
     from core.feedback.delays import Delay

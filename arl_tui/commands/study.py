@@ -86,9 +86,9 @@ def check(file: Path, pages: bool) -> None:
 @recordings_option(to_write=True)
 def run(file: Path, code: str | None, recordings: Path) -> None:
     """Lead a participant through their next sitting of STUDY, or go on with one that broke off."""
+    from arl_tui.app.facts import software
     from arl_tui.commands.play import need_terminal
     from arl_tui.commands.study_blocks import player
-    from arl_tui.facts import software
     from arl_tui.study.run import Terminal, run_sitting
     from studies.lab.enrolment import drawn_code
 
@@ -122,11 +122,11 @@ def simulate(file: Path, participants: int, recordings: Path) -> None:
 
     Their data lie in a folder of their own, whose name ends in "-simulated", and every file says that it is simulated.
     """
-    from arl_tui.facts import software
+    from arl_tui.app.facts import software
     from arl_tui.study.run import run_sitting
     from arl_tui.study.simulated import SimulatedPresenter, habits_of
-    from core.clock import ManualClock
-    from core.streams import stream_seed
+    from core.numerics.clock import ManualClock
+    from core.numerics.streams import stream_seed
     from studies.lab.enrolment import drawn_code
     from studies.lab.progress import progress
 
@@ -162,7 +162,7 @@ def simulate(file: Path, participants: int, recordings: Path) -> None:
 @recordings_option(to_write=False)
 def status(file: Path, simulated: bool, recordings: Path) -> None:
     """Show how far STUDY is: participants, orders, drop-outs, presses, and what looks wrong."""
-    from core.clock import wall_time_utc
+    from core.numerics.clock import wall_time_utc
     from studies.lab.folder import data_folder
     from studies.lab.progress import moment
     from studies.lab.read import load_study

@@ -100,13 +100,13 @@ def measure(scenes: tuple[str, ...], n_trials: int, longest_ms: int, seed: int) 
         raise click.ClickException("the self-test needs a pseudo-terminal, which Windows does not have")
     import os
 
-    from arl_tui import facts
+    from arl_tui.app import facts
     from arl_tui.commands.play import FRAMES_PER_S
     from arl_tui.timing.kept import machine_code, this_terminal
     from arl_tui.timing.plan import SCENES, make_plan
     from arl_tui.timing.result import TimingResult, summarise
     from arl_tui.timing.waking import lateness_ms
-    from core.clock import wall_time_utc
+    from core.numerics.clock import wall_time_utc
 
     plans = [make_plan(s, n_trials, root_seed=seed, longest_ms=longest_ms) for s in SCENES if s in scenes]
     late_ms, results = [], []

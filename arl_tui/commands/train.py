@@ -13,7 +13,7 @@ from arl_tui.commands.watch import keepers_option, region_option, takers_option,
 
 if TYPE_CHECKING:
     from core.learners.sarsa import Sarsa
-    from studies.experiments.keepaway_learning import LearningCurve, LearningRun
+    from studies.fidelity.keepaway_learning import LearningCurve, LearningRun
 
 
 @click.command(short_help="Let keepers learn by Sarsa, unseen, and keep the policy.")
@@ -60,7 +60,7 @@ def train(
     config = task(None, keepers=keepers, takers=takers, size=size, vision=vision)
     learner = SarsaConfig(shared_weights=shared, trace_decay=trace_decay)
     click.echo(GETTING_READY, err=True)
-    from studies.experiments.keepaway_learning import LearningRun
+    from studies.fidelity.keepaway_learning import LearningRun
 
     run = LearningRun(config, learner, secrets.randbits(63) if seed is None else seed, hours)
     sarsa, blocks = with_progress(run)
@@ -79,7 +79,7 @@ def train(
 
 def with_progress(run: "LearningRun") -> "tuple[Sarsa, list[LearningCurve]]":
     """Train, with a bar that shows how far it is."""
-    from studies.experiments.keepaway_learning import SECONDS_PER_HOUR, train
+    from studies.fidelity.keepaway_learning import SECONDS_PER_HOUR, train
 
     blocks: list[LearningCurve] = []
     total = round(run.hours * SECONDS_PER_HOUR)
@@ -94,9 +94,9 @@ def with_progress(run: "LearningRun") -> "tuple[Sarsa, list[LearningCurve]]":
 
 def write(save: Path, run: "LearningRun", sarsa: "Sarsa", durations: list[float]) -> None:
     """Write the policy file; stop with a message where that fails."""
-    from arl_tui import facts
-    from core.clock import wall_time_utc
+    from arl_tui.app import facts
     from core.keepaway.policy_file import N_LAST, PolicyHeader, SavedPolicy, save_policy
+    from core.numerics.clock import wall_time_utc
 
     header = PolicyHeader(
         task=run.config,

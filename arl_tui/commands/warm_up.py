@@ -4,7 +4,7 @@ import time
 
 import click
 
-from arl_tui.ahead import Ahead, Order, fill, is_compiled, match_order, session_order
+from arl_tui.app.ahead import Ahead, Order, fill, is_compiled, match_order, session_order
 from arl_tui.commands.demo import demo_protocol
 
 LOOK_S = 0.2
@@ -15,8 +15,8 @@ STEPS = 200
 
 def warm_up() -> None:
     """Compile the kernels of both games, with a bar for each part of the work."""
-    from core.interpreting import kernel_notes
     from core.keepaway.pitch import KeepawayConfig
+    from core.numerics.interpreting import kernel_notes
 
     orders = {
         "Tetris": session_order(demo_protocol("tetris")),
@@ -33,7 +33,7 @@ def warm_up() -> None:
 
 
 def _compile(name: str, order: Order) -> None:
-    from core.interpreting import CAN_INTERPRET, interpreting, progress
+    from core.numerics.interpreting import CAN_INTERPRET, interpreting, progress
 
     if not CAN_INTERPRET:
         click.echo(f"{name}: compiling ...")

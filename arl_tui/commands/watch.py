@@ -16,9 +16,9 @@ from arl_tui.command_line import ToWrite
 
 if TYPE_CHECKING:
     from arl_tui.screens.watch import WatchApp
-    from core.keepaway.exhibition import Exhibition
     from core.keepaway.pitch import KeepawayConfig
     from core.keepaway.policy_file import SavedPolicy
+    from core.keepaway.viewed_match import Exhibition
 
 BENCHMARKS = {"hand": "hand-coded", "random": "random", "hold": "always hold"}
 VISIONS = ("exact", "360", "90")
@@ -163,7 +163,7 @@ def watch(
 
     def prepare() -> "Exhibition":
         get_ready(config)
-        from core.keepaway.exhibition import Exhibition
+        from core.keepaway.viewed_match import Exhibition
 
         return Exhibition(config, policy if saved is None else saved.sarsa(), root_seed, "watch")
 
@@ -205,8 +205,13 @@ def run(app: "WatchApp") -> None:
 
 def get_ready(config: "KeepawayConfig") -> None:
     """Load all that matches of this task need; where it is not compiled, let Python play until it is."""
-    from arl_tui.ahead import Ahead, fill, is_compiled, match_order
-    from core.interpreting import CAN_INTERPRET, load_interpreted, start_interpreting, stop_interpreting
+    from arl_tui.app.ahead import Ahead, fill, is_compiled, match_order
+    from core.numerics.interpreting import (
+        CAN_INTERPRET,
+        load_interpreted,
+        start_interpreting,
+        stop_interpreting,
+    )
 
     order = match_order(config)
     if is_compiled(order) or not CAN_INTERPRET:

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 import click
 import msgspec
 
-from core.foreign_text import printable
 from core.recording.reader import RecordingError
+from core.system.foreign_text import printable
 
 if TYPE_CHECKING:
     from arl_tui.viewer.reading import Viewing
     from arl_tui.viewer.workers import Workers
     from core.feedback.delays import Delay
-    from core.protocol import Protocol
+    from core.session.protocol import Protocol
     from studies.session_view.session import SessionView
 
 LARGE = 32 << 20

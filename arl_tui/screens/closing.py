@@ -12,7 +12,7 @@ from arl_tui.screens.page import Page
 from arl_tui.words import Words
 
 if TYPE_CHECKING:
-    from arl_tui.app import ArlApp, Outcome
+    from arl_tui.app.session_app import ArlApp, Outcome
 
 
 class ClosingScreen(Page):

@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 from textual.message_pump import MessagePump
 
-from arl_tui.once import after
+from arl_tui.app.once import after
 from arl_tui.widgets.big_letters import big
 from arl_tui.widgets.coverable import CoverableWidget
 

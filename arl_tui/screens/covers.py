@@ -10,7 +10,7 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from arl_tui.screens.page import Page, feedback_keys, session_keys
-from core.keys import KeyConfig
+from core.feedback.keys import KeyConfig
 
 
 class PauseScreen(Page):

@@ -8,7 +8,7 @@ from textual.screen import Screen
 from textual.widget import Widget
 from textual.widgets import Static
 
-from core.keys import KeyConfig
+from core.feedback.keys import KeyConfig
 
 
 class Page(Screen[bool], inherit_bindings=False):

@@ -10,17 +10,17 @@ from textual.containers import Horizontal, Vertical
 from textual.screen import Screen
 from textual.widgets import Static
 
-from arl_tui.gaps import length_s
-from arl_tui.link import Picture, Preparing, TakenFor
-from arl_tui.live import Cover, LiveSession, Occurrence, weight_in_use
+from arl_tui.app.gaps import length_s
+from arl_tui.app.link import Picture, Preparing, TakenFor
+from arl_tui.app.live_session import Cover, LiveSession, Occurrence, weight_in_use
+from arl_tui.games.panel import Progress, scene_of
 from arl_tui.palette import Palette
 from arl_tui.screens.count_down import CountDown
 from arl_tui.screens.covers import HelpScreen, PauseScreen, SmallWindowScreen, StopScreen, fits_into
 from arl_tui.screens.page import Page, session_keys
-from arl_tui.screens.scene import Progress, scene_of
 from arl_tui.widgets.feedback_bar import FeedbackBar
 from arl_tui.words import words_of
-from core.episode import (
+from core.events import (
     EpisodeEnded,
     EpisodeStarted,
     KeyPressed,
@@ -30,10 +30,10 @@ from core.episode import (
     TimeGap,
     WrongPressAsked,
 )
-from core.protocol import Protocol
+from core.session.protocol import Protocol
 
 if TYPE_CHECKING:
-    from arl_tui.app import ArlApp
+    from arl_tui.app.session_app import ArlApp
 
 COMMANDS: dict[str, tuple[str, str]] = {
     # action: (letter, keys that are there even if the letter is a feedback key)

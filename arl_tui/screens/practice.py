@@ -12,13 +12,13 @@ from textual.screen import Screen
 from textual.timer import Timer
 from textual.widgets import Static
 
+from arl_tui.app.plain_app import PlainApp
 from arl_tui.palette import STANDARD, Palette, palette_for
-from arl_tui.plain_app import PlainApp
 from arl_tui.screens.covers import SmallWindowScreen, fits_into
 from arl_tui.widgets.board import TetrisBoard
 from arl_tui.widgets.next_piece import NextPiece
 from arl_tui.widgets.stats import Figures, StatsPanel
-from core.clock import Clock, MonotonicClock
+from core.numerics.clock import Clock, MonotonicClock
 from core.tetris.game import Primitive
 from core.tetris.practice import Practice
 

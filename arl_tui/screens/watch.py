@@ -14,17 +14,17 @@ from textual.timer import Timer
 from textual.widget import Widget
 from textual.widgets import Static
 
+from arl_tui.app.plain_app import PlainApp
+from arl_tui.app.playback import Playback, Source
 from arl_tui.palette import STANDARD, palette_for
-from arl_tui.plain_app import PlainApp
-from arl_tui.playback import Playback, Source
 from arl_tui.screens.covers import SmallWindowScreen, fits_into
 from arl_tui.screens.page import Page, key_cap
 from arl_tui.widgets.pitch import PitchWidget
 from arl_tui.widgets.pitch_colours import legend
 from arl_tui.widgets.pitch_drawing import smallest
 from arl_tui.widgets.pitch_ink import DETAILS, Detail
-from core.clock import NS_PER_S, Clock, MonotonicClock
 from core.keepaway.pitch import END_REASONS, OUT
+from core.numerics.clock import NS_PER_S, Clock, MonotonicClock
 
 FRAME_S = 1 / 30
 """How often the clock is looked at, seconds."""

@@ -8,15 +8,15 @@ from textual.binding import Binding, BindingType
 from textual.widget import Widget
 from textual.widgets import Static
 
-from arl_tui.link import Preparing, Ready
-from arl_tui.pace import pace_warning
+from arl_tui.app.link import Preparing, Ready
+from arl_tui.app.pace import pace_warning
 from arl_tui.screens.page import Page, feedback_keys
 from arl_tui.words import words_of
-from core.clock import NS_PER_S, Clock, MonotonicClock
-from core.protocol import Protocol
+from core.numerics.clock import NS_PER_S, Clock, MonotonicClock
+from core.session.protocol import Protocol
 
 if TYPE_CHECKING:
-    from arl_tui.app import ArlApp
+    from arl_tui.app.session_app import ArlApp
 
 
 AT_SCREEN_S = 10.0

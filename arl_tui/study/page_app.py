@@ -7,7 +7,7 @@ from pathlib import Path
 
 from textual.screen import Screen
 
-from arl_tui.plain_app import PlainApp
+from arl_tui.app.plain_app import PlainApp
 
 Results = list[object]
 """One result per page that was left; see `arl_tui.study.pages`."""

@@ -11,7 +11,7 @@ from textual.screen import ModalScreen, Screen
 from textual.widgets import Markdown, Static
 
 from arl_tui.study import words
-from core.clock import Clock, seconds
+from core.numerics.clock import Clock, seconds
 
 STOP_KEYS = "q,ctrl+q,ctrl+c"
 

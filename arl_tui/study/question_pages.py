@@ -10,7 +10,7 @@ from textual.widgets import Input, Markdown, Static
 
 from arl_tui.study import words
 from arl_tui.study.pages import StudyPage, _plain
-from core.clock import Clock
+from core.numerics.clock import Clock
 from studies.lab.questions import Answer, Choice, FreeText, Likert, Number, Question, Scale, refusal
 
 SCALE_CELLS = 51

@@ -12,7 +12,7 @@ from arl_tui.study import words
 from arl_tui.study.page_app import PageApp, Results
 from arl_tui.study.pages import BreakPage, ConsentPage, NoticePage, TextPage
 from arl_tui.study.question_pages import Answered, QuestionPage
-from core.clock import Clock, MonotonicClock, wall_time_utc
+from core.numerics.clock import Clock, MonotonicClock, wall_time_utc
 from studies.lab.config import (
     ASSIGNED,
     Block,

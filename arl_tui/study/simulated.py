@@ -17,10 +17,10 @@ from arl_tui.study.pages import BreakPage, ConsentPage, StopPage, StudyPage
 from arl_tui.study.question_pages import QuestionPage
 from arl_tui.study.run import BlockCall, OnResult, Pages, Played, ignore_result
 from arl_tui.words import words_of
-from core.clock import NS_PER_S, ManualClock
-from core.feedback.persons import persons
+from core.feedback.simulated_participants import persons
+from core.numerics.clock import NS_PER_S, ManualClock
+from core.numerics.streams import stream
 from core.recording.reader import read_recording
-from core.streams import stream
 from studies.demo import simulate_session, summarise
 from studies.lab.config import Block, Calibration, Practice
 from studies.lab.questions import Choice, FreeText, Likert, Number, Question, Scale

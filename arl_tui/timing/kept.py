@@ -30,7 +30,7 @@ def machine_code() -> str:
 
 
 def this_terminal(facts: dict[str, str]) -> dict[str, str]:
-    """Return what is compared of `arl_tui.facts.terminal`."""
+    """Return what is compared of `arl_tui.app.facts.terminal`."""
     return {name: facts[name] for name in TERMINAL_FACTS if name in facts}
 
 
@@ -52,7 +52,7 @@ def timing_facts(recordings: Path, terminal: dict[str, str], now_utc: str) -> di
 
     Args:
         recordings: folder of recordings.
-        terminal: facts about the session's terminal, from `arl_tui.facts.terminal`.
+        terminal: facts about the session's terminal, from `arl_tui.app.facts.terminal`.
         now_utc: ISO 8601.
     """
     machine, wanted = machine_code(), this_terminal(terminal)

@@ -88,7 +88,7 @@ def make_plan(scene: Scene, n_trials: int, *, root_seed: int, longest_ms: int = 
         raise ValueError(
             f"need 1 to 9999 trials and a longest delay from {SHORTEST_MS} ms, got {n_trials} and {longest_ms}"
         )
-    from core.streams import stream  # Numpy: a session's header only reads results.
+    from core.numerics.streams import stream  # Numpy: a session's header only reads results.
 
     rng = stream(root_seed, "timing self-test", scene)
     foreperiods = rng.integers(300, 600, n_trials, endpoint=True)

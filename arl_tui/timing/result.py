@@ -78,7 +78,7 @@ class TimingResult(msgspec.Struct, frozen=True, kw_only=True):
     machine: str = ""
     """See `arl_tui.timing.kept.machine_code`."""
     terminal: dict[str, str] = {}
-    """Where the command was run; see `arl_tui.facts.terminal`."""
+    """Where the command was run; see `arl_tui.app.facts.terminal`."""
     waking: Summary | None = None
     """By how much plain sleeps ended late beside the scenes; see `arl_tui.timing.waking`."""
     scenes: tuple[SceneResult, ...]

@@ -23,8 +23,8 @@ from typing import Self
 
 import msgspec
 
+from arl_tui.app.facts import REPOSITORY
 from arl_tui.commands.play import FRAMES_PER_S
-from arl_tui.facts import REPOSITORY
 from arl_tui.timing.plan import ANSWER_KEY, MARKER, START_UP_S, Plan, Seen
 
 COLUMNS, LINES = 80, 30

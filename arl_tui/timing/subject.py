@@ -15,12 +15,12 @@ from textual.app import ComposeResult
 from textual.strip import Strip
 from textual.widget import Widget
 
-from arl_tui.driver import FlushClock, stamped_driver
-from arl_tui.garbage import GarbageControl
-from arl_tui.link import Begin, Crashed, FromWorker, Link, Picture, Ready
-from arl_tui.once import after
+from arl_tui.app.driver import FlushClock, stamped_driver
+from arl_tui.app.garbage import GarbageControl
+from arl_tui.app.link import Begin, Crashed, FromWorker, Link, Picture, Ready
+from arl_tui.app.once import after
+from arl_tui.app.plain_app import PlainApp
 from arl_tui.palette import STANDARD
-from arl_tui.plain_app import PlainApp
 from arl_tui.timing.leash import tie_to_parent
 from arl_tui.timing.plan import (
     ANSWER_KEY,
@@ -34,10 +34,10 @@ from arl_tui.timing.plan import (
     marker,
 )
 from arl_tui.widgets.board import TetrisBoard
-from core.clock import MonotonicClock
-from core.episode import FrameShown
-from core.keys import nanoseconds
-from core.protocol import Protocol, ScreenConfig, SessionConfig
+from core.events import FrameShown
+from core.feedback.keys import nanoseconds
+from core.numerics.clock import MonotonicClock
+from core.session.protocol import Protocol, ScreenConfig, SessionConfig
 from core.tetris.picture import Snapshot
 
 FRAME_MS = 33
@@ -240,7 +240,7 @@ def run(plan: Plan) -> tuple[str, Seen]:
     """Run the app in this terminal; return why it ended early ("" if it did not) and what it saw."""
     link = None
     if plan.scene == "beside a board":
-        from arl_tui.worker import start_worker
+        from arl_tui.app.worker import start_worker
 
         link = start_worker(board_protocol(), plan.root_seed)
     try:

@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import ClassVar
 
-from arl_tui.driver import own_driver
-from arl_tui.plain_app import PlainApp
+from arl_tui.app.driver import own_driver
+from arl_tui.app.plain_app import PlainApp
 from arl_tui.viewer.screen import ViewerScreen
 
 
@@ -30,7 +30,7 @@ def mouse_driver() -> type | None:
     """Return the driver of all apps, which here asks for the mouse; None where Textual's own choice must stand."""
     if own_driver() is None:
         return None
-    from arl_tui.steady_driver import SteadyDriver
+    from arl_tui.app.steady_driver import SteadyDriver
 
     class MouseDriver(SteadyDriver):
         """The driver of all apps, with the mouse."""

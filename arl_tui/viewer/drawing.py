@@ -8,8 +8,8 @@ from arl_tui.viewer.pictures import Look
 from arl_tui.viewer.reading import Viewing
 from arl_tui.viewer.rows import BOLD, DIM, Run
 from arl_tui.viewer.timeline import clock_text
-from core.foreign_text import printable
 from core.keepaway.picture import PitchFrame
+from core.system.foreign_text import printable
 from core.tetris.picture import Snapshot
 from studies.session_view.session import Moment
 from studies.session_view.transport import Transport

@@ -18,7 +18,7 @@ from textual.app import App
 from arl_tui.viewer.pictures import pictures_of
 from arl_tui.viewer.raster import CELL, Cells, cells_of, picture_of
 from arl_tui.viewer.reading import Viewing
-from core.clock import NS_PER_S, ManualClock
+from core.numerics.clock import NS_PER_S, ManualClock
 
 FRAMES_PER_S: Final = 10
 """Of a film."""

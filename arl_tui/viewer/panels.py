@@ -19,7 +19,7 @@ from arl_tui.viewer.rows import (
     level,
 )
 from core.combination.episode_weights import FORM_NAMES
-from core.foreign_text import printable
+from core.system.foreign_text import printable
 from studies.session_view.credit_strip import CreditStrip
 from studies.session_view.session import Press
 from studies.session_view.thoughts import Considered, Thought

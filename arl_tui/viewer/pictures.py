@@ -5,11 +5,11 @@ from typing import Final, Protocol
 
 import msgspec
 
-from arl_tui.link import View
-from arl_tui.stage import Shot, TetrisStage
-from core.episode import StepTaken
+from arl_tui.app.link import View
+from arl_tui.games.rendering import Shot, TetrisStage
+from core.events import StepTaken
+from core.feedback.keys import NS_PER_MS
 from core.keepaway.pitch import KeepawayConfig
-from core.keys import NS_PER_MS
 from core.tetris.config import TetrisConfig
 from core.tetris.game import FallingPiece, landing_row, settle
 from core.tetris.picture import Counts, Snapshot, Wall, snapshot
@@ -246,7 +246,7 @@ class PitchPictures:
     """Pitches of Keepaway: the match is played again from the kick-off of its game."""
 
     def __init__(self, session: SessionView, config: KeepawayConfig, speed: float) -> None:
-        from arl_tui.pitch_stage import PitchStage  # here, not above: compiled code comes with it
+        from arl_tui.games.keepaway.renderer import PitchStage  # here, not above: compiled code comes with it
 
         self._session = session
         self._stage = PitchStage(config, speed)

@@ -13,7 +13,7 @@ from arl_tui.viewer.workers import Working
 from arl_tui.words import words_of
 from core.feedback.credit import CurrentStep, Delay, PreviousStep, describe
 from core.keepaway.pitch import KeepawayConfig
-from core.protocol import Protocol
+from core.session.protocol import Protocol
 from core.tetris.config import TetrisConfig
 from core.tetris.game import Board, FallingPiece, landing_row
 from studies.session_view.credit_strip import PAPER, UNIFORM, CreditStrip, strip_of

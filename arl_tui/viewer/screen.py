@@ -21,8 +21,8 @@ from arl_tui.viewer.pictures import Look, Pictures, PitchPictures
 from arl_tui.viewer.reading import Viewing
 from arl_tui.viewer.rows import BOLD, DIM, Rows, Run
 from arl_tui.viewer.timeline import Facts, Timeline, clock_text
-from core.clock import Clock, MonotonicClock
 from core.keepaway.picture import PitchFrame
+from core.numerics.clock import Clock, MonotonicClock
 from core.tetris.config import TetrisConfig
 from core.tetris.picture import Snapshot
 from studies.session_view.session import Kind, Moment

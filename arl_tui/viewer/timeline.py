@@ -26,7 +26,7 @@ from arl_tui.viewer.rows import (
     cells_to_runs,
     level,
 )
-from core.clock import NS_PER_S
+from core.numerics.clock import NS_PER_S
 from studies.session_view.session import SessionView
 from studies.session_view.tags import Tag
 

@@ -7,8 +7,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from core.foreign_text import printable
-from core.protocol import Protocol
+from core.session.protocol import Protocol
+from core.system.foreign_text import printable
 from studies.pools import processes
 from studies.session_view.thoughts import Thoughts
 

@@ -8,7 +8,7 @@ from rich.segment import Segment
 from textual.geometry import Region, Size
 from textual.strip import Strip
 
-from arl_tui.once import after
+from arl_tui.app.once import after
 from arl_tui.palette import STANDARD, Palette
 from arl_tui.widgets.blocks import CELLS_PER_BLOCK, MARKED_BAD, MARKED_GOOD, BlockWidget
 from arl_tui.widgets.coverable import CoverableWidget

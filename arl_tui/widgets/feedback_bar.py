@@ -11,11 +11,11 @@ from textual.geometry import Size
 from textual.strip import Strip
 from textual.widget import Widget
 
-from arl_tui.foreign_keys import ForeignKeys
-from arl_tui.once import after
+from arl_tui.app.foreign_keys import ForeignKeys
+from arl_tui.app.once import after
 from arl_tui.widgets.big_letters import LINES, big
-from core.episode import KeyPressed, PressRetracted
-from core.keys import KeyConfig
+from core.events import KeyPressed, PressRetracted
+from core.feedback.keys import KeyConfig
 
 HOLD_S = 1.5
 """How long a word stays, seconds."""
@@ -41,7 +41,7 @@ _REFUSALS = {
 class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
     """A word in big letters, a note, the presses left, a request, and the keys.
 
-    It decides nothing: it shows the records that `core.keys.PressGate` makes of key presses.
+    It decides nothing: it shows the records that `core.feedback.keys.PressGate` makes of key presses.
     """
 
     COMPONENT_CLASSES: ClassVar[set[str]] = {

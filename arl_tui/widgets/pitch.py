@@ -12,7 +12,7 @@ from textual.cache import LRUCache
 from textual.geometry import Region, Size
 from textual.strip import Strip
 
-from arl_tui.once import after
+from arl_tui.app.once import after
 from arl_tui.palette import PALETTES, STANDARD, Palette
 from arl_tui.widgets.board import MARK_S
 from arl_tui.widgets.coverable import CoverableWidget

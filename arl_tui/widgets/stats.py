@@ -9,8 +9,8 @@ from textual.geometry import Size
 from textual.strip import Strip
 from textual.widget import Widget
 
-from arl_tui.once import after
-from core.clock import Clock, MonotonicClock, seconds
+from arl_tui.app.once import after
+from core.numerics.clock import Clock, MonotonicClock, seconds
 
 REFRESH_S = 0.25
 """Figures are redrawn at most this often, seconds: they must not take time from the board."""

@@ -22,18 +22,18 @@ from core.combination.schedule import EpisodesSoFar, NextEpisode, next_episode
 from core.combination.sides import Decision, EpisodeEnd, EpisodePolicy, EpisodeStart, HumanPreference, Outcome
 from core.combination.window import DecisionWindow, Values
 from core.domain import Choices
-from core.episode import CreditGiven
-from core.fixed_point import exact_weights
+from core.events import CreditGiven
 from core.learners.contract import EnvironmentLearner, StepwiseLearner
 from core.learners.linear import action_values
-from core.streams import stream, stream_seed
-from core.tile_coding import Tiling, tile_values
+from core.numerics.fixed_point import exact_weights
+from core.numerics.streams import stream, stream_seed
+from core.numerics.tile_coding import Tiling, tile_values
 
 __all__ = ["ArlAgent", "Decision", "EpisodePolicy", "Outcome", "exact_values"]
 
 
 def exact_values(rows: NDArray[np.float64], weights: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return rows (n, F) times weights (F,) on the grid of `core.fixed_point`: as a compiled player has them."""
+    """Return rows (n, F) times weights (F,) on the grid of `core.numerics.fixed_point`: as a compiled player has them."""
     return action_values(rows, exact_weights(weights))
 
 

@@ -6,7 +6,7 @@ import msgspec
 
 from core.combination.trust import Equation4, TrustRule
 from core.combination.trust.contract import check_memory
-from core.settings import number
+from core.configuration.fields import number
 
 
 class BootstrapConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -13,12 +13,12 @@ from core.combination.config import Coach
 from core.combination.preference import best_action, fill_logits
 from core.combination.sides import EpisodeEnd, EpisodeStart, Floats, HumanPreference, StartedPolicy
 from core.combination.window import Values
-from core.counters import uniform_at
 from core.domain import Choices
-from core.episode import CreditGiven
+from core.events import CreditGiven
 from core.learners.contract import Actor
 from core.learners.kinds import LearnerKind
-from core.softmax import drawn, softmax
+from core.numerics.counters import uniform_at
+from core.numerics.softmax import drawn, softmax
 
 KEPT_TRACES = 256
 """Watched steps whose traces are kept: a press is never credited to one so long ago."""

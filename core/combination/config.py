@@ -30,10 +30,10 @@ from core.combination.trust import (
     Tried,
     TrustRule,
 )
+from core.configuration.fields import number
 from core.feedback.config import CreditConfig
 from core.learners.human_config import HumanModelConfig, RidgeModel
 from core.learners.kinds import LearnerKind
-from core.settings import number
 
 __all__ = [
     "ADVISE",

@@ -13,7 +13,7 @@ from core.combination.preference import best_action
 from core.combination.sides import EpisodeEnd, EpisodeStart, Floats, HumanPreference, StartedPolicy
 from core.combination.window import Values
 from core.domain import Choices
-from core.episode import CreditGiven
+from core.events import CreditGiven
 from core.learners.contract import Actor, EnvironmentLearner, StepwiseLearner
 from core.learners.kinds import LearnerKind
 

@@ -5,14 +5,14 @@ import struct
 import numpy as np
 from numpy.typing import NDArray
 
-from core.episode import CreditGiven
+from core.events import CreditGiven
 from core.feedback.assigner import CreditAssigner
 from core.feedback.samples import CreditConfig, MassAccount, Sample
 from core.learners.consistency import Consistency
 from core.learners.human_config import HumanModelConfig
 from core.learners.human_reward import HumanRewardModel
 from core.learners.human_tiles import HumanTileModel, human_model
-from core.tile_coding import Tiling
+from core.numerics.tile_coding import Tiling
 
 
 class HumanLearner:

@@ -21,7 +21,7 @@ from core.combination.ranking import EpisodeReport, RankedPolicy, draw_policy
 from core.combination.trust.measures import selection_probabilities
 from core.combination.window import DecisionWindow, Values
 from core.domain import Choices
-from core.episode import CreditGiven
+from core.events import CreditGiven
 from core.feedback.samples import MassAccount, Sample
 
 Floats = NDArray[np.float64]

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.combination.episode_weights import ADVISE, EXPONENTIAL, LINEAR, LINEAR_RAW
-from core.compiled import inner_kernel, kernel
-from core.counters import uniform_at
-from core.softmax import exponential
+from core.numerics.compiled import inner_kernel, kernel
+from core.numerics.counters import uniform_at
+from core.numerics.softmax import exponential
 
 Values = NDArray[np.float64]
 Mask = NDArray[np.bool_]

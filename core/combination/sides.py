@@ -112,7 +112,7 @@ class Decision:
 
 
 class Outcome(Protocol):
-    """How an episode went (`core.rollout.Played`)."""
+    """How an episode went (`core.session.rollout.Played`)."""
 
     @property
     def performance(self) -> float:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from core.combination.agreement import Agreement
 from core.combination.preference import Mask, Values, best_action, worst_action
-from core.compiled import inner_kernel
+from core.numerics.compiled import inner_kernel
 
 Tally = NDArray[np.int64]
 COMPARED: Final = 0

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from core.combination.agreement import Agreement
 from core.combination.preference import mean_and_sd
 from core.combination.tally import Tally, agreement_of, compare_choices, new_tally
-from core.compiled import kernel
 from core.domain import Choices
+from core.numerics.compiled import kernel
 
 Values = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
 """Values of actions: (feature rows (n, F), weights (F,)) -> (n,)."""

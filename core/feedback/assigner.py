@@ -11,9 +11,9 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from core.clock import NS_PER_S
 from core.feedback.credit import STILL_SHOWN_NS, CurrentStep, PreviousStep, credit
 from core.feedback.samples import CreditConfig, MassAccount, PressCredit, Sample
+from core.numerics.clock import NS_PER_S
 
 __all__ = ["CreditAssigner", "CreditConfig", "MassAccount", "PressCredit", "Sample"]
 
@@ -78,7 +78,7 @@ class CreditAssigner:
         self._do(_Ledger.step_hidden, step, hidden_ns)
 
     def interrupted(self, last_ns: int) -> None:
-        """Note that the program stood still from `last_ns` on, and has gone on since (`core.episode.TimeGap`).
+        """Note that the program stood still from `last_ns` on, and has gone on since (`core.events.TimeGap`).
 
         What was on screen is hidden from `last_ns` on. No later press is credited to what was on screen before: what
         would have fallen there counts as `in_gaps`. A burst of presses ends there.

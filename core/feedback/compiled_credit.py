@@ -9,9 +9,9 @@ from typing import Final, NamedTuple, assert_never
 import numpy as np
 from numpy.typing import NDArray
 
-from core.clock import NS_PER_S
-from core.compiled import kernel
 from core.feedback.delays import CurrentStep, Delay, GammaDelay, PreviousStep, UniformDelay
+from core.numerics.clock import NS_PER_S
+from core.numerics.compiled import kernel
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

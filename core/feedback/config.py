@@ -5,8 +5,8 @@ from typing import Annotated, Literal
 
 import msgspec
 
+from core.configuration.fields import number
 from core.feedback.delays import Delay, Density, GammaDelay, PreviousStep
-from core.settings import number
 
 Knowledge = Literal["expert", "lay", "myopic"]
 """By what a simulated participant judges; each domain says what these see."""

@@ -12,7 +12,6 @@ from typing import assert_never
 import numpy as np
 from numpy.typing import NDArray
 
-from core.clock import NS_PER_S
 from core.feedback.delays import (
     HORIZON_MASS,
     CurrentStep,
@@ -24,6 +23,7 @@ from core.feedback.delays import (
     describe,
     parse_delay,
 )
+from core.numerics.clock import NS_PER_S
 
 __all__ = [
     "HORIZON_MASS",

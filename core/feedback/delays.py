@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, assert_never
 
 import msgspec
 
-from core.settings import number
+from core.configuration.fields import number
 
 if TYPE_CHECKING:
     import numpy as np

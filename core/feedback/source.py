@@ -11,12 +11,12 @@ from typing import Generic, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from core.clock import ManualClock
 from core.domain import Domain
-from core.episode import EpisodeEnded, EpisodeStarted, FrameShown, Input, Output, StepTaken
+from core.events import EpisodeEnded, EpisodeStarted, FrameShown, Input, Output, StepTaken
+from core.feedback.keys import PressGate
 from core.feedback.trainers import IntendedPress, SimulatedTrainer
 from core.feedback.viewing import Viewing
-from core.keys import PressGate
+from core.numerics.clock import ManualClock
 
 State = TypeVar("State")
 
@@ -37,7 +37,7 @@ class Seat(Generic[State]):
 
 
 class SimulatedParticipant(Generic[State]):
-    """Watches a session at its pace and presses keys; a `core.rollout.FeedbackSource`.
+    """Watches a session at its pace and presses keys; a `core.session.rollout.FeedbackSource`.
 
     Whoever consumes the session's outputs hands each of them to `watch` before asking for the next one::
 

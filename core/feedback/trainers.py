@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from core.clock import NS_PER_S
 from core.feedback.config import TrainerConfig
 from core.feedback.delays import Density, GammaDelay, UniformDelay
-from core.streams import stream
+from core.numerics.clock import NS_PER_S
+from core.numerics.streams import stream
 
 __all__ = ["IntendedPress", "SimulatedTrainer", "TrainerConfig", "draw_delay_s", "judgement"]
 

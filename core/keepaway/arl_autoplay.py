@@ -12,7 +12,6 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from core.clock import NS_PER_S
 from core.combination.agreement import Agreement
 from core.combination.bootstrap_learning import BootstrapLearning
 from core.combination.config import (
@@ -25,10 +24,10 @@ from core.combination.config import (
 from core.combination.ranking import EpisodeReport
 from core.combination.schedule import EpisodesSoFar, NextEpisode, next_episode
 from core.combination.tally import agreement_of
-from core.compiled import specialised
 from core.feedback.compiled_credit import credit_rule
 from core.feedback.config import CreditConfig, TrainerConfig
 from core.feedback.delays import GammaDelay
+from core.feedback.keys import KeyConfig
 from core.feedback.samples import MassAccount
 from core.feedback.trainers import SimulatedTrainer
 from core.keepaway.arl_cycles import (
@@ -45,16 +44,17 @@ from core.keepaway.arl_cycles import (
 )
 from core.keepaway.autoplay import keepaway_tiles
 from core.keepaway.decisions import CYCLE_LIMIT
-from core.keepaway.match import CYCLE, END, new_match, open_streams
-from core.keepaway.person import Watcher, new_watcher, watch_episode, with_more_draws
-from core.keepaway.person_config import KeepawayPersonConfig
+from core.keepaway.participant import Watcher, new_watcher, watch_episode, with_more_draws
+from core.keepaway.participant_config import KeepawayPersonConfig
 from core.keepaway.pitch import CYCLE_NS, CYCLE_S, OUT, KeepawayConfig
 from core.keepaway.presses import LOST, MADE, begin_episode, new_presses
-from core.keys import KeyConfig
+from core.keepaway.simulator.match import CYCLE, END, new_match, open_streams
 from core.learners.human_config import TileModel
 from core.learners.human_sets import consistency, new_human_set
 from core.learners.sarsa import SarsaConfig, new_sarsa
-from core.streams import stream_seed
+from core.numerics.clock import NS_PER_S
+from core.numerics.compiled import specialised
+from core.numerics.streams import stream_seed
 
 KEEPAWAY_AGENT = AgentConfig(credit=CreditConfig(delay=GammaDelay()), human_model=TileModel())
 """Eq. 3, Eq. 4, credit by the paper's density, and a human model over tiles."""

@@ -11,13 +11,12 @@ from numpy.typing import NDArray
 
 from core.combination.preference import choose, takes_control
 from core.combination.tally import Tally, compare_choices, new_tally
-from core.compiled import inner_kernel, kernel
 from core.feedback.compiled_credit import CreditRule, share_out
-from core.keepaway.game import begin_cycle, finish_cycle
-from core.keepaway.match import CYCLE, Match, Streams, start_episode
-from core.keepaway.person import Watcher, watch_step, would_choose
+from core.keepaway.participant import Watcher, watch_step, would_choose
 from core.keepaway.pitch import CYCLE_NS, Rules
 from core.keepaway.presses import MADE, NEVER_NS, Presses, is_due, make
+from core.keepaway.simulator.game import begin_cycle, finish_cycle
+from core.keepaway.simulator.match import CYCLE, Match, Streams, start_episode
 from core.learners.human_sets import HumanSet, human_values, learn_sample
 from core.learners.sarsa import (
     NOT_YET,
@@ -30,7 +29,8 @@ from core.learners.sarsa import (
     learn_beside,
     take_action,
 )
-from core.tile_coding import find_windows
+from core.numerics.compiled import inner_kernel, kernel
+from core.numerics.tile_coding import find_windows
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -1,6 +1,6 @@
 """Whole episodes in compiled code: benchmark policies, and keepers that learn or act by Sarsa.
 
-The cycles are those of `core.keepaway.game`: for the same seeds a live loop plays the same episodes.
+The cycles are those of `core.keepaway.simulator.game`: for the same seeds a live loop plays the same episodes.
 """
 
 from dataclasses import dataclass
@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import inner_kernel, kernel
-from core.keepaway.game import begin_cycle, finish_cycle, step_cycle
-from core.keepaway.match import (
+from core.keepaway.pitch import CYCLES_PER_S, OUT, KeepawayConfig, Rules
+from core.keepaway.simulator.game import begin_cycle, finish_cycle, step_cycle
+from core.keepaway.simulator.match import (
     CYCLE,
     END,
     EPISODE,
@@ -20,11 +20,11 @@ from core.keepaway.match import (
     open_streams,
     start_episode,
 )
-from core.keepaway.pitch import CYCLES_PER_S, OUT, KeepawayConfig, Rules
-from core.keepaway.policies import POLICIES
-from core.keepaway.variables import state_variables
+from core.keepaway.simulator.policies import POLICIES
+from core.keepaway.simulator.variables import state_variables
 from core.learners.sarsa import Sarsa, decide, end_episode
-from core.tile_coding import Range, TileCoder, find_windows, tile_coder
+from core.numerics.compiled import inner_kernel, kernel
+from core.numerics.tile_coding import Range, TileCoder, find_windows, tile_coder
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

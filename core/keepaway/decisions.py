@@ -7,10 +7,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import kernel
-from core.keepaway.game import begin_cycle, finish_cycle
-from core.keepaway.match import CYCLE, END, Match, Streams, new_match, open_streams
 from core.keepaway.pitch import KeepawayConfig, Rules
+from core.keepaway.simulator.game import begin_cycle, finish_cycle
+from core.keepaway.simulator.match import CYCLE, END, Match, Streams, new_match, open_streams
+from core.numerics.compiled import kernel
 
 NOBODY: Final = -1
 CYCLE_LIMIT: Final = 36_000

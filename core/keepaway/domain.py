@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from core.domain import Choices, Transition
 from core.keepaway.autoplay import keepaway_tiles
 from core.keepaway.decisions import NOBODY, DecisionPlay, Saved
-from core.keepaway.match import CYCLE, END, Match
 from core.keepaway.pitch import CYCLE_S, KeepawayConfig
-from core.keepaway.variables import state_variables
-from core.tile_coding import Tiling, find_windows
+from core.keepaway.simulator.match import CYCLE, END, Match
+from core.keepaway.simulator.variables import state_variables
+from core.numerics.tile_coding import Tiling, find_windows
 
 HOLD = 0
 """The action that holds the ball."""

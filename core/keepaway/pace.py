@@ -7,10 +7,10 @@ policy. In 3v2 on 20 m x 20 m a pass takes 6.6 cycles on average, a hold one.
 from collections.abc import Iterator
 
 from core.feedback.viewing import Viewing, Watched
-from core.interpreting import is_interpreting
 from core.keepaway.domain import Keepaway
-from core.keepaway.policies import hand_coded
-from core.streams import stream
+from core.keepaway.simulator.policies import hand_coded
+from core.numerics.interpreting import is_interpreting
+from core.numerics.streams import stream
 
 EPISODES = 12
 EPISODES_IN_PYTHON = 2

@@ -8,7 +8,7 @@ from typing import Annotated, Final, NamedTuple
 
 import msgspec
 
-from core.settings import number
+from core.configuration.fields import number
 
 CYCLE_NS: Final = 100_000_000
 """Duration of one cycle in nanoseconds."""

@@ -10,11 +10,11 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from core.configuration.reading import ConfigurationError, read
 from core.keepaway.autoplay import keepaway_tiles
 from core.keepaway.pitch import KeepawayConfig
 from core.learners.sarsa import Sarsa, new_sarsa
 from core.learners.sarsa_config import SarsaConfig
-from core.reading import ConfigurationError, read
 
 FORMAT: Final = "arl keepaway policy"
 VERSION: Final = 1

@@ -1,6 +1,6 @@
 """Key presses of a simulated participant in compiled play: planned, made when they fall due, and let through or not.
 
-What counts is what `core.keys.PressGate` lets through: a budget per episode, and no repeats within the refractory
+What counts is what `core.feedback.keys.PressGate` lets through: a budget per episode, and no repeats within the refractory
 time. Its rule for held keys has nothing to act on here: judgements and the presses of a burst are too far apart.
 """
 
@@ -9,8 +9,8 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import inner_kernel, kernel
-from core.keys import NS_PER_MS, KeyConfig
+from core.feedback.keys import NS_PER_MS, KeyConfig
+from core.numerics.compiled import inner_kernel, kernel
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

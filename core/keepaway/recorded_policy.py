@@ -4,13 +4,13 @@ from pathlib import Path
 
 import numpy as np
 
-from core.episode import EpisodeEnded, SessionEnded, UnseenPlayed
+from core.events import EpisodeEnded, SessionEnded, UnseenPlayed
 from core.keepaway.pitch import KeepawayConfig
 from core.keepaway.policy_file import N_LAST, PolicyFileError, PolicyHeader, SavedPolicy
 from core.learners.sarsa_config import SarsaConfig
-from core.protocol import protocol_from
+from core.numerics.tile_coding import from_runs
 from core.recording.reader import Recording, RecordingError, read_recording
-from core.tile_coding import from_runs
+from core.session.protocol import protocol_from
 
 SECONDS_PER_HOUR = 3600.0
 N_TILINGS = 32

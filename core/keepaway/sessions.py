@@ -1,4 +1,4 @@
-"""Keepaway as sessions see it (`core.games.Game`): an agent over Sarsa, one learner per keeper."""
+"""Keepaway as sessions see it (`core.registry.Game`): an agent over Sarsa, one learner per keeper."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,25 +6,25 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from core.clock import NS_PER_S
 from core.combination.agent import ArlAgent, EpisodePolicy
 from core.combination.human_learner import HumanLearner
 from core.domain import Choices, Domain
-from core.episode import EpisodeEnded, StepTaken
+from core.events import EpisodeEnded, StepTaken
 from core.feedback.config import Knowledge
 from core.feedback.viewing import Watched
-from core.games import Oracle, Player
 from core.keepaway.domain import HOLD, Keepaway, KeepawayState
 from core.keepaway.pace import options_on_screen
-from core.keepaway.person import lay_choice, noticed_per_cycle
-from core.keepaway.person_config import KeepawayPersonConfig
+from core.keepaway.participant import lay_choice, noticed_per_cycle
+from core.keepaway.participant_config import KeepawayPersonConfig
 from core.keepaway.pitch import CYCLE_NS, CYCLE_S, KeepawayConfig
-from core.keepaway.policies import hand_coded
+from core.keepaway.simulator.policies import hand_coded
 from core.learners.human_config import TileModel
 from core.learners.sarsa_config import SarsaConfig
 from core.learners.sarsa_learner import SarsaLearner
-from core.protocol import Protocol
-from core.rollout import Played, play_unseen
+from core.numerics.clock import NS_PER_S
+from core.registry import Oracle, Player
+from core.session.protocol import Protocol
+from core.session.rollout import Played, play_unseen
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +59,7 @@ class KeepawayOracle:
 
         Args:
             config: size of the game.
-            knowledge: expert (the hand-coded policy) or lay (`core.keepaway.person`).
+            knowledge: expert (the hand-coded policy) or lay (`core.keepaway.participant`).
         """
         if knowledge == "myopic":
             raise ValueError("knowledge='myopic' is not known in Keepaway: an option has no immediate effect")

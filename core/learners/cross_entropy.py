@@ -19,7 +19,7 @@ from core.learners.cross_entropy_config import (
     Noise,
     NoNoise,
 )
-from core.streams import stream
+from core.numerics.streams import stream
 
 __all__ = [
     "ConstantNoise",

@@ -5,8 +5,8 @@ from typing import Annotated, ClassVar
 
 import msgspec
 
+from core.configuration.fields import number
 from core.learners.kinds import LearnerKind
-from core.settings import number
 
 
 def _check_at_least(name: str, value: float, lowest: float) -> None:

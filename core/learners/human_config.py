@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 import msgspec
 
-from core.settings import number
+from core.configuration.fields import number
 
 
 class SgdModel(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="sgd"):

@@ -9,10 +9,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import inner_kernel
 from core.learners.human_config import TileModel
 from core.learners.human_tiles import move_tiles
-from core.tile_coding import TileCoder, window_sum
+from core.numerics.compiled import inner_kernel
+from core.numerics.tile_coding import TileCoder, window_sum
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -58,7 +58,7 @@ def human_values(human: HumanSet, k: int, windows: Ints, out: Floats) -> None:
     Args:
         human: the models.
         k: which learner.
-        windows: first active tile per variable, shape (v,) (`core.tile_coding.find_windows`).
+        windows: first active tile per variable, shape (v,) (`core.numerics.tile_coding.find_windows`).
         out: shape (a,).
     """
     weights = human.weights[min(k, human.weights.shape[0] - 1)]

@@ -5,11 +5,11 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import inner_kernel
 from core.feedback.samples import Sample
 from core.learners.human_config import HumanModelConfig, TileModel
 from core.learners.human_reward import HumanRewardModel
-from core.tile_coding import Tiling, add_to_windows, row_values, runs
+from core.numerics.compiled import inner_kernel
+from core.numerics.tile_coding import Tiling, add_to_windows, row_values, runs
 
 Floats = NDArray[np.float64]
 
@@ -95,7 +95,7 @@ class HumanTileModel:
         return self._n_samples.to_bytes(8, "little") + self._weights.tobytes()
 
     def export(self) -> dict[str, list[float]]:
-        """Return the weights as runs of equal numbers (`core.tile_coding.runs`)."""
+        """Return the weights as runs of equal numbers (`core.numerics.tile_coding.runs`)."""
         starts, values = runs(self._weights)
         return {"human-starts": starts.tolist(), "human-values": values.tolist()}
 

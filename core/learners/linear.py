@@ -8,7 +8,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import kernel
+from core.numerics.compiled import kernel
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]

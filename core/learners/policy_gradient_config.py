@@ -5,8 +5,8 @@ from typing import Annotated, ClassVar, Literal
 
 import msgspec
 
+from core.configuration.fields import number
 from core.learners.kinds import LearnerKind
-from core.settings import number
 
 
 class PolicyGradientConfig(

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import inner_kernel, kernel
+from core.numerics.compiled import inner_kernel, kernel
 
 Floats = NDArray[np.float64]
 

@@ -1,7 +1,7 @@
 """SMDP Sarsa(lambda) on tile-coded variables (Stone, Sutton & Kuhlmann 2005; UT Austin keepaway 0.6).
 
 Several learners can learn side by side, each from its own decisions: they have weights of their own or share
-them. A decision is an integer per variable (`core.tile_coding`) and an action.
+them. A decision is an integer per variable (`core.numerics.tile_coding`) and an action.
 """
 
 import math
@@ -10,9 +10,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import inner_kernel
 from core.learners.sarsa_config import SarsaConfig
-from core.tile_coding import TileCoder, add_to_windows, window_sum
+from core.numerics.compiled import inner_kernel
+from core.numerics.tile_coding import TileCoder, add_to_windows, window_sum
 
 __all__ = [
     "NOT_YET",
@@ -154,7 +154,7 @@ def decide(sarsa: Sarsa, k: int, windows: Ints, time: int, rng: np.random.Genera
     Args:
         sarsa: learners, in place.
         k: which learner.
-        windows: first active tile per variable, shape (v,) (`core.tile_coding.find_windows`).
+        windows: first active tile per variable, shape (v,) (`core.numerics.tile_coding.find_windows`).
         time: cycle of the decision, within the episode.
         rng: policy stream; two draws.
 

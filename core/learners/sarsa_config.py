@@ -4,8 +4,8 @@ from typing import Annotated, ClassVar
 
 import msgspec
 
+from core.configuration.fields import number
 from core.learners.kinds import LearnerKind
-from core.settings import number
 
 
 class SarsaConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag="sarsa"):

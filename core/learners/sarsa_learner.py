@@ -14,8 +14,8 @@ from core.learners.sarsa import (
     new_sarsa,
     observe_action,
 )
-from core.streams import stream
-from core.tile_coding import TileCoder, runs
+from core.numerics.streams import stream
+from core.numerics.tile_coding import TileCoder, runs
 
 Floats = NDArray[np.float64]
 

@@ -9,8 +9,8 @@ from typing import Any
 
 import msgspec
 
-from core.catalogue import field_docs
-from core.episode import FocusLost, FocusRegained, Input, KeyPressed, Output, TimeGap
+from core.configuration.catalogue import field_docs
+from core.events import FocusLost, FocusRegained, Input, KeyPressed, Output, TimeGap
 from core.recording import version_1
 from core.recording.recorder import CHAIN_DIGITS
 from core.recording.schema import VERSION, End, Header

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import msgspec
 
-from core.episode import Event, Input, Output
+from core.events import Event, Input, Output
 from core.recording import version_1
 from core.recording.recorder import CHAIN_DIGITS, Chain
 from core.recording.schema import FORMAT, VERSION, End, Header, Line

@@ -19,10 +19,10 @@ from typing import BinaryIO, Self
 
 import msgspec
 
-from core.clock import NS_PER_S, Clock, MonotonicClock
-from core.episode import Event
-from core.private_files import create_private, make_private_folder, sync_folder, write_all
+from core.events import Event
+from core.numerics.clock import NS_PER_S, Clock, MonotonicClock
 from core.recording.schema import DURABLE, VERSION, End, Header, Line, encode
+from core.system.private_files import create_private, make_private_folder, sync_folder, write_all
 
 CHAIN_DIGITS = 16
 LOOK_S = 0.25

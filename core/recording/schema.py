@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 import msgspec
 
-from core.episode import Event, Record
+from core.events import Event, Record
 
 FORMAT: Literal["arl-recording"] = "arl-recording"
 VERSION = 2
@@ -34,7 +34,7 @@ class Header(Record, frozen=True, kw_only=True, omit_defaults=False, tag="header
     """Pseudonym; never a name."""
     root_seed: int
     protocol: dict[str, Any]
-    """The whole configuration, see `core.protocol.Protocol`."""
+    """The whole configuration, see `core.session.protocol.Protocol`."""
     software: dict[str, str]
     """Versions of this program, its commit, Python and the libraries that numbers depend on."""
     terminal: dict[str, str] = msgspec.field(default_factory=dict)

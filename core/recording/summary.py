@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, cast
 
-from core.episode import (
+from core.events import (
     EpisodeEnded,
     EpisodeStarted,
     FocusLost,

@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 import msgspec
 
-from core.episode import EpisodeEnded, EpisodeStarted, Output, Record, SessionEnded, UnseenPlayed
+from core.events import EpisodeEnded, EpisodeStarted, Output, Record, SessionEnded, UnseenPlayed
 
 
 class EpisodeStarted1(Record, frozen=True, kw_only=True, tag="episode-started"):

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import kernel
 from core.domain import Choices, Transition
+from core.numerics.compiled import kernel
 from core.tetris.board import (
     AFTER,
     COLUMNS,

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.combination.preference import best_action
-from core.compiled import kernel
+from core.numerics.compiled import kernel
 from core.tetris.board import (
     COLUMNS,
     MAX_PLACEMENTS,

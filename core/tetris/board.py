@@ -10,7 +10,7 @@ All kernels run as plain Python too: no product here exceeds 63 bits.
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import kernel, kernel_with_twin
+from core.numerics.compiled import kernel, kernel_with_twin
 from core.tetris.config import TetrisConfig
 from core.tetris.pieces import (
     FIRST_SHAPE,

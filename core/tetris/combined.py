@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from core.combination.config import ENVIRONMENT_WEIGHTS, EpisodeWeights
 from core.combination.preference import best_action, choose, takes_control, worst_action
 from core.combination.tally import Tally, count_decision
-from core.compiled import kernel
+from core.numerics.compiled import kernel
 from core.tetris.autoplay import best_of, worst_of
 from core.tetris.board import (
     COLUMNS,

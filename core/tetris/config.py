@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 import msgspec
 
-from core.settings import number, one_of
+from core.configuration.fields import number, one_of
 
 GameOverRule = Literal["fit-before-clear", "overflow"]
 TerminalValue = Literal["minus-infinity", "features"]

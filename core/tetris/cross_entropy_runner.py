@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.learners.cross_entropy import CrossEntropy
-from core.streams import stream
+from core.numerics.streams import stream
 from core.tetris.autoplay import GreedyGames
 from core.tetris.config import TetrisConfig
 

@@ -1,7 +1,7 @@
 """Kernels that value every placement of a piece under linear weights.
 
 Values are defined as the sum over features, in their order, of weight times feature, with weights on the binary
-grid of `core.fixed_point`. For the 21 features that sum is an exact integer times a power of two, however it is
+grid of `core.numerics.fixed_point`. For the 21 features that sum is an exact integer times a power of two, however it is
 added up; so a board's unchanged columns are summed once per piece instead of once per placement.
 """
 
@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import kernel
-from core.fixed_point import fixed_point_shifts
+from core.numerics.compiled import kernel
+from core.numerics.fixed_point import fixed_point_shifts
 from core.tetris.board import (
     COLUMNS,
     FEATURES,

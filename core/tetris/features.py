@@ -11,7 +11,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import kernel
+from core.numerics.compiled import kernel
 from core.tetris.board import (
     AFTER,
     COLUMNS,

@@ -7,7 +7,7 @@ session do (7.1 where an agent plays at random, 8.5 over the ten games of a defa
 from collections.abc import Iterator
 from itertools import islice
 
-from core.streams import stream
+from core.numerics.streams import stream
 from core.tetris.config import TetrisConfig
 from core.tetris.game import landing_row, reachable_placements
 from core.tetris.picture import Counts, Wall, animate

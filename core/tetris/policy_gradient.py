@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 from core.combination.config import ENVIRONMENT_WEIGHTS, EpisodeWeights
 from core.combination.preference import choose, fill_logits, takes_control
 from core.combination.tally import Tally, compare_choices
-from core.compiled import inner_kernel, kernel
-from core.counters import uniform_at
 from core.learners.linear import action_values
 from core.learners.policy_gradient import PolicyGradient
 from core.learners.policy_gradient_kernels import Memory, fill_score, learn_from_reward, remember_score
-from core.softmax import drawn, softmax
-from core.streams import stream_seed
+from core.numerics.compiled import inner_kernel, kernel
+from core.numerics.counters import uniform_at
+from core.numerics.softmax import drawn, softmax
+from core.numerics.streams import stream_seed
 from core.tetris.afterstate import Tetris
 from core.tetris.board import (
     COLUMNS,

@@ -1,26 +1,26 @@
-"""Tetris as sessions see it (`core.games.Game`): an agent over cross-entropy or policy gradient, whole games unseen."""
+"""Tetris as sessions see it (`core.registry.Game`): an agent over cross-entropy or policy gradient, whole games unseen."""
 
 from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from core.clock import NS_PER_S
 from core.combination.agent import ArlAgent, EpisodePolicy
 from core.combination.config import Coach
 from core.combination.human_learner import HumanLearner
 from core.combination.tally import AGREED, AGREED_WORST, agreement_of
 from core.domain import Choices, Domain
-from core.episode import EpisodeEnded, StepTaken
+from core.events import EpisodeEnded, StepTaken
+from core.feedback.keys import NS_PER_MS
 from core.feedback.viewing import SteadyViewing, Watched
-from core.games import Oracle, Player
-from core.keys import NS_PER_MS
 from core.learners.cross_entropy import CrossEntropyLearner
 from core.learners.cross_entropy_config import CrossEntropyConfig
 from core.learners.policy_gradient import PolicyGradientLearner
 from core.learners.policy_gradient_config import PolicyGradientConfig
-from core.protocol import Protocol
-from core.rollout import Played
+from core.numerics.clock import NS_PER_S
+from core.registry import Oracle, Player
+from core.session.protocol import Protocol
+from core.session.rollout import Played
 from core.tetris.afterstate import Tetris, TetrisState
 from core.tetris.combined import CombinedGame
 from core.tetris.config import TetrisConfig

@@ -2,7 +2,7 @@
 
 A simulated participant speaks a few times per game. Whether they feel like it at a step is drawn in advance, so
 everything between is one compiled call; what they say, how it is credited and what is learned from it is done by
-the classes of a live session. The result is that of `core.session.Session` with a `SimulatedParticipant`, bit for
+the classes of a live session. The result is that of `core.session.session.Session` with a `SimulatedParticipant`, bit for
 bit (tested), in a hundredth of the time.
 """
 
@@ -10,17 +10,17 @@ import heapq
 import math
 from dataclasses import dataclass, field
 
-from core.clock import NS_PER_S
 from core.combination.agent import ArlAgent
 from core.combination.tally import AGREED, AGREED_WORST, Tally, agreement_of, new_tally
-from core.episode import KeyPressed
+from core.events import KeyPressed
 from core.feedback.delays import CurrentStep, PreviousStep
+from core.feedback.keys import NS_PER_MS, PressGate
 from core.feedback.source import Oracle
 from core.feedback.trainers import IntendedPress, SimulatedTrainer
-from core.keys import NS_PER_MS, PressGate
-from core.protocol import Protocol
-from core.rollout import Played
-from core.streams import stream_seed
+from core.numerics.clock import NS_PER_S
+from core.numerics.streams import stream_seed
+from core.session.protocol import Protocol
+from core.session.rollout import Played
 from core.tetris.afterstate import Tetris, TetrisState
 from core.tetris.kept_game import KeptGame
 from core.tetris.sessions import open_game, tetris_rules

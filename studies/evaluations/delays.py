@@ -16,8 +16,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from core.clock import NS_PER_S
 from core.feedback.delays import Density, GammaDelay, UniformDelay
+from core.numerics.clock import NS_PER_S
 from studies.evaluations.table import EvaluationColumns, read_evaluations
 from studies.reaction_time.exclusion import SLOW_ABOVE_S, ExclusionPolicy, select
 from studies.reaction_time.families import GAMMA, FamilyFit, fit_all, fit_family

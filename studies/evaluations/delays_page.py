@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from core.streams import stream
+from core.numerics.streams import stream
 from studies.evaluations.delays import (
     FEWEST,
     MOMENTS,

@@ -10,8 +10,8 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from core.clock import wall_time_utc
-from core.episode import Event, FrameShown, KeyPressed, SessionEnded
+from core.events import Event, FrameShown, KeyPressed, SessionEnded
+from core.numerics.clock import wall_time_utc
 from core.recording.importers.contract import Imported, ImporterError
 from core.recording.recorder import LineWriter
 from core.recording.schema import Header

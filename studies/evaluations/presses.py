@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from core.clock import NS_PER_S
-from core.episode import Event, FrameShown, KeyPressed, PressRetracted
+from core.events import Event, FrameShown, KeyPressed, PressRetracted
+from core.numerics.clock import NS_PER_S
 from core.recording.reader import Recording
 
 BURST_WITHIN_S = 0.5

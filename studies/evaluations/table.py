@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
 
-from core.clock import NS_PER_S
+from core.numerics.clock import NS_PER_S
 from core.recording.importers.contract import ImporterError
 from studies.reaction_time.tables.cells import Table, parse
 from studies.reaction_time.tables.contract import SECONDS, Columns, ReadError, shown

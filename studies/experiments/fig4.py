@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.feedback.delays import GammaDelay
-from core.streams import stream
+from core.numerics.streams import stream
 from studies.experiments import page
 from studies.experiments.page import Page
 from studies.experiments.results import Results

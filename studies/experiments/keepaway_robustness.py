@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.combination.config import Annealed, Constant, Equation4, Equation5, SideBySide, Signed, Tried
-from core.feedback.persons import persons
-from core.keepaway.person_config import KeepawayPersonConfig
+from core.feedback.simulated_participants import persons
+from core.keepaway.participant_config import KeepawayPersonConfig
 from studies.experiments import page
 from studies.experiments.keepaway_pages import SCORES_TEXT, by_time, weights_used
 from studies.experiments.keepaway_settings import DEPARTURES, arl, person, sarsa_alone
@@ -27,7 +27,7 @@ HOURS = 2.0
 
 
 PEOPLE = ("lay", "hesitant", "instructed", "bursty", "hasty", "slow", "tiring", "leaves")
-"""Simulated people by name (`core.feedback.persons`) beside the rates. (There is no *myopic* one: an option has no immediate effect.)"""
+"""Simulated people by name (`core.feedback.simulated_participants`) beside the rates. (There is no *myopic* one: an option has no immediate effect.)"""
 OURS = "side"
 """The rule that is for Sarsa (`docs/decisions/side-by-side.md`)."""
 RANDOM_PERCENT = 50
@@ -195,7 +195,7 @@ Mean weight of the human in the last tenth of the time:
 {weights_table(found, WRONG_PERCENT)}
 ## Simulated people by name
 
-People of `core.feedback.persons`, 1 press in 10 wrong unless the name says otherwise, as talkative as above (expert, noisy, useless and adversary are the rates):
+People of `core.feedback.simulated_participants`, 1 press in 10 wrong unless the name says otherwise, as talkative as above (expert, noisy, useless and adversary are the rates):
 
 {_people_table(results, scores)}
 {WHY}## Scores

@@ -15,7 +15,7 @@ from core.combination.config import (
 from core.feedback.config import CreditConfig, TrainerConfig
 from core.feedback.delays import Delay, Density, GammaDelay
 from core.keepaway.arl_autoplay import ArlKeepawayConfig
-from core.keepaway.person_config import KeepawayPersonConfig
+from core.keepaway.participant_config import KeepawayPersonConfig
 from core.learners.human_config import TileModel
 from studies.experiments.keepaway_trial import KeepawayTrial
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from core.feedback.delays import Density, GammaDelay
 from core.feedback.trainers import draw_delay_s
 from core.keepaway.arl_autoplay import ArlAutoplay, ArlKeepawayConfig
-from core.streams import stream
+from core.numerics.streams import stream
 from studies.reaction_time.families import SHIFTED_GAMMA, fit_family
 from studies.reaction_time.sample import sample
 

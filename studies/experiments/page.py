@@ -11,7 +11,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from core.streams import stream
+from core.numerics.streams import stream
 from studies.comparison import Verdict, adjusted, paired_effect_size, probability_interval, sign_flip_p
 from studies.experiments.results import Results
 from studies.reaction_time.figures import COLORS, LINES, save

@@ -18,8 +18,8 @@ from core.combination.config import (
     TrustRule,
 )
 from core.feedback.config import TrainerConfig
-from core.feedback.persons import person
-from core.protocol import Protocol
+from core.feedback.simulated_participants import person
+from core.session.protocol import Protocol
 from studies.experiments.fig6 import gradient_trial, quick_gradient
 from studies.experiments.page import Page
 from studies.experiments.results import Results
@@ -51,7 +51,7 @@ MARGIN = "margin"
 """Name of the rule under test in conditions."""
 
 PEOPLE = ("lay", "myopic", "hesitant", "instructed", "bursty", "hasty", "slow", "tiring", "leaves")
-"""Simulated people by name (`core.feedback.persons`) whom the rule meets beside the rates, which are the other four."""
+"""Simulated people by name (`core.feedback.simulated_participants`) whom the rule meets beside the rates, which are the other four."""
 
 ENVIRONMENT = "environment"
 FRESH_ENVIRONMENT = "fresh-environment"

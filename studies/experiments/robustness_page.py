@@ -111,7 +111,7 @@ Mean scores (arithmetic), {SCORE}:
 {_scores_table(scores)}
 ## Simulated people by name
 
-The rule, over the cross-entropy method, with the people of `core.feedback.persons`, 1 press in 10 wrong unless the name says otherwise; on the fresh seeds. (Expert, noisy,
+The rule, over the cross-entropy method, with the people of `core.feedback.simulated_participants`, 1 press in 10 wrong unless the name says otherwise; on the fresh seeds. (Expert, noisy,
 useless and adversary are the rates above. The same people over Sarsa: [Keepaway](robustness-keepaway.md).)
 
 {_people_table(results, against)}

@@ -6,7 +6,7 @@ from core.combination.config import AgentConfig, BootstrapConfig, Equation4, Lin
 from core.feedback.config import CreditConfig, TrainerConfig
 from core.feedback.delays import Delay, PreviousStep
 from core.learners.human_config import RidgeModel
-from core.protocol import Protocol, ScreenConfig, SessionConfig
+from core.session.protocol import Protocol, ScreenConfig, SessionConfig
 from core.tetris.config import TetrisConfig
 
 ITERATIONS = 15

@@ -4,11 +4,11 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from core.feedback.keys import NS_PER_MS
 from core.feedback.trainers import SimulatedTrainer
-from core.keys import NS_PER_MS
 from core.learners.policy_gradient_config import PolicyGradientConfig
-from core.protocol import Protocol
-from core.session import build_agent
+from core.session.protocol import Protocol
+from core.session.session import build_agent
 from core.tetris.oracle import TetrisOracle
 from core.tetris.sessions import TICKS_PER_STEP, tetris_rules
 from core.tetris.watched import WatchedTetris

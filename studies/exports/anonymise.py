@@ -9,10 +9,10 @@ from typing import Any
 
 import msgspec
 
-from core.private_files import create_private, make_private_folder, write_all
 from core.recording.anonymise import NO_DATE, NO_TEXT, Anonymising, anonymised
 from core.recording.reader import Recording, RecordingError, read_recording
 from core.recording.recorder import Chain
+from core.system.private_files import create_private, make_private_folder, write_all
 from studies.exports.sources import Source, Trouble, find_sources
 from studies.lab.questions import READY, FreeText, QuestionList, read_questions
 from studies.lab.sealed import SealedFileError

@@ -10,11 +10,11 @@ from pathlib import Path
 
 import msgspec
 
-from core.private_files import make_private_folder
 from core.recording.anonymise import Anonymising
 from core.recording.json_schema import schema_of
 from core.recording.reader import read_recording
 from core.recording.schema import VERSION
+from core.system.private_files import make_private_folder
 from studies.exports.anonymise import Copies, anonymise
 from studies.exports.bids import BidsSettings, export_bids
 from studies.exports.minari import export_minari

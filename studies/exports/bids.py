@@ -13,9 +13,9 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
-from core.foreign_text import printable
-from core.private_files import make_private_folder
 from core.recording.reader import Recording, RecordingError, read_recording
+from core.system.foreign_text import printable
+from core.system.private_files import make_private_folder
 from studies.exports.bids_pages import COLUMNS, HED, HED_VERSION, INSTRUCTIONS, README, TASKS, write_stimuli
 from studies.exports.columns import Cell, Column, Row
 from studies.exports.event_rows import press_rows, step_rows

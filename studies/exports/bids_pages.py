@@ -3,7 +3,7 @@
 from collections.abc import Collection
 from pathlib import Path
 
-from core.private_files import make_private_folder
+from core.system.private_files import make_private_folder
 from core.tetris.shapes import ORIENTATION_ROWS
 from studies.exports.columns import Column
 from studies.exports.event_tables import PRESSES, STEPS

@@ -3,7 +3,7 @@
 import json
 from collections.abc import Iterator
 
-from core.episode import (
+from core.events import (
     CreditGiven,
     EpisodeStarted,
     FocusLost,

@@ -18,12 +18,12 @@ from typing import Any
 import numpy as np
 
 from core.domain import Domain
-from core.episode import EpisodeStarted, StepTaken
-from core.games import game_of
+from core.events import EpisodeStarted, StepTaken
 from core.keepaway.pitch import KeepawayConfig
-from core.private_files import make_private_folder
-from core.protocol import Protocol, protocol_from
 from core.recording.reader import Recording, RecordingError, read_recording
+from core.registry import game_of
+from core.session.protocol import Protocol, protocol_from
+from core.system.private_files import make_private_folder
 from core.tetris.config import TetrisConfig
 from studies.exports.columns import codebook
 from studies.exports.event_rows import press_rows, step_rows

@@ -8,8 +8,7 @@ from typing import Any
 
 import msgspec
 
-from core.clock import NS_PER_S
-from core.episode import (
+from core.events import (
     CreditGiven,
     EpisodeEnded,
     EpisodeStarted,
@@ -22,10 +21,11 @@ from core.episode import (
     UnseenPlayed,
 )
 from core.feedback.delays import describe
-from core.protocol import Protocol, protocol_from
+from core.numerics.clock import NS_PER_S
 from core.recording.reader import Recording
 from core.recording.summary import summarise_recording
 from core.recording.upgrade import recorded_version
+from core.session.protocol import Protocol, protocol_from
 from studies.exports.columns import Cell, Row
 from studies.exports.words import PERFORMANCE_UNITS, action_of, actor_of, piece_of
 

@@ -13,8 +13,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Literal, Self
 
-from core.private_files import make_private_folder
 from core.recording.reader import RecordingError, read_recording
+from core.system.private_files import make_private_folder
 from studies.exports.columns import Cell, Column, Row, Table, codebook, codebook_page
 from studies.exports.event_rows import credit_rows, frame_rows, interruption_rows, press_rows, step_rows
 from studies.exports.event_tables import CREDIT, FRAMES, INTERRUPTIONS, PRESSES, STEPS

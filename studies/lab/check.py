@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import assert_never
 
-from core.clock import NS_PER_S
-from core.episode import SessionEnded
+from core.events import SessionEnded
+from core.numerics.clock import NS_PER_S
+from core.numerics.streams import stream_seed
 from core.recording.reader import read_recording
-from core.streams import stream_seed
 from studies.demo import simulate_session, summarise
 from studies.lab.config import (
     ASSIGNED,

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 
-from core.clock import wall_time_utc
-from core.streams import stream, stream_seed
+from core.numerics.clock import wall_time_utc
+from core.numerics.streams import stream, stream_seed
 from studies.lab.config import Study
 from studies.lab.ledger import Enrolled, Ledger, LedgerError, Line, SittingStarted
 from studies.lab.orders import order_of

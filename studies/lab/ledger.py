@@ -17,7 +17,7 @@ from typing import Literal
 
 import msgspec
 
-from core.clock import wall_time_utc
+from core.numerics.clock import wall_time_utc
 from core.recording.recorder import Chain
 from studies.lab.sealed import SealedFileError, append_sealed, open_sealed_lines
 

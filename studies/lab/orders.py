@@ -4,7 +4,7 @@ from typing import assert_never
 
 import numpy as np
 
-from core.streams import stream
+from core.numerics.streams import stream
 from studies.lab.config import LatinSquare, Listed, PermutedBlocks, Study
 
 Order = tuple[str, ...]

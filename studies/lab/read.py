@@ -10,7 +10,7 @@ from typing import Any
 import msgspec
 
 from core.feedback.delays import GammaDelay
-from core.protocol import Protocol, protocol_from
+from core.session.protocol import Protocol, protocol_from
 from studies.lab.config import Block, Break, Consent, Debriefing, Questionnaire, Study, TextPage
 from studies.lab.questions import QuestionList, QuestionsError, read_questions
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 
-from core.episode import EpisodeEnded, KeyPressed, PressRetracted
+from core.events import EpisodeEnded, KeyPressed, PressRetracted
 from core.recording.reader import RecordingError, read_recording
 from studies.lab.config import Study, kind_of
 from studies.lab.folder import participant_folder

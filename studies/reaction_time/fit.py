@@ -6,7 +6,7 @@ from concurrent.futures import as_completed
 import msgspec
 
 from core.feedback.credit import GammaDelay
-from core.streams import stream
+from core.numerics.streams import stream
 from studies.pools import processes
 from studies.reaction_time.bootstrap import critical_values, percentile_intervals, resample
 from studies.reaction_time.families import FAMILIES, GAMMA, SHIFTED_GAMMA, FamilyFit, compare, fit_all

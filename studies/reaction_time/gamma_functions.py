@@ -2,7 +2,7 @@
 
 import math
 
-from core.compiled import kernel
+from core.numerics.compiled import kernel
 
 
 @kernel

@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import kernel
+from core.numerics.compiled import kernel
 from studies.reaction_time import golden
 from studies.reaction_time.gamma_functions import gamma_shape, log_gamma_survival
 from studies.reaction_time.kernels import gap_grid, log_moments

@@ -16,7 +16,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from core.compiled import kernel
+from core.numerics.compiled import kernel
 
 STEPS: Final = 36
 """Steps that narrow any bracket to 3e-8 of its length."""

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import special, stats
 
-from core.streams import stream
+from core.numerics.streams import stream
 from studies.reaction_time.families import GAMMA, SHIFTED_GAMMA, fit_family
 from studies.reaction_time.pooling import pool
 from studies.reaction_time.sample import Sample, sample

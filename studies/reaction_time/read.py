@@ -9,8 +9,8 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from core.foreign_text import printable
 from core.recording.reader import RecordingError, read_recording
+from core.system.foreign_text import printable
 from studies.evaluations.importer import FORMAT as EVALUATIONS
 from studies.evaluations.presses import presses_of
 from studies.reaction_time.exclusion import Row

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import msgspec
 
-from core.clock import wall_time_utc
 from core.feedback.credit import GammaDelay
+from core.numerics.clock import wall_time_utc
 from studies.reaction_time.exclusion import Row, Selection
 from studies.reaction_time.figures import fit_figure, paper_figure_4, save, svg_text
 from studies.reaction_time.fit import DelayEstimate, GroupFit, ParticipantFit

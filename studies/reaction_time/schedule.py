@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from core.streams import stream
+from core.numerics.streams import stream
 from studies.reaction_time.protocol import BlockPlan, Foreperiod, Schedule, TaskConfig, TrialPlan
 from studies.reaction_time.tasks import ALLOWED_KEYS, MAKERS, WORDS, Material
 

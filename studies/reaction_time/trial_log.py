@@ -11,8 +11,8 @@ from typing import BinaryIO, Literal, Self
 
 import msgspec
 
-from core.clock import wall_time_utc
-from core.private_files import create_private, write_all
+from core.numerics.clock import wall_time_utc
+from core.system.private_files import create_private, write_all
 from studies.reaction_time.protocol import Schedule, TrialRecord
 
 FORMAT: Literal["arl-reaction-times"] = "arl-reaction-times"

@@ -10,10 +10,10 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from core.clock import NS_PER_S
+from core.numerics.clock import NS_PER_S
+from core.numerics.streams import stream
 from core.recording.reader import RecordingError, read_recording
-from core.streams import stream
-from core.what_if import hear, watched_steps
+from core.session.what_if import hear, watched_steps
 from studies.session_view.session import SessionView, open_session
 from studies.statistics import Interval, mean_interval, paired_difference
 

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from core.foreign_text import printable
+from core.system.foreign_text import printable
 from studies.session_view.comparison import (
     MEASURES,
     By,

@@ -6,8 +6,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from core.clock import NS_PER_S
 from core.feedback.credit import CurrentStep, Delay, GammaDelay, PreviousStep, UniformDelay, credit, describe
+from core.numerics.clock import NS_PER_S
 from studies.session_view.session import Press, SessionView
 
 PAPER: Final = GammaDelay()

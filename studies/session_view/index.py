@@ -14,7 +14,7 @@ from typing import Any, Final
 import msgspec
 import numpy as np
 
-from core.episode import (
+from core.events import (
     CreditGiven,
     EpisodeEnded,
     EpisodeStarted,

@@ -8,9 +8,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from core.episode import CreditGiven, EpisodeStarted, StepTaken
+from core.events import CreditGiven, EpisodeStarted, StepTaken
 from core.feedback.credit import STILL_SHOWN_NS
-from core.protocol import Protocol, protocol_from
+from core.session.protocol import Protocol, protocol_from
 from studies.session_view.index import (
     COVERED,
     FOCUS_LOST,

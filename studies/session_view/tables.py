@@ -15,7 +15,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from core.private_files import create_private
+from core.system.private_files import create_private
 
 Rows = NDArray[Any]
 """A structured array, memory-mapped."""

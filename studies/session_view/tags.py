@@ -7,8 +7,8 @@ from pathlib import Path
 
 import msgspec
 
-from core.clock import NS_PER_S
-from core.private_files import create_private
+from core.numerics.clock import NS_PER_S
+from core.system.private_files import create_private
 
 SUFFIX = ".tags.json"
 LONGEST_NOTE = 500

@@ -2,7 +2,7 @@
 
 The values of a session's own agent come from the exact replay: the session is run again and every output is compared
 with the recording. Those of a what-if, and of an imported log, come from an agent that learns from the same steps and
-presses again (`core.what_if`).
+presses again (`core.session.what_if`).
 """
 
 from pathlib import Path
@@ -15,12 +15,12 @@ from core.combination.agent import ArlAgent, Decision, EpisodePolicy
 from core.combination.episode_weights import EXPONENTIAL
 from core.combination.preference import score, takes_control, terms_of
 from core.domain import Choices
-from core.games import game_of
-from core.protocol import Protocol, protocol_from
 from core.recording.reader import Recording, read_recording
-from core.replay import replay_exactly
-from core.session import Session
-from core.what_if import WatchedStep, relearn, watched_steps
+from core.registry import game_of
+from core.session.protocol import Protocol, protocol_from
+from core.session.replay import replay_exactly
+from core.session.session import Session
+from core.session.what_if import WatchedStep, relearn, watched_steps
 from studies.session_view.thoughts import BEST, THOUGHT
 
 FLUSH_EVERY: Final = 32

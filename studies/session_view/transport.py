@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from core.clock import Clock
+from core.numerics.clock import Clock
 from studies.session_view.session import Kind, SessionView
 
 SPEEDS: Final = (1 / 8, 1 / 4, 1 / 2, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0)

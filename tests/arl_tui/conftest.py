@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from arl_tui.app import ArlApp
-from core.keys import KeyConfig
-from core.protocol import Protocol, ScreenConfig, SessionConfig
+from arl_tui.app.session_app import ArlApp
+from core.feedback.keys import KeyConfig
+from core.session.protocol import Protocol, ScreenConfig, SessionConfig
 from tests.arl_tui.driving import app_for
 from tests.arl_tui.fakes import FakeLink
 

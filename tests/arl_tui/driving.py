@@ -6,11 +6,11 @@ from pathlib import Path
 from textual.pilot import Pilot
 from textual.widgets import Static
 
-from arl_tui.app import ArlApp, Outcome, Sitting, build_app
-from arl_tui.link import Picture, Ready
-from arl_tui.stage import TetrisStage
-from core.protocol import Protocol
+from arl_tui.app.link import Picture, Ready
+from arl_tui.app.session_app import ArlApp, Outcome, Sitting, build_app
+from arl_tui.games.rendering import TetrisStage
 from core.recording.reader import Recording, read_recording
+from core.session.protocol import Protocol
 from tests.arl_tui.fakes import FakeLink, episode_started, step_taken
 
 SIZE = (80, 24)

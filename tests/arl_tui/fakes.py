@@ -4,8 +4,8 @@ from collections.abc import Callable
 
 import msgspec
 
-from arl_tui.link import FromWorker, ToWorker
-from core.episode import EpisodeEnded, EpisodeStarted, Event, SessionEnded, StepTaken
+from arl_tui.app.link import FromWorker, ToWorker
+from core.events import EpisodeEnded, EpisodeStarted, Event, SessionEnded, StepTaken
 
 
 class FakeLink:

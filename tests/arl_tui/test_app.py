@@ -3,13 +3,13 @@
 import gc
 from pathlib import Path
 
-from arl_tui.app import ArlApp, Outcome
-from arl_tui.link import Begin, Ready
+from arl_tui.app.link import Begin, Ready
+from arl_tui.app.session_app import ArlApp, Outcome
 from arl_tui.screens.closing import ClosingScreen
 from arl_tui.screens.covers import HelpScreen, PauseScreen, StopScreen
 from arl_tui.screens.play import PlayScreen
 from arl_tui.screens.welcome import WelcomeScreen
-from core.episode import (
+from core.events import (
     FrameShown,
     KeyPressed,
     Resumed,
@@ -17,7 +17,7 @@ from core.episode import (
     StopAsked,
     UnseenPlayed,
 )
-from core.protocol import Protocol
+from core.session.protocol import Protocol
 from tests.arl_tui.driving import SIZE, begin, recorded, settle, text_of
 from tests.arl_tui.fakes import FakeLink, episode_ended, episode_started, session_ended
 

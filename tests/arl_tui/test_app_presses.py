@@ -4,18 +4,18 @@ from pathlib import Path
 
 from msgspec.structs import replace
 
-from arl_tui.app import ArlApp, key_name
-from arl_tui.link import PressSuggested
+from arl_tui.app.link import PressSuggested
+from arl_tui.app.session_app import ArlApp, key_name
 from arl_tui.screens.covers import PauseScreen
 from arl_tui.screens.play import PlayScreen
-from core.clock import MonotonicClock
-from core.episode import (
+from core.events import (
     FrameShown,
     KeyPressed,
     PressRetracted,
 )
-from core.keys import KeyConfig
-from core.protocol import Protocol
+from core.feedback.keys import KeyConfig
+from core.numerics.clock import MonotonicClock
+from core.session.protocol import Protocol
 from tests.arl_tui.driving import SIZE, app_for, begin, recorded, settle
 from tests.arl_tui.fakes import FakeLink
 

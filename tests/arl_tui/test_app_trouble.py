@@ -7,19 +7,19 @@ import pytest
 from msgspec.structs import replace
 from textual.pilot import Pilot
 
-from arl_tui.app import ArlApp, Outcome
-from arl_tui.link import Crashed, Ready
+from arl_tui.app.link import Crashed, Ready
+from arl_tui.app.session_app import ArlApp, Outcome
 from arl_tui.screens.closing import ClosingScreen
 from arl_tui.screens.covers import SmallWindowScreen
 from arl_tui.screens.play import PlayScreen
-from core.episode import (
+from core.events import (
     Event,
     KeyPressed,
     ScreenCleared,
     StopAsked,
 )
-from core.protocol import Protocol
 from core.recording.recorder import LineWriter
+from core.session.protocol import Protocol
 from core.tetris.config import TetrisConfig
 from tests.arl_tui.driving import SIZE, app_for, begin, recorded, settle, text_of
 from tests.arl_tui.fakes import FakeLink, session_ended

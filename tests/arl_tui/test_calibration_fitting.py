@@ -10,7 +10,7 @@ from arl_tui.calibration.group import GroupOrder, fit_group
 from arl_tui.commands.credit import settle_credit
 from arl_tui.participants import choose_credit, read_delays
 from core.feedback.credit import GammaDelay
-from core.protocol import protocol_from
+from core.session.protocol import protocol_from
 from studies.reaction_time.sample import FitError
 from studies.reaction_time.schedule import make_schedule
 from tests.arl_tui.calibrating import quick

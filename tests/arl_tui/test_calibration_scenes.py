@@ -8,9 +8,9 @@ import pytest
 from arl_tui.calibration.plan import configure
 from arl_tui.calibration.scenes import N_WORST, Scene, make_scenes, scene_of, tick_ms
 from arl_tui.calibration.views import GameView
+from arl_tui.games.rendering import TetrisStage
 from arl_tui.palette import STANDARD
-from arl_tui.stage import TetrisStage
-from core.protocol import TETRIS, ScreenConfig
+from core.session.protocol import TETRIS, ScreenConfig
 from core.tetris.game import reachable_placements
 from core.tetris.picture import FALLING, GHOST, Counts, Snapshot, Wall
 from studies.reaction_time.protocol import Schedule

@@ -12,11 +12,11 @@ from arl_tui.cli import main
 from arl_tui.commands.demo import demo_protocol
 from arl_tui.commands.protocol import toml_lines
 from arl_tui.recordings import new_path
-from core.episode import KeyPressed
-from core.feedback.persons import person, persons
-from core.protocol import Protocol, load_protocol
+from core.events import KeyPressed
+from core.feedback.simulated_participants import person, persons
 from core.recording.recorder import LineWriter
 from core.recording.schema import Header, to_plain
+from core.session.protocol import Protocol, load_protocol
 from tests.arl_tui.fakes import episode_ended, episode_started, session_ended
 
 

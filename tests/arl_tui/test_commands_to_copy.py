@@ -8,7 +8,7 @@ from click.testing import CliRunner, Result
 
 from arl_tui.cli import main
 from arl_tui.participants import ParticipantError, choose_credit
-from core.streams import stream
+from core.numerics.streams import stream
 
 
 def arl(*arguments: str | Path | int) -> Result:

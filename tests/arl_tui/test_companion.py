@@ -2,12 +2,12 @@
 
 from msgspec.structs import replace
 
-from arl_tui.companion import Companion
-from core.clock import ManualClock
-from core.episode import EpisodeStarted, StepTaken
+from arl_tui.app.demo_participant import Companion
+from core.events import EpisodeStarted, StepTaken
 from core.feedback.trainers import TrainerConfig
-from core.protocol import Protocol, SessionConfig
-from core.session import build_session
+from core.numerics.clock import ManualClock
+from core.session.protocol import Protocol, SessionConfig
+from core.session.session import build_session
 
 SECOND = 1_000_000_000
 

@@ -6,13 +6,13 @@ import msgspec
 import pytest
 from textual.pilot import Pilot
 
-from arl_tui.app import ArlApp, Outcome
-from arl_tui.link import TakenFor
+from arl_tui.app.link import TakenFor
+from arl_tui.app.session_app import ArlApp, Outcome
 from arl_tui.screens.covers import PauseScreen
 from arl_tui.screens.play import PlayScreen
 from arl_tui.widgets.big_letters import big
-from core.episode import FrameShown, KeyPressed, Resumed, ScreenCleared
-from core.protocol import Protocol
+from core.events import FrameShown, KeyPressed, Resumed, ScreenCleared
+from core.session.protocol import Protocol
 from tests.arl_tui.driving import SIZE, Worker, app_for, begin, recorded, settle
 from tests.arl_tui.fakes import FakeLink, episode_ended, session_ended
 

@@ -5,9 +5,9 @@ import threading
 
 import pytest
 
-from arl_tui.driver import FlushClock, WatchedFile, stamped_driver
-from core.clock import ManualClock
-from core.keys import NS_PER_MS
+from arl_tui.app.driver import FlushClock, WatchedFile, stamped_driver
+from core.feedback.keys import NS_PER_MS
+from core.numerics.clock import ManualClock
 
 
 def bench() -> tuple[ManualClock, FlushClock, WatchedFile, io.StringIO]:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from arl_tui import facts
+from arl_tui.app import facts
 
 
 def test_versions_of_everything_that_numbers_depend_on_are_there() -> None:

@@ -9,8 +9,8 @@ from click.testing import CliRunner, Result
 
 from arl_tui.cli import main
 from arl_tui.commands.text_plot import bar, beside, histogram, histogram_edges, scatter
-from core.clock import ManualClock
-from core.streams import stream
+from core.numerics.clock import ManualClock
+from core.numerics.streams import stream
 from studies.reaction_time.protocol import TaskConfig
 from studies.reaction_time.report import read_result
 from studies.reaction_time.schedule import make_schedule

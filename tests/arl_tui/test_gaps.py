@@ -2,12 +2,11 @@
 
 import pytest
 
-from arl_tui.app import ArlApp
-from arl_tui.gaps import LONGEST_NS, GapWatch
+from arl_tui.app.gaps import LONGEST_NS, GapWatch
+from arl_tui.app.session_app import ArlApp
 from arl_tui.screens.covers import PauseScreen
 from arl_tui.screens.play import PlayScreen
-from core.clock import NS_PER_S, ManualClock, suspended_ns
-from core.episode import (
+from core.events import (
     FocusLost,
     FocusRegained,
     FrameShown,
@@ -16,7 +15,8 @@ from core.episode import (
     ScreenCleared,
     TimeGap,
 )
-from core.protocol import Protocol
+from core.numerics.clock import NS_PER_S, ManualClock, suspended_ns
+from core.session.protocol import Protocol
 from tests.arl_tui.driving import SIZE, begin, settle, text_of
 from tests.arl_tui.fakes import FakeLink
 from tests.arl_tui.test_live import MS, Bench

@@ -70,5 +70,5 @@ def test_no_commands_help_loads_the_screen_or_arrays() -> None:
 
 
 def test_the_first_picture_waits_for_no_arrays() -> None:
-    loaded = loaded_after("import arl_tui.app, arl_tui.worker, arl_tui.commands.play")
+    loaded = loaded_after("import arl_tui.app.session_app, arl_tui.app.worker, arl_tui.commands.play")
     assert not loaded & {"numpy", "scipy", "numba", "matplotlib", "textual_plot"}

@@ -8,8 +8,8 @@ from multiprocessing.connection import Connection
 import msgspec
 import pytest
 
-from arl_tui.link import Begin, FromWorker, Ready, WorkerLine, WorkerLink
-from core.episode import FrameShown, KeyPressed
+from arl_tui.app.link import Begin, FromWorker, Ready, WorkerLine, WorkerLink
+from core.events import FrameShown, KeyPressed
 
 
 class PretendedProcess:

@@ -2,11 +2,10 @@
 
 import pytest
 
-from arl_tui.frames import FRAMES_REMEMBERED, FrameLedger
-from arl_tui.link import Alive, Begin, Crashed, Ready
-from arl_tui.live import LiveSession
-from core.clock import ManualClock
-from core.episode import (
+from arl_tui.app.frames import FRAMES_REMEMBERED, FrameLedger
+from arl_tui.app.link import Alive, Begin, Crashed, Ready
+from arl_tui.app.live_session import LiveSession
+from core.events import (
     FrameShown,
     KeyPressed,
     PressRetracted,
@@ -15,7 +14,8 @@ from core.episode import (
     StopAsked,
     WrongPressAsked,
 )
-from core.keys import KeyConfig
+from core.feedback.keys import KeyConfig
+from core.numerics.clock import ManualClock
 from tests.arl_tui.fakes import FakeLink, ListSink, episode_ended, episode_started, session_ended, step_taken
 
 MS = 1_000_000

@@ -6,15 +6,15 @@ import msgspec
 import pytest
 from textual.pilot import Pilot
 
-from arl_tui.app import ArlApp, Outcome
-from arl_tui.link import Preparing, Ready
-from arl_tui.pace import ENOUGH, pace_facts, pace_warning
+from arl_tui.app.link import Preparing, Ready
+from arl_tui.app.pace import ENOUGH, pace_facts, pace_warning
+from arl_tui.app.session_app import ArlApp, Outcome
 from arl_tui.screens.play import PlayScreen
 from arl_tui.screens.welcome import AT_SCREEN_S, WelcomeScreen
-from core.clock import NS_PER_S, ManualClock
 from core.feedback import reach
-from core.protocol import DEFAULTS, KEEPAWAY, Protocol, ScreenConfig, protocol_from
+from core.numerics.clock import NS_PER_S, ManualClock
 from core.recording.schema import to_plain
+from core.session.protocol import DEFAULTS, KEEPAWAY, Protocol, ScreenConfig, protocol_from
 from tests.arl_tui.driving import SIZE, app_for, begin, recorded, settle, text_of
 from tests.arl_tui.fakes import FakeLink, episode_ended, episode_started, session_ended
 

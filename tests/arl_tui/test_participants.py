@@ -8,10 +8,10 @@ import msgspec
 import pytest
 from click.testing import CliRunner
 
+from arl_tui.app.link import Ready
 from arl_tui.cli import main
 from arl_tui.commands.credit import credit_lines, settle_credit, with_credit
 from arl_tui.commands.demo import demo_protocol
-from arl_tui.link import Ready
 from arl_tui.participants import (
     ParticipantError,
     Quantity,
@@ -23,9 +23,9 @@ from arl_tui.participants import (
     read_delays,
 )
 from core.feedback.delays import CurrentStep, Delay, GammaDelay, PreviousStep, parse_delay
-from core.protocol import Protocol, load_protocol
 from core.recording.reader import read_recording
-from core.session import build_session
+from core.session.protocol import Protocol, load_protocol
+from core.session.session import build_session
 from studies.demo import simulate_session
 from tests.arl_tui.driving import app_for
 from tests.arl_tui.fakes import FakeLink

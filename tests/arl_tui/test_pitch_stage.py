@@ -6,13 +6,13 @@ import msgspec
 import numpy as np
 import pytest
 
-from arl_tui.link import Picture
-from arl_tui.stage import stage_of
-from core.clock import ManualClock
-from core.episode import EpisodeEnded, EpisodeStarted, StepTaken
+from arl_tui.app.link import Picture
+from arl_tui.games.rendering import stage_of
+from core.events import EpisodeEnded, EpisodeStarted, StepTaken
 from core.keepaway.pitch import CYCLE_NS, ONGOING, KeepawayConfig
-from core.protocol import KEEPAWAY, ScreenConfig, SessionConfig
-from core.session import build_session
+from core.numerics.clock import ManualClock
+from core.session.protocol import KEEPAWAY, ScreenConfig, SessionConfig
+from core.session.session import build_session
 
 PROTOCOL = msgspec.structs.replace(
     KEEPAWAY,

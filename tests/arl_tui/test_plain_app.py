@@ -8,8 +8,8 @@ from textual import _time, events
 from textual.geometry import Size
 from textual.screen import Screen
 
-from arl_tui.once import after
-from arl_tui.plain_app import PlainApp, trust_the_terminal
+from arl_tui.app.once import after
+from arl_tui.app.plain_app import PlainApp, trust_the_terminal
 from arl_tui.screens.covers import SmallWindowScreen
 
 
@@ -61,7 +61,7 @@ async def test_what_is_to_happen_after_a_while_happens_on_a_busy_machine(busy):
     async with app.run_test() as pilot:
         busy()
         after(app, 0.005, lambda: done.append("ours"))
-        # Why `arl_tui.once` is there: as soon as this fails, Textual's own timers can be used again.
+        # Why `arl_tui.app.once` is there: as soon as this fails, Textual's own timers can be used again.
         app.set_timer(0.005, lambda: done.append("Textual's"))
         await pilot.pause(0.1)
     assert done == ["ours"]

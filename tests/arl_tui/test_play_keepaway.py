@@ -8,16 +8,16 @@ import pytest
 from textual.pilot import Pilot
 from textual.widgets import Static
 
-from arl_tui.app import ArlApp, Outcome
-from arl_tui.link import Picture, Ready, TakenFor
+from arl_tui.app.link import Picture, Ready, TakenFor
+from arl_tui.app.session_app import ArlApp, Outcome
+from arl_tui.games.keepaway.panel import PitchScene
 from arl_tui.palette import STANDARD
 from arl_tui.screens.covers import SmallWindowScreen
-from arl_tui.screens.pitch_scene import PitchScene
-from core.episode import EpisodeEnded, FrameShown, StepTaken
+from core.events import EpisodeEnded, FrameShown, StepTaken
 from core.keepaway.picture import PitchFrame
 from core.keepaway.pitch import TAKEN
-from core.protocol import KEEPAWAY, Protocol, ScreenConfig
 from core.recording.reader import read_recording
+from core.session.protocol import KEEPAWAY, Protocol, ScreenConfig
 from tests.arl_tui.driving import app_for, recorded
 from tests.arl_tui.fakes import FakeLink, episode_ended, episode_started, session_ended
 from tests.arl_tui.pitches import HOLDING, PASSING
@@ -43,7 +43,7 @@ def app(
     protocol: Protocol, link: FakeLink, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> Iterable[ArlApp]:
     # Pictures must not depend on the terminal that the tests are run in.
-    monkeypatch.setattr("arl_tui.app.palette_for", lambda *_: STANDARD)
+    monkeypatch.setattr("arl_tui.app.session_app.palette_for", lambda *_: STANDARD)
     monkeypatch.setattr("arl_tui.widgets.pitch.detail_for", lambda: "ascii")
     return app_for(protocol, link, tmp_path)
 

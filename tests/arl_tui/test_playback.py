@@ -3,10 +3,10 @@
 import msgspec
 import pytest
 
-from arl_tui.playback import MOST_CYCLES, Playback
-from core.clock import ManualClock
+from arl_tui.app.playback import MOST_CYCLES, Playback
 from core.keepaway.picture import PitchFrame
 from core.keepaway.pitch import OUT
+from core.numerics.clock import ManualClock
 from tests.arl_tui.pitches import HOLDING
 
 MS = 1_000_000

@@ -5,7 +5,7 @@ import pytest
 from arl_tui.palette import palette_for
 from arl_tui.screens.covers import SmallWindowScreen
 from arl_tui.screens.practice import Gravity, PracticeApp
-from core.clock import ManualClock
+from core.numerics.clock import ManualClock
 from core.tetris.game import Primitive
 from core.tetris.picture import FALLING
 from core.tetris.pieces import uniform_piece

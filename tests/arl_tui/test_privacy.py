@@ -8,13 +8,13 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from arl_tui import facts, worker
+from arl_tui.app import facts, worker
 from arl_tui.participants import keep_delay, read_delays
 from arl_tui.recordings import create_new
 from arl_tui.timing.kept import timing_facts
-from core.protocol import Protocol
 from core.recording.recorder import Recorder
 from core.recording.schema import to_plain
+from core.session.protocol import Protocol
 from tests.arl_tui.test_participants import task_delay
 from tests.core.recording.test_recording import HEADER
 

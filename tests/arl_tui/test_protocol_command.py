@@ -7,19 +7,19 @@ import msgspec
 import pytest
 from click.testing import CliRunner, Result
 
-from arl_tui.app import Outcome
+from arl_tui.app.live_session import Tally
+from arl_tui.app.session_app import Outcome
 from arl_tui.cli import main
 from arl_tui.commands import play
 from arl_tui.commands.check_protocol import tell_start
 from arl_tui.commands.demo import demo_protocol
 from arl_tui.commands.protocol import protocol_lines
 from arl_tui.commands.protocol_page import page
-from arl_tui.live import Tally
-from core.catalogue import settings_of, tables_of
 from core.combination.config import SCHEMES
+from core.configuration.catalogue import settings_of, tables_of
 from core.feedback.config import TrainerConfig
 from core.feedback.delays import GammaDelay
-from core.protocol import DEFAULTS, Protocol, load_protocol, protocol_from
+from core.session.protocol import DEFAULTS, Protocol, load_protocol, protocol_from
 from studies.demo import simulate_session
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"

@@ -8,7 +8,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from arl_tui.cli import main
-from core.episode import StopAsked
+from core.events import StopAsked
 from core.recording.reader import read_recording
 from core.recording.recorder import LineWriter
 from core.recording.schema import VERSION

@@ -11,7 +11,7 @@ from click.testing import CliRunner, Result
 
 from arl_tui.cli import main
 from arl_tui.commands.what_if_table import table as table_of
-from core.episode import EpisodeEnded, StopAsked
+from core.events import EpisodeEnded, StopAsked
 from core.recording.reader import read_recording
 from core.recording.recorder import LineWriter
 from studies.statistics import Interval

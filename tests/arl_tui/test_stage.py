@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from arl_tui.stage import TetrisStage
-from core.streams import stream
+from arl_tui.games.rendering import TetrisStage
+from core.numerics.streams import stream
 from core.tetris.afterstate import Tetris
 from core.tetris.config import TetrisConfig
 from core.tetris.picture import EMPTY

@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from textual import events
 from textual.message import Message
 
-from arl_tui.steady_driver import InputReader, SteadyFile
+from arl_tui.app.steady_driver import InputReader, SteadyFile
 
 
 def keys_of(*parts: bytes) -> list[str]:

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from arl_tui.stage import Place, TetrisStage
-from arl_tui.taken import StepsShown
-from core.episode import FrameShown, KeyPressed, ScreenCleared
+from arl_tui.app.taken import StepsShown
+from arl_tui.games.rendering import Place, TetrisStage
+from core.events import FrameShown, KeyPressed, ScreenCleared
 from core.feedback.assigner import CreditAssigner
 from core.feedback.config import CreditConfig
 from core.feedback.delays import CurrentStep, Delay, GammaDelay, PreviousStep, UniformDelay
-from core.streams import stream
+from core.numerics.streams import stream
 from core.tetris.afterstate import Tetris
 from core.tetris.config import TetrisConfig
 from tests.arl_tui.fakes import episode_started, step_taken

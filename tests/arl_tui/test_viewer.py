@@ -24,7 +24,7 @@ from arl_tui.viewer.rows import Rows
 from arl_tui.viewer.screen import ViewerScreen
 from arl_tui.viewer.timeline import clock_text
 from arl_tui.viewer.workers import Working
-from core.clock import ManualClock
+from core.numerics.clock import ManualClock
 from studies.session_view.session import open_session
 from studies.session_view.tags import Tags
 from studies.session_view.thinking import own_thoughts, what_if_thoughts

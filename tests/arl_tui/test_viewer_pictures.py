@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from arl_tui.stage import stage_of
+from arl_tui.games.rendering import stage_of
 from arl_tui.viewer.pictures import BoardPictures, pictures_of
-from core.episode import EpisodeStarted, StepTaken
+from core.events import EpisodeStarted, StepTaken
 from core.recording.importers.tamer_log import IMPORTER
 from core.recording.reader import read_recording
 from core.tetris.picture import EMPTY, Snapshot

@@ -15,9 +15,9 @@ from arl_tui.commands import watch as command
 from arl_tui.palette import palette_for
 from arl_tui.screens.watch import WatchApp, WatchScreen, summary
 from arl_tui.widgets.pitch_ink import DETAILS
-from core.clock import ManualClock
 from core.keepaway.pitch import OUT, TAKEN, KeepawayConfig
-from core.keepaway.policies import POLICIES
+from core.keepaway.simulator.policies import POLICIES
+from core.numerics.clock import ManualClock
 from tests.arl_tui.test_playback import Rolling
 
 MS = 1_000_000

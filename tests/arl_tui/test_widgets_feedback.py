@@ -15,9 +15,9 @@ from arl_tui.widgets.board import TetrisBoard
 from arl_tui.widgets.feedback_bar import FeedbackBar
 from arl_tui.widgets.next_piece import NextPiece
 from arl_tui.widgets.stats import Figures, StatsPanel, trend
-from core.clock import ManualClock
-from core.episode import KeyPressed
-from core.keys import KeyConfig, PressGate
+from core.events import KeyPressed
+from core.feedback.keys import KeyConfig, PressGate
+from core.numerics.clock import ManualClock
 
 SECOND = 1_000_000_000
 

@@ -6,12 +6,12 @@ from collections.abc import Iterable, Iterator
 
 import pytest
 
-from arl_tui.link import Begin, FromWorker, Picture, TakenFor, ToWorker, WorkerLine
-from arl_tui.worker import Show
-from core.clock import NS_PER_S, Clock, ManualClock
-from core.episode import FrameShown, Input, KeyPressed, Output, Resumed, ScreenCleared, StepTaken, StopAsked
-from core.protocol import Protocol, ScreenConfig
-from core.rollout import FeedbackSource
+from arl_tui.app.link import Begin, FromWorker, Picture, TakenFor, ToWorker, WorkerLine
+from arl_tui.app.worker import Show
+from core.events import FrameShown, Input, KeyPressed, Output, Resumed, ScreenCleared, StepTaken, StopAsked
+from core.numerics.clock import NS_PER_S, Clock, ManualClock
+from core.session.protocol import Protocol, ScreenConfig
+from core.session.rollout import FeedbackSource
 from tests.arl_tui.fakes import episode_ended, episode_started, session_ended, step_taken
 
 MS = 1_000_000
@@ -172,7 +172,7 @@ def test_the_final_board_stays_for_the_break_and_belongs_to_no_step(line: Script
 def test_the_line_keeps_what_is_said_whole_and_in_order() -> None:
     ours, theirs = multiprocessing.Pipe()
     line = WorkerLine(theirs)
-    from arl_tui.link import _encoder
+    from arl_tui.app.link import _encoder
 
     inputs = [Begin(), *(FrameShown(frame=number, step=0, flushed_ns=number) for number in range(50))]
     for message in inputs:

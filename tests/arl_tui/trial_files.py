@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from arl_tui.calibration.plan import PLANNED
-from core.streams import stream
+from core.numerics.streams import stream
 from studies.reaction_time.protocol import Schedule, TrialRecord
 from studies.reaction_time.trial_log import TrialHeader, TrialWriter
 

@@ -7,7 +7,7 @@ import time
 import numpy as np
 import pytest
 
-from core.streams import stream
+from core.numerics.streams import stream
 from studies.reaction_time.families import fit_all
 from studies.reaction_time.fit import FitSettings, fit_group
 from studies.reaction_time.sample import sample

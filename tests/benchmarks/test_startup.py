@@ -21,7 +21,7 @@ from tests.e2e.terminal import REPOSITORY, Terminal
 
 REPEATS = 5
 TICKS_PER_S = os.sysconf("SC_CLK_TCK")
-COMPILER = "arl_tui.ahead"
+COMPILER = "arl_tui.app.ahead"
 """The process that compiles on another core: nobody waits for it before the first picture."""
 pytestmark = pytest.mark.benchmark_run
 

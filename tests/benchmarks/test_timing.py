@@ -13,7 +13,7 @@ from arl_tui.commands.timing import report_lines
 from arl_tui.timing.plan import SCENES, make_plan
 from arl_tui.timing.result import TimingResult, compare
 from arl_tui.timing.robot import run_plan
-from core.clock import wall_time_utc
+from core.numerics.clock import wall_time_utc
 
 pytestmark = pytest.mark.benchmark_run
 

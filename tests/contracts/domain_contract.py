@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from core.domain import Domain
-from core.streams import stream
+from core.numerics.streams import stream
 
 MAX_STEPS = 5000
 

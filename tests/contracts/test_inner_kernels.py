@@ -1,4 +1,4 @@
-"""What `core.compiled.inner_kernel` takes for granted holds everywhere (`docs/decisions/inner-kernels.md`)."""
+"""What `core.numerics.compiled.inner_kernel` takes for granted holds everywhere (`docs/decisions/inner-kernels.md`)."""
 
 import ast
 import sys
@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from core.compiled import INNER, inner_kernel
 from core.keepaway.arl_autoplay import ArlAutoplay, ArlKeepawayConfig
 from core.keepaway.autoplay import Autoplay, keepaway_tiles
-from core.keepaway.exhibition import Exhibition
 from core.keepaway.pitch import KeepawayConfig
+from core.keepaway.viewed_match import Exhibition
 from core.learners.sarsa import SarsaConfig, new_sarsa
+from core.numerics.compiled import INNER, inner_kernel
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 PLAIN = {"None", "bool", "int", "float"}
@@ -81,7 +81,7 @@ def test_only_kernels_call_inner_kernels_that_draw():
         for name, function in inner_kernels().items()
         if any("Generator" in ast.unparse(a) or "Streams" in ast.unparse(a) for a in function.args.args)
     }
-    assert {"core.keepaway.game.begin_cycle", "core.learners.sarsa.greedy_or_random"} <= draw
+    assert {"core.keepaway.simulator.game.begin_cycle", "core.learners.sarsa.greedy_or_random"} <= draw
     seen = 0
     for dotted, module in modules().items():
         compiled = [f for f in functions(module) if decorators(f) & {"kernel", "inner_kernel"}]
@@ -106,7 +106,7 @@ def _sum_of_last_rows(rows, out):
 @pytest.mark.jit
 @pytest.mark.parametrize(("options", "counts"), [(INNER, False), ({}, True)])
 def test_code_of_inner_kernels_counts_no_references(options, counts):
-    import numba  # only after core.compiled has named the folder of its cache
+    import numba  # only after core.numerics.compiled has named the folder of its cache
 
     # Not `inner_kernel` itself: a function that comes from the cache has no text to look at.
     summed, out = numba.njit(**options)(_sum_of_last_rows), np.zeros(1)

@@ -11,13 +11,13 @@ from core.feedback.delays import CurrentStep, GammaDelay
 from core.keepaway.arl_autoplay import ArlAutoplay, ArlKeepawayConfig
 from core.keepaway.decisions import DecisionPlay
 from core.keepaway.domain import Keepaway
-from core.keepaway.person_config import KeepawayPersonConfig
+from core.keepaway.participant_config import KeepawayPersonConfig
 from core.keepaway.pitch import CYCLE_NS, KeepawayConfig
 from core.learners.human_config import TileModel
 from core.learners.sarsa_config import SarsaConfig
 from core.learners.sarsa_learner import SarsaLearner
-from core.rollout import Played
-from core.streams import stream
+from core.numerics.streams import stream
+from core.session.rollout import Played
 
 ROOT_SEED = 21
 TASK = KeepawayConfig(exact_state=True)

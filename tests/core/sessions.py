@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
+from core.feedback.keys import KeyConfig
 from core.feedback.trainers import TrainerConfig
-from core.keys import KeyConfig
-from core.protocol import Protocol, SessionConfig
 from core.recording.reader import Recording, read_recording
+from core.session.protocol import Protocol, SessionConfig
 from studies.demo import simulate_session
 
 TALKATIVE = TrainerConfig(press_probability=0.6, max_presses=20)

@@ -3,15 +3,15 @@
 import pytest
 
 from core.combination.config import AgentConfig, Coach, Exponential, RewardShaping
-from core.episode import EpisodeEnded, SessionEnded, UnseenPlayed
+from core.events import EpisodeEnded, SessionEnded, UnseenPlayed
 from core.learners.policy_gradient_config import PolicyGradientConfig
-from core.protocol import SessionConfig, protocol_from
-from core.replay import replay_exactly
-from core.rollout import play_unseen
-from core.session import build_session
-from core.streams import stream_seed
+from core.numerics.streams import stream_seed
+from core.session.protocol import SessionConfig, protocol_from
+from core.session.replay import replay_exactly
+from core.session.rollout import play_unseen
+from core.session.session import build_session
+from core.session.what_if import relearn, watched_steps
 from core.tetris.config import TetrisConfig
-from core.what_if import relearn, watched_steps
 from tests.core.sessions import simulated, small_protocol
 
 LEARNER = PolicyGradientConfig(step_size=0.2)

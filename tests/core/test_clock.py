@@ -4,7 +4,7 @@ import time
 
 import pytest
 
-from core.clock import ManualClock, MonotonicClock, seconds, wall_time_utc
+from core.numerics.clock import ManualClock, MonotonicClock, seconds, wall_time_utc
 
 
 def test_the_monotonic_clock_is_the_one_key_times_come_from():

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from core.compiled import sources_digest
-from core.kernel_files import IN_USE, KEPT_FOLDERS, KernelFiles, forget_old_folders
+from core.numerics.compiled import sources_digest
+from core.numerics.kernel_files import IN_USE, KEPT_FOLDERS, KernelFiles, forget_old_folders
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 
@@ -20,9 +20,7 @@ def cache_folder(cache_home: Path, *, sources: Path = REPOSITORY) -> Path:
     """Return the folder that a new process chooses for its compiled code."""
     environment = {**os.environ, "XDG_CACHE_HOME": str(cache_home), "PYTHONPATH": str(sources)}
     environment.pop("NUMBA_CACHE_DIR", None)
-    script = (
-        "from core.compiled import cache_folder, sources_digest; print(cache_folder(sources_digest())[0])"
-    )
+    script = "from core.numerics.compiled import cache_folder, sources_digest; print(cache_folder(sources_digest())[0])"
     done = subprocess.run(
         [sys.executable, "-c", script],
         env=environment,
@@ -45,7 +43,7 @@ def test_equal_sources_share_a_folder_and_other_sources_get_another(tmp_path):
     before = cache_folder(tmp_path, sources=changed)
     (changed / "studies" / "page.py").write_text("TITLE = 'no kernel here'\n")
     assert cache_folder(tmp_path, sources=changed) == before
-    (changed / "studies" / "kernels.py").write_text("from core.compiled import kernel\n")
+    (changed / "studies" / "kernels.py").write_text("from core.numerics.compiled import kernel\n")
     with_kernel = cache_folder(tmp_path, sources=changed)
     assert with_kernel != before
     (changed / "core" / "table.py").write_text("STEPS = 3\n")
@@ -68,7 +66,7 @@ def imported_from_studies(source: str) -> set[Path]:
 
 def test_kernels_of_studies_are_fed_by_files_that_the_digest_covers():
     sources = {path: path.read_text(encoding="utf-8") for path in (REPOSITORY / "studies").rglob("*.py")}
-    with_kernels = {path for path, source in sources.items() if "core.compiled" in source}
+    with_kernels = {path for path, source in sources.items() if "core.numerics.compiled" in source}
     assert REPOSITORY / "studies/reaction_time/golden.py" in imported_from_studies(
         sources[REPOSITORY / "studies/reaction_time/kernels.py"]
     )
@@ -82,7 +80,7 @@ def test_processes_that_need_the_same_kernels_at_the_same_time_compile_each_once
     environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path), "PYTHONPATH": str(REPOSITORY)}
     environment.pop("NUMBA_CACHE_DIR", None)
     script = """
-from core.softmax import drawn, softmax
+from core.numerics.softmax import drawn, softmax
 import numpy as np
 print("ready", flush=True)
 input()
@@ -131,14 +129,15 @@ def test_importing_makes_no_folder_and_removes_none(tmp_path, variable):
         (old / f"sources-{age}").mkdir(parents=True)
     before = sorted(tmp_path.rglob("*"))
     done = run(
-        "import core.compiled, core.tetris.sessions, core.keepaway.sessions", **{variable: str(tmp_path)}
+        "import core.numerics.compiled, core.tetris.sessions, core.keepaway.sessions",
+        **{variable: str(tmp_path)},
     )
     assert done.returncode == 0, done.stderr
     assert sorted(tmp_path.rglob("*")) == before
 
 
 SOFTMAX = """
-from core.softmax import softmax
+from core.numerics.softmax import softmax
 import numpy as np
 out = np.empty(2)
 softmax(np.zeros(2), np.zeros(2, dtype=bool), 2, out)

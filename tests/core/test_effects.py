@@ -1,4 +1,4 @@
-"""In which sessions settings have an effect: `core.effects` against sessions that are played."""
+"""In which sessions settings have an effect: `core.session.effects` against sessions that are played."""
 
 from pathlib import Path
 from typing import Any
@@ -6,10 +6,10 @@ from typing import Any
 import msgspec
 import pytest
 
-from core.catalogue import settings_of, tables_of
-from core.effects import MODES, USES, changed, idle, uses_of, warnings_of
-from core.protocol import DEFAULTS, Protocol, ProtocolError, load_protocol, protocol_from
-from core.reading import ConfigurationError
+from core.configuration.catalogue import settings_of, tables_of
+from core.configuration.reading import ConfigurationError
+from core.session.effects import MODES, USES, changed, idle, uses_of, warnings_of
+from core.session.protocol import DEFAULTS, Protocol, ProtocolError, load_protocol, protocol_from
 from tests.core.sessions import simulated
 
 SMALL = {

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from core.fixed_point import exact_weights, fixed_point, fixed_point_shift, fixed_point_shifts
+from core.numerics.fixed_point import exact_weights, fixed_point, fixed_point_shift, fixed_point_shifts
 
 SIZES = st.floats(1e-100, 1e6)
 WEIGHTS = st.lists(SIZES | SIZES.map(lambda size: -size) | st.just(0.0), min_size=1, max_size=21).map(

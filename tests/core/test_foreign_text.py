@@ -3,7 +3,7 @@ import unicodedata
 from hypothesis import given
 from hypothesis import strategies as st
 
-from core.foreign_text import LONGEST, printable, printable_lines
+from core.system.foreign_text import LONGEST, printable, printable_lines
 
 
 def test_control_characters_and_bidirectional_overrides_are_shown_as_escapes():

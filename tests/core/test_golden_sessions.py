@@ -15,17 +15,17 @@ import pytest
 
 from core import keepaway, tetris
 from core.combination.config import AgentConfig, Annealed, BootstrapConfig, Equation5, Exponential
-from core.episode import EpisodeStarted, Output, UnseenPlayed
+from core.events import EpisodeStarted, Output, UnseenPlayed
 from core.feedback.config import TrainerConfig
+from core.feedback.keys import KeyConfig
 from core.feedback.samples import CreditConfig
-from core.keys import KeyConfig
 from core.learners.human_config import SgdModel
-from core.protocol import KEEPAWAY, SessionConfig, protocol_from
 from core.recording.reader import read_recording
 from core.recording.recorder import LineWriter
 from core.recording.version_1 import as_far_as_recorded
-from core.replay import _run_both, replay_exactly
-from core.session import build_session
+from core.session.protocol import KEEPAWAY, SessionConfig, protocol_from
+from core.session.replay import _run_both, replay_exactly
+from core.session.session import build_session
 from studies.demo import simulate_session, summarise
 from tests.core.sessions import small_protocol
 

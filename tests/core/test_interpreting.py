@@ -5,10 +5,17 @@ import numpy as np
 import pytest
 
 from arl_tui.commands.demo import demo_protocol
-from core.compiled import JIT_DISABLED
-from core.interpreting import CAN_INTERPRET, interpreting, is_ready, kernels_at_hand, note_ready, progress
+from core.numerics.compiled import JIT_DISABLED
+from core.numerics.interpreting import (
+    CAN_INTERPRET,
+    interpreting,
+    is_ready,
+    kernels_at_hand,
+    note_ready,
+    progress,
+)
+from core.numerics.softmax import drawn
 from core.recording.reader import read_recording
-from core.softmax import drawn
 from studies.demo import simulate_session
 
 pytestmark = pytest.mark.skipif(
@@ -37,8 +44,8 @@ def test_an_interpreted_session_is_the_compiled_one_bit_for_bit(tmp_path, game, 
 
 @pytest.mark.jit
 def test_compiled_code_takes_over_in_the_middle_of_a_game():
-    from core.keepaway.exhibition import Exhibition
     from core.keepaway.pitch import KeepawayConfig
+    from core.keepaway.viewed_match import Exhibition
 
     def play(compiled_from: int) -> list[object]:
         match, frames = Exhibition(KeepawayConfig(), "hand", 9), []

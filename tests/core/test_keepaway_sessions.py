@@ -6,7 +6,6 @@ import msgspec
 import numpy as np
 import pytest
 
-from core.clock import ManualClock
 from core.combination.config import (
     AgentConfig,
     Constant,
@@ -15,7 +14,7 @@ from core.combination.config import (
     Exponential,
     Linear,
 )
-from core.episode import (
+from core.events import (
     CreditGiven,
     EpisodeEnded,
     EpisodeStarted,
@@ -28,12 +27,17 @@ from core.episode import (
 )
 from core.feedback.config import CreditConfig
 from core.feedback.delays import CurrentStep, GammaDelay
-from core.games import game_of
 from core.keepaway.decisions import NOBODY, DecisionPlay
 from core.keepaway.pitch import CYCLE_NS, KeepawayConfig
 from core.learners.human_config import RidgeModel, TileModel
 from core.learners.sarsa import decide, end_episode, new_sarsa
-from core.protocol import (
+from core.numerics.clock import ManualClock
+from core.numerics.streams import stream, stream_seed
+from core.numerics.tile_coding import find_windows
+from core.recording.reader import RecordingError, read_recording
+from core.recording.schema import to_plain
+from core.registry import game_of
+from core.session.protocol import (
     KEEPAWAY,
     Protocol,
     ProtocolError,
@@ -42,13 +46,9 @@ from core.protocol import (
     load_protocol,
     protocol_from,
 )
-from core.recording.reader import RecordingError, read_recording
-from core.recording.schema import to_plain
-from core.replay import replay_exactly
-from core.session import build_session
-from core.streams import stream, stream_seed
-from core.tile_coding import find_windows
-from core.what_if import relearn, watched_steps
+from core.session.replay import replay_exactly
+from core.session.session import build_session
+from core.session.what_if import relearn, watched_steps
 from tests.core.sessions import simulated
 
 EXACT = KeepawayConfig(exact_state=True)

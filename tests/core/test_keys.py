@@ -4,9 +4,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from core.clock import NS_PER_S
-from core.episode import KeyPressed, PressRetracted
-from core.keys import NS_PER_MS, KeyConfig, PressGate
+from core.events import KeyPressed, PressRetracted
+from core.feedback.keys import NS_PER_MS, KeyConfig, PressGate
+from core.numerics.clock import NS_PER_S
 
 
 def playing(**settings) -> PressGate:

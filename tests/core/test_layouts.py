@@ -2,10 +2,10 @@
 
 import pytest
 
-from core.clock import NS_PER_S
-from core.episode import KeyPressed
-from core.keys import KeyConfig, PressGate
-from core.layouts import _LATIN, _LAYOUTS, KeyReader, alphabet_of
+from core.events import KeyPressed
+from core.feedback.keys import KeyConfig, PressGate
+from core.feedback.layouts import _LATIN, _LAYOUTS, KeyReader, alphabet_of
+from core.numerics.clock import NS_PER_S
 
 # What the keys of j, f, p, h, u, y and n send, from the keyboards' own pictures.
 SENT = {

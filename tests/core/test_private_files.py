@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from core.private_files import create_private, make_private_folder, write_all, write_private
+from core.system.private_files import create_private, make_private_folder, write_all, write_private
 
 
 @pytest.fixture(autouse=True)

@@ -9,17 +9,24 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from core.catalogue import TAG, Kind, settings_of, tables_of
 from core.combination.config import SCHEMES, AgentConfig, Annealed, Coach
+from core.configuration.catalogue import TAG, Kind, settings_of, tables_of
+from core.configuration.reading import ConfigurationError, with_tables
+from core.configuration.toml_places import places
 from core.feedback.config import CreditConfig
 from core.feedback.delays import GammaDelay, PreviousStep
 from core.learners.cross_entropy_config import NoNoise
 from core.learners.policy_gradient_config import PolicyGradientConfig
-from core.protocol import DEFAULTS, Protocol, ProtocolError, SessionConfig, load_protocol, protocol_from
-from core.reading import ConfigurationError, with_tables
 from core.recording.reader import read_recording
 from core.recording.schema import to_plain
-from core.toml_places import places
+from core.session.protocol import (
+    DEFAULTS,
+    Protocol,
+    ProtocolError,
+    SessionConfig,
+    load_protocol,
+    protocol_from,
+)
 
 GOLDEN = Path(__file__).resolve().parents[2] / "recordings" / "reference"
 TABLES = [(path, tag, kind.base) for path, kind in tables_of(Protocol) for tag in kind.structs or {}]

@@ -11,14 +11,14 @@ from core.combination.config import (
     Exponential,
     Signed,
 )
-from core.episode import StepTaken
+from core.events import StepTaken
 from core.feedback.credit import GammaDelay
 from core.feedback.samples import CreditConfig
 from core.learners.human_config import SgdModel
-from core.protocol import protocol_from
 from core.recording.reader import Recording, RecordingError
-from core.replay import replay_exactly
-from core.session import build_session
+from core.session.protocol import protocol_from
+from core.session.replay import replay_exactly
+from core.session.session import build_session
 from tests.core.sessions import simulated, small_protocol
 
 

@@ -2,8 +2,7 @@
 
 import pytest
 
-from core.clock import ManualClock
-from core.episode import (
+from core.events import (
     CreditGiven,
     EpisodeEnded,
     EpisodeStarted,
@@ -15,8 +14,9 @@ from core.episode import (
     StopAsked,
     UnseenPlayed,
 )
-from core.protocol import ProtocolError, SessionConfig, load_protocol
-from core.session import build_session
+from core.numerics.clock import ManualClock
+from core.session.protocol import ProtocolError, SessionConfig, load_protocol
+from core.session.session import build_session
 from core.tetris.config import TetrisConfig
 from tests.core.sessions import simulated, small_protocol
 

@@ -4,8 +4,7 @@ from typing import Any
 
 import pytest
 
-from core.protocol import DEFAULTS, protocol_from
-from core.session_plan import (
+from core.session.plan import (
     credit_in_words,
     expected_minutes,
     plan,
@@ -13,6 +12,7 @@ from core.session_plan import (
     weight_in_words,
     weights_of_games,
 )
+from core.session.protocol import DEFAULTS, protocol_from
 
 
 def test_games_presses_and_minutes_by_hand() -> None:

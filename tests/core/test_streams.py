@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from core.streams import stream, stream_seed
+from core.numerics.streams import stream, stream_seed
 
 
 def test_the_same_name_gives_the_same_stream():

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from core.tile_coding import Range, add_to_windows, find_windows, tile_coder, window_sum
+from core.numerics.tile_coding import Range, add_to_windows, find_windows, tile_coder, window_sum
 
 
 def windows(coder, *values):

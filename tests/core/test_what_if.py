@@ -5,13 +5,13 @@ import numpy as np
 import pytest
 
 from core.combination.config import AgentConfig, BootstrapConfig, FixedWeight
-from core.episode import EpisodeEnded, SessionEnded
+from core.events import EpisodeEnded, SessionEnded
 from core.feedback.credit import CurrentStep, GammaDelay, PreviousStep
 from core.feedback.samples import CreditConfig
-from core.protocol import Protocol, protocol_from
 from core.recording.importers.tamer_log import import_tamer_log, tamer_protocol
 from core.recording.reader import Recording, read_recording
-from core.what_if import hear, relearn, watched_steps
+from core.session.protocol import Protocol, protocol_from
+from core.session.what_if import hear, relearn, watched_steps
 from tests.core.recording.test_tamer_log import PARAMETERS, row, terminal
 from tests.core.sessions import simulated
 

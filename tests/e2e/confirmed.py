@@ -2,7 +2,7 @@
 
 import re
 
-from core.episode import EpisodeStarted, KeyPressed, PressRetracted
+from core.events import EpisodeStarted, KeyPressed, PressRetracted
 from core.recording.reader import Recording
 from tests.e2e.terminal import Terminal
 

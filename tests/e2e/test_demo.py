@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from core.episode import KeyPressed
+from core.events import KeyPressed
 from core.recording.reader import read_recording
 from tests.e2e.terminal import Terminal
 

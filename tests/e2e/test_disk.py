@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from core.episode import StopAsked
-from core.private_files import FILE_MODE, FOLDER_MODE
+from core.events import StopAsked
 from core.recording.reader import Recording, read_recording
+from core.system.private_files import FILE_MODE, FOLDER_MODE
 from tests.e2e.confirmed import Confirmed, accepted
 from tests.e2e.terminal import TROUBLE, Terminal
 

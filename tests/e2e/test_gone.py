@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from core.episode import KeyPressed, SessionEnded, StopAsked
+from core.events import KeyPressed, SessionEnded, StopAsked
 from core.recording.reader import Recording, read_recording
 from tests.e2e.processes import descendants, left_after, worker_of
 from tests.e2e.terminal import Terminal

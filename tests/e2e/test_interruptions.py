@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from core.episode import FocusLost, FocusRegained, KeyPressed, ScreenCleared, TimeGap
-from core.protocol import protocol_from
+from core.events import FocusLost, FocusRegained, KeyPressed, ScreenCleared, TimeGap
 from core.recording.reader import Recording, read_recording
-from core.replay import replay_exactly
-from core.session import build_session
+from core.session.protocol import protocol_from
+from core.session.replay import replay_exactly
+from core.session.session import build_session
 from tests.e2e.terminal import Terminal
 
 LONG = """

@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from core.protocol import protocol_from
 from core.recording.reader import read_recording
-from core.replay import replay_exactly
-from core.session import build_session
+from core.session.protocol import protocol_from
+from core.session.replay import replay_exactly
+from core.session.session import build_session
 from tests.e2e.confirmed import Confirmed
 from tests.e2e.processes import left_after, worker_of
 from tests.e2e.terminal import TROUBLE, Terminal

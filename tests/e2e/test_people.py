@@ -6,13 +6,13 @@ from pathlib import Path
 
 import msgspec
 
-from arl_tui.companion import Companion
-from arl_tui.link import PressSuggested
-from core.episode import EpisodeStarted, Event, FrameShown, KeyPressed, SessionEnded, StepTaken
-from core.feedback.persons import person
-from core.protocol import protocol_from
+from arl_tui.app.demo_participant import Companion
+from arl_tui.app.link import PressSuggested
+from core.events import EpisodeStarted, Event, FrameShown, KeyPressed, SessionEnded, StepTaken
+from core.feedback.simulated_participants import person
 from core.recording.reader import read_recording
-from core.session import build_session
+from core.session.protocol import protocol_from
+from core.session.session import build_session
 from tests.e2e.terminal import Terminal
 from tests.e2e.test_play import play, replayed, start, the_recording
 

@@ -5,11 +5,11 @@ import signal
 import time
 from pathlib import Path
 
-from core.episode import EpisodeEnded, FrameShown, KeyPressed, SessionEnded, StepTaken, StopAsked
-from core.protocol import protocol_from
+from core.events import EpisodeEnded, FrameShown, KeyPressed, SessionEnded, StepTaken, StopAsked
 from core.recording.reader import Recording, read_recording
-from core.replay import replay_exactly
-from core.session import build_session
+from core.session.protocol import protocol_from
+from core.session.replay import replay_exactly
+from core.session.session import build_session
 from tests.e2e.terminal import PATIENCE_S, TROUBLE, Terminal
 
 MS = 1_000_000

@@ -5,7 +5,7 @@ import os
 import signal
 from pathlib import Path
 
-from core.episode import CreditGiven, EpisodeEnded, FrameShown, KeyPressed, SessionEnded, StepTaken
+from core.events import CreditGiven, EpisodeEnded, FrameShown, KeyPressed, SessionEnded, StepTaken
 from core.keepaway.pitch import CYCLE_NS
 from tests.e2e.terminal import TROUBLE, Terminal
 from tests.e2e.test_play import replayed, the_recording

@@ -15,9 +15,9 @@ import msgspec
 import pytest
 from click.testing import CliRunner
 
+from arl_tui.app.link import Begin, Crashed, Picture, Ready
 from arl_tui.cli import main
 from arl_tui.commands.timing import SCENE_NAMES, report_lines, stop_above
-from arl_tui.link import Begin, Crashed, Picture, Ready
 from arl_tui.timing import bare
 from arl_tui.timing.kept import NONE, keep_timing, machine_code, timing_facts
 from arl_tui.timing.plan import MARKER, SCENES, Answered, Plan, PlannedTrial, Seen, make_plan, marker
@@ -25,7 +25,7 @@ from arl_tui.timing.result import Summary, TimingResult, compare, header_facts, 
 from arl_tui.timing.robot import Robot, RobotTrial, TimingError, run_plan
 from arl_tui.timing.subject import SubjectApp
 from arl_tui.timing.waking import lateness_ms
-from core.episode import FrameShown
+from core.events import FrameShown
 from core.tetris.picture import Counts, Wall, snapshot
 from tests.arl_tui.fakes import FakeLink
 from tests.e2e.test_play import is_running

@@ -35,7 +35,7 @@ from tests.naive.keepaway_things import (
 
 
 class NaiveMatch(Senses):
-    """A match of `core.keepaway.match.Match`, cycle by cycle: its players decide and act."""
+    """A match of `core.keepaway.simulator.match.Match`, cycle by cycle: its players decide and act."""
 
     def begin(self) -> list[int]:
         """Perceive, put keepers into options, and return those that have to decide."""

@@ -18,13 +18,13 @@ from core.combination.preference import best_action, choose, takes_control, wors
 from core.combination.ranking import EpisodeReport
 from core.feedback import trainers
 from core.feedback.assigner import CreditAssigner
+from core.feedback.keys import PressGate
 from core.keepaway.arl_autoplay import ArlKeepawayConfig
 from core.keepaway.autoplay import keepaway_tiles
-from core.keepaway.game import begin_cycle, finish_cycle
-from core.keepaway.match import CYCLE, new_match, open_streams, start_episode
-from core.keepaway.policies import hand_coded
-from core.keepaway.variables import observe
-from core.keys import PressGate
+from core.keepaway.simulator.game import begin_cycle, finish_cycle
+from core.keepaway.simulator.match import CYCLE, new_match, open_streams, start_episode
+from core.keepaway.simulator.policies import hand_coded
+from core.keepaway.simulator.variables import observe
 from core.learners.consistency import Consistency
 from core.learners.human_config import SgdModel
 from core.learners.human_reward import HumanRewardModel
@@ -37,8 +37,8 @@ from core.learners.sarsa import (
     new_sarsa,
     take_action,
 )
-from core.streams import stream, stream_seed
-from core.tile_coding import find_windows
+from core.numerics.streams import stream, stream_seed
+from core.numerics.tile_coding import find_windows
 
 CYCLE_NS = 100_000_000
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from core.keepaway.match import Streams
 from core.keepaway.pitch import KeepawayConfig
+from core.keepaway.simulator.match import Streams
 from tests.naive.keepaway_things import (
     REACH,
     TOUCH,

@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from core.compiled import specialised
 from core.keepaway.autoplay import Autoplay
-from core.keepaway.game import step_cycle
-from core.keepaway.match import start_episode
 from core.keepaway.pitch import KICK, KIND
-from core.keepaway.policies import POLICIES
-from studies.experiments.keepaway_fidelity import Setting
-from studies.experiments.keepaway_rollouts import LoggedEpisode
+from core.keepaway.simulator.game import step_cycle
+from core.keepaway.simulator.match import start_episode
+from core.keepaway.simulator.policies import POLICIES
+from core.numerics.compiled import specialised
+from studies.fidelity.keepaway_fidelity import Setting
+from studies.fidelity.keepaway_rollouts import LoggedEpisode
 
 
 def played(setting: Setting, n_episodes: int) -> list[LoggedEpisode]:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from core.tetris.config import TetrisConfig
-from studies.experiments import ce_curves
-from studies.experiments.ce_curves import CurvePoint, Setting
+from studies.fidelity import ce_curves
+from studies.fidelity.ce_curves import CurvePoint, Setting
 from tests.data_folder import data_root
 
 PUBLISHED = data_root() / "tetris_ce_published_curves.csv"

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from core.streams import stream
+from core.numerics.streams import stream
 from studies.comparison import (
     cliffs_delta,
     holm,

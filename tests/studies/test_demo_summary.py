@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from core.episode import PressRetracted
+from core.events import PressRetracted
 from core.recording.reader import Recording
 from core.recording.summary import summarise_recording
 from studies.demo import summarise

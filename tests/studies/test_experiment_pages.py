@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from core.streams import stream
+from core.numerics.streams import stream
 from studies.experiments import page
 from studies.experiments.keepaway_pages import by_episode, weights_used
 from studies.experiments.rates import AtRate, summary

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from core.streams import stream
+from core.numerics.streams import stream
 from studies.experiments.page import Page, write_page
 from studies.statistics import _COVERAGE, FEW_TRIALS, few_trials_note, mean_interval
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from core.keepaway.autoplay import Episodes
-from studies.experiments.keepaway_fidelity import SETTINGS, Comparison, Durations, Trace, passes_of
+from studies.fidelity.keepaway_fidelity import SETTINGS, Comparison, Durations, Trace, passes_of
 
 CYCLES = np.arange(20, 60)
 

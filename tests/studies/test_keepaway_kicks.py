@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from scipy.stats import ks_2samp
 
-from studies.experiments.keepaway_fidelity import SETTINGS
-from studies.experiments.keepaway_kicks import LoggedKick, logged_kicks
-from studies.experiments.keepaway_rollouts import LoggedEpisode, read_episodes
+from studies.fidelity.keepaway_fidelity import SETTINGS
+from studies.fidelity.keepaway_kicks import LoggedKick, logged_kicks
+from studies.fidelity.keepaway_rollouts import LoggedEpisode, read_episodes
 from tests.data_folder import data_folder
 from tests.studies.logged_play import played
 

@@ -6,8 +6,8 @@ import pytest
 from core.keepaway.autoplay import Autoplay
 from core.keepaway.pitch import KeepawayConfig
 from core.learners.sarsa import SarsaConfig
-from studies.experiments.keepaway_fidelity import read_durations
-from studies.experiments.keepaway_learning import (
+from studies.fidelity.keepaway_fidelity import read_durations
+from studies.fidelity.keepaway_learning import (
     LearningCurve,
     LearningRun,
     chance_of,

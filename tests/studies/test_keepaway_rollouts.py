@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from studies.experiments.keepaway_fidelity import SETTINGS, Setting
-from studies.experiments.keepaway_rollouts import (
+from studies.fidelity.keepaway_fidelity import SETTINGS, Setting
+from studies.fidelity.keepaway_rollouts import (
     BOTH,
     KEEPER,
     LOOSE,

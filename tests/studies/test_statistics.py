@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import integrate, stats
 
-from core.streams import stream
+from core.numerics.streams import stream
 from studies.statistics import (
     area_under_curve,
     interquartile_mean,

@@ -7,12 +7,12 @@ import msgspec
 import numpy as np
 import pytest
 
-from core.episode import KeyPressed
+from core.events import KeyPressed
 from core.feedback.credit import CurrentStep, GammaDelay, PreviousStep
-from core.protocol import Protocol, SessionConfig, protocol_from
 from core.recording.importers.tamer_log import TamerLogError, import_tamer_log, tamer_protocol
 from core.recording.reader import Recording, read_recording
-from core.what_if import watched_steps
+from core.session.protocol import Protocol, SessionConfig, protocol_from
+from core.session.what_if import watched_steps
 from studies.what_if import (
     WhatIfSettings,
     _platt_log_loss,

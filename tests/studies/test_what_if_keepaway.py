@@ -7,13 +7,13 @@ import msgspec
 import numpy as np
 import pytest
 
-from core.episode import EpisodeStarted, StepTaken
+from core.events import EpisodeStarted, StepTaken
 from core.feedback.delays import CurrentStep, GammaDelay
 from core.keepaway.sessions import KeepawayGame
-from core.protocol import TETRIS, protocol_from
 from core.recording.reader import RecordingError, read_recording
 from core.recording.recorder import LineWriter
-from core.what_if import watched_steps
+from core.session.protocol import TETRIS, protocol_from
+from core.session.what_if import watched_steps
 from studies.what_if import WhatIfSettings, what_if
 
 GOLDEN = (

@@ -6,22 +6,22 @@ import msgspec
 import numpy as np
 import pytest
 
-from core.clock import ManualClock
 from core.combination.config import SCHEMES, AgentConfig, Annealed, EnvironmentOnly
 from core.combination.schedule import EpisodesSoFar
+from core.feedback.keys import KeyConfig, PressGate
 from core.feedback.source import SimulatedParticipant
 from core.feedback.trainers import SimulatedTrainer, TrainerConfig
-from core.games import game_of
-from core.keys import KeyConfig, PressGate
 from core.learners.policy_gradient_config import PolicyGradientConfig
-from core.protocol import KEEPAWAY, SessionConfig, protocol_from
+from core.numerics.clock import ManualClock
+from core.numerics.streams import stream_seed
 from core.recording.reader import read_recording
 from core.recording.recorder import LineWriter
 from core.recording.schema import Header, to_plain
-from core.rollout import play_unseen
-from core.session import build_session
-from core.streams import stream_seed
-from core.what_if import relearn, watched_steps
+from core.registry import game_of
+from core.session.protocol import KEEPAWAY, SessionConfig, protocol_from
+from core.session.rollout import play_unseen
+from core.session.session import build_session
+from core.session.what_if import relearn, watched_steps
 from studies.what_if import WhatIfSettings, judge, scheme_named, what_if
 from tests.core.sessions import small_protocol
 

@@ -5,7 +5,7 @@ import time
 import msgspec
 import numpy as np
 
-from core.streams import stream
+from core.numerics.streams import stream
 from studies.experiments.sweep import Condition, Experiment
 
 

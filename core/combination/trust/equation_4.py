@@ -8,8 +8,8 @@ from core.combination.agreement import MatchKind, degree_of_match
 from core.combination.ranking import EpisodeReport
 from core.combination.trust.contract import Evidence, Needs, Trust
 from core.combination.trust.measures import human_weight
-from core.settings import number
-from core.streams import stream
+from core.configuration.fields import number
+from core.numerics.streams import stream
 
 HIGHEST_CHANCE = 0.99
 """An estimate of chance agreement above this counts as this: a match is divided by 1 - chance."""

@@ -7,7 +7,7 @@ import msgspec
 
 from core.combination.ranking import EpisodeReport
 from core.combination.trust.contract import Evidence, Needs, Trust
-from core.settings import number
+from core.configuration.fields import number
 
 
 class FixedWeight(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="fixed"):

@@ -7,7 +7,7 @@ import msgspec
 from core.combination.ranking import EpisodeReport
 from core.combination.trust.contract import Evidence, Needs, RecentEpisodes, Trust, check_gain, check_memory
 from core.combination.trust.measures import rank_human_weight
-from core.settings import number
+from core.configuration.fields import number
 
 
 class RankCorrelation(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="rank-correlation"):

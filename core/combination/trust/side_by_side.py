@@ -17,8 +17,8 @@ from core.combination.trust.contract import (
     check_weight,
 )
 from core.combination.trust.measures import signed_human_weight
-from core.settings import number
-from core.streams import stream
+from core.configuration.fields import number
+from core.numerics.streams import stream
 
 ATTITUDES = (0.0, 1.0, -1.0)
 """Of the learners, in their order: without the human, with them, against them."""

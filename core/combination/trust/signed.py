@@ -8,7 +8,7 @@ from core.combination.agreement import Agreement
 from core.combination.ranking import EpisodeReport
 from core.combination.trust.contract import Evidence, Needs, RecentEpisodes, Trust, check_gain, check_memory
 from core.combination.trust.measures import signed_human_weight
-from core.settings import number
+from core.configuration.fields import number
 
 
 class Signed(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="signed"):

@@ -15,8 +15,8 @@ from core.combination.trust.contract import (
     check_weight,
 )
 from core.combination.trust.measures import rank_test
-from core.settings import number
-from core.streams import stream
+from core.configuration.fields import number
+from core.numerics.streams import stream
 
 
 class Tried(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="tried"):

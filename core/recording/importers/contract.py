@@ -39,7 +39,7 @@ class Imported:
 
 @runtime_checkable
 class Importer(Protocol):
-    """Turns a source into recordings whose events are those of `core.episode`."""
+    """Turns a source into recordings whose events are those of `core.events`."""
 
     name: str
     """What `arl import` calls it: lower case, digits and '-'."""

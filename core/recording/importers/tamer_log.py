@@ -28,16 +28,16 @@ from pathlib import Path
 
 import msgspec
 
-from core.clock import NS_PER_S, wall_time_utc
 from core.combination.config import AgentConfig, HumanOnly
-from core.episode import EpisodeEnded, EpisodeStarted, Event, FrameShown, KeyPressed, SessionEnded, StepTaken
+from core.events import EpisodeEnded, EpisodeStarted, Event, FrameShown, KeyPressed, SessionEnded, StepTaken
 from core.feedback.credit import PreviousStep
 from core.feedback.samples import CreditConfig
 from core.learners.human_config import RidgeModel
-from core.protocol import Protocol, SessionConfig
+from core.numerics.clock import NS_PER_S, wall_time_utc
 from core.recording.importers.contract import Imported, ImporterError
 from core.recording.recorder import LineWriter
 from core.recording.schema import Header, to_plain
+from core.session.protocol import Protocol, SessionConfig
 from core.tetris.config import TetrisConfig
 
 ROWS, COLUMNS = 20, 10

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Sequence
 
-from core.foreign_text import printable
+from core.system.foreign_text import printable
 from studies.reaction_time.tables.cells import Line
 
 MOST_VALUES = 8

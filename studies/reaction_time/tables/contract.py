@@ -11,7 +11,7 @@ from typing import Literal
 
 import msgspec
 
-from core.foreign_text import printable
+from core.system.foreign_text import printable
 from studies.reaction_time.exclusion import Row
 
 Unit = Literal["s", "ms", "us", "ns"]

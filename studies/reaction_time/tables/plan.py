@@ -7,7 +7,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Literal, Protocol
 
-from core.foreign_text import printable
+from core.system.foreign_text import printable
 from studies.reaction_time.exclusion import Row
 from studies.reaction_time.tables.cells import Table, parse
 from studies.reaction_time.tables.conditions import unused_conditions

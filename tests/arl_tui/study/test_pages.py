@@ -5,7 +5,7 @@ import pytest
 from arl_tui.study.page_app import PageApp
 from arl_tui.study.pages import BreakPage, ConsentPage, NoticePage, TextPage
 from arl_tui.study.question_pages import QuestionPage
-from core.clock import ManualClock, MonotonicClock
+from core.numerics.clock import ManualClock, MonotonicClock
 from studies.lab.questions import Choice, FreeText, Likert, Number, Scale
 
 LONG = "\n\n".join(f"Paragraph {number}." for number in range(40))

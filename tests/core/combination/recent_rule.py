@@ -6,7 +6,7 @@ import msgspec
 
 from core.combination.ranking import EpisodeReport
 from core.combination.trust.contract import Evidence, Needs, RecentEpisodes, Trust
-from core.settings import number
+from core.configuration.fields import number
 
 
 class Recent(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="recent"):

@@ -7,7 +7,6 @@ import msgspec
 import numpy as np
 import pytest
 
-from core.clock import NS_PER_S
 from core.combination.agent import ArlAgent, EpisodePolicy, exact_values
 from core.combination.agreement import Agreement
 from core.combination.config import (
@@ -32,7 +31,8 @@ from core.domain import Choices
 from core.feedback.credit import CurrentStep, PreviousStep
 from core.feedback.samples import CreditConfig
 from core.learners.contract import Candidate
-from core.streams import stream
+from core.numerics.clock import NS_PER_S
+from core.numerics.streams import stream
 
 
 class CountingLearner:

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from core.clock import NS_PER_S
 from core.combination.agent import ArlAgent, EpisodePolicy
 from core.combination.config import (
     AgentConfig,
@@ -19,7 +18,8 @@ from core.combination.config import (
 from core.feedback.credit import CurrentStep
 from core.feedback.samples import CreditConfig
 from core.learners.cross_entropy import CrossEntropyConfig, CrossEntropyLearner
-from core.streams import stream
+from core.numerics.clock import NS_PER_S
+from core.numerics.streams import stream
 from core.tetris.afterstate import Tetris
 from core.tetris.combined import CombinedGame
 from core.tetris.config import TetrisConfig

@@ -24,7 +24,7 @@ from core.combination.ranking import EpisodeReport, draw_policy
 from core.combination.trust.measures import selection_probabilities
 from core.combination.window import DecisionWindow
 from core.domain import Choices
-from core.streams import stream
+from core.numerics.streams import stream
 
 HUMAN = np.array([1.0, 0.0])
 

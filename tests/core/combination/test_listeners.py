@@ -19,14 +19,14 @@ from core.combination.config import (
 )
 from core.combination.tally import EpisodeTally
 from core.domain import Choices
-from core.episode import KeyPressed, UnseenPlayed
+from core.events import KeyPressed, UnseenPlayed
 from core.feedback.config import CreditConfig, TrainerConfig
 from core.feedback.delays import CurrentStep
 from core.learners.cross_entropy_config import CrossEntropyConfig
 from core.learners.human_config import SgdModel
-from core.protocol import SessionConfig, protocol_from
-from core.replay import replay_exactly
-from core.session import build_session
+from core.session.protocol import SessionConfig, protocol_from
+from core.session.replay import replay_exactly
+from core.session.session import build_session
 from tests.core.combination.test_agent import CountingLearner, Outcome
 from tests.core.sessions import TALKATIVE, simulated, small_protocol
 

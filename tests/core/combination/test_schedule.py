@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from core.combination.config import SCHEMES, Annealed, Linear
 from core.combination.schedule import EpisodesSoFar, NextEpisode, next_episode
-from core.protocol import SessionConfig
+from core.session.protocol import SessionConfig
 from tests.data_folder import REPOSITORY
 
 FALLING = [kind for kind in SCHEMES.values() if "decay" in kind.__struct_fields__]

@@ -34,7 +34,7 @@ from core.combination.config import (
     Scheme,
 )
 from core.combination.preference import best_action, chance_of_right, choose, takes_control, worst_action
-from core.streams import stream
+from core.numerics.streams import stream
 from tests.naive.combination import advised_choice, exponential_choice, linear_choice
 
 

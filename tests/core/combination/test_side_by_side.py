@@ -10,7 +10,7 @@ from core.combination.config import AgentConfig, BootstrapConfig, SideBySide
 from core.combination.ranking import EpisodeReport
 from core.combination.window import DecisionWindow
 from core.learners.cross_entropy import CrossEntropyConfig, CrossEntropyLearner
-from core.streams import stream
+from core.numerics.streams import stream
 
 RULE = SideBySide()
 V = np.ones(2)

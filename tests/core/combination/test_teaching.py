@@ -19,7 +19,7 @@ from core.combination.environment import environment_sides
 from core.combination.sides import EpisodeEnd, EpisodeStart, HumanPreference
 from core.combination.window import Values
 from core.domain import Choices
-from core.episode import CreditGiven
+from core.events import CreditGiven
 from core.feedback.config import CreditConfig
 from core.feedback.delays import CurrentStep
 from core.learners.contract import Candidate
@@ -27,8 +27,8 @@ from core.learners.human_config import SgdModel
 from core.learners.policy_gradient import PolicyGradientConfig, PolicyGradientLearner
 from core.learners.sarsa import SarsaConfig
 from core.learners.sarsa_learner import SarsaLearner
-from core.streams import stream
-from core.tile_coding import Range, find_windows, tile_coder
+from core.numerics.streams import stream
+from core.numerics.tile_coding import Range, find_windows, tile_coder
 
 CHAIN = tile_coder((Range(0.0, 2.5, 1.0),), n_tilings=1)
 VALUES: Values = lambda rows, theta: np.asarray(rows @ theta)

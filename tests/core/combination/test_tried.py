@@ -10,7 +10,7 @@ from core.combination.config import BootstrapConfig, RankCorrelation, Tried
 from core.combination.ranking import EpisodeReport
 from core.combination.trust.measures import rank_human_weight, rank_test
 from core.combination.window import DecisionWindow
-from core.streams import stream
+from core.numerics.streams import stream
 
 V = np.ones(2)
 

@@ -14,7 +14,7 @@ from core.combination.trust.measures import (
     selection_probabilities,
     signed_human_weight,
 )
-from core.streams import stream
+from core.numerics.streams import stream
 
 PERFORMANCE = st.floats(0, 1e5)
 MATCH = st.floats(0, 1)

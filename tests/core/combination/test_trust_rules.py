@@ -12,10 +12,10 @@ from core.combination.bootstrap_learning import BootstrapLearning
 from core.combination.config import AgentConfig, BootstrapConfig, Equation4, Signed, TrustRule
 from core.combination.ranking import EpisodeReport
 from core.combination.trust.contract import Needs, Trust, weight_bytes
-from core.episode import EpisodeEnded
-from core.protocol import Protocol, protocol_from
-from core.replay import replay_exactly
-from core.session import build_session
+from core.events import EpisodeEnded
+from core.session.protocol import Protocol, protocol_from
+from core.session.replay import replay_exactly
+from core.session.session import build_session
 from tests.core.combination.recent_rule import Recent
 from tests.core.sessions import simulated, small_protocol
 

@@ -9,9 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from core.clock import NS_PER_S
 from core.feedback.assigner import CreditAssigner, CreditConfig, Sample
 from core.feedback.credit import CurrentStep, GammaDelay, PreviousStep, UniformDelay
+from core.numerics.clock import NS_PER_S
 
 
 def features(step: int) -> NDArray[np.float64]:

@@ -8,7 +8,6 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy import stats
 
-from core.clock import NS_PER_S
 from core.feedback.credit import (
     HORIZON_MASS,
     STILL_SHOWN_NS,
@@ -22,6 +21,7 @@ from core.feedback.credit import (
     describe,
     parse_delay,
 )
+from core.numerics.clock import NS_PER_S
 from tests.naive.feedback import credit_by_integration, gamma_density, uniform_density
 
 DELAYS: list[Delay] = [

@@ -9,17 +9,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from core.clock import NS_PER_S, ManualClock
-from core.episode import CreditGiven, Event, FrameShown, Input, KeyPressed, Resumed, ScreenCleared, TimeGap
+from core.events import CreditGiven, Event, FrameShown, Input, KeyPressed, Resumed, ScreenCleared, TimeGap
 from core.feedback.assigner import CreditAssigner
 from core.feedback.delays import CurrentStep, Delay, GammaDelay, PreviousStep, UniformDelay
 from core.feedback.samples import CreditConfig
-from core.protocol import Protocol, protocol_from
+from core.numerics.clock import NS_PER_S, ManualClock
 from core.recording.reader import Recording
 from core.recording.schema import Header, to_plain
-from core.replay import replay_exactly
-from core.session import build_session
-from core.what_if import hear, relearn, watched_steps
+from core.session.protocol import Protocol, protocol_from
+from core.session.replay import replay_exactly
+from core.session.session import build_session
+from core.session.what_if import hear, relearn, watched_steps
 from tests.core.recording.test_recording import HEADER
 from tests.core.sessions import small_protocol
 

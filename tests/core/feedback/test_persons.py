@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from core.clock import NS_PER_S
-from core.feedback.persons import person, persons
+from core.feedback.simulated_participants import person, persons
 from core.feedback.trainers import SimulatedTrainer, judgement
-from core.streams import stream
+from core.numerics.clock import NS_PER_S
+from core.numerics.streams import stream
 
 VALUES = np.arange(8.0)
 N_EPISODES, N_STEPS = 400, 300

@@ -6,12 +6,12 @@ import msgspec
 import numpy as np
 import pytest
 
-from core.clock import NS_PER_S
 from core.feedback.credit import credit
 from core.feedback.delays import CurrentStep, Delay, GammaDelay, PreviousStep, UniformDelay
 from core.feedback.viewing import Watched
-from core.protocol import KEEPAWAY, TETRIS, Protocol, ScreenConfig
-from core.reach import MeasuredDelays, mean_time_s, reach_of, share_reached
+from core.numerics.clock import NS_PER_S
+from core.session.protocol import KEEPAWAY, TETRIS, Protocol, ScreenConfig
+from core.session.reach import MeasuredDelays, mean_time_s, reach_of, share_reached
 from core.tetris.pace import pictures_per_piece
 from tests.data_folder import data_folder
 

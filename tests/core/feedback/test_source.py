@@ -6,20 +6,20 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from core.clock import NS_PER_S, ManualClock
 from core.combination.agent import ArlAgent
 from core.combination.config import AgentConfig, Constant
 from core.domain import Choices, Transition
-from core.episode import EpisodeEnded, Event, FrameShown, KeyPressed, Output, StepTaken
+from core.events import EpisodeEnded, Event, FrameShown, KeyPressed, Output, StepTaken
 from core.feedback.credit import PreviousStep, UniformDelay
+from core.feedback.keys import KeyConfig, PressGate
 from core.feedback.samples import CreditConfig
 from core.feedback.source import SimulatedParticipant
 from core.feedback.trainers import SimulatedTrainer, TrainerConfig
 from core.feedback.viewing import SteadyViewing
-from core.keys import KeyConfig, PressGate
 from core.learners.contract import Candidate
-from core.rollout import Audience, EpisodePlan, play_episode
-from core.streams import stream
+from core.numerics.clock import NS_PER_S, ManualClock
+from core.numerics.streams import stream
+from core.session.rollout import Audience, EpisodePlan, play_episode
 
 N_CARDS, N_FEATURES = 6, 3
 TASTE = np.array([1.0, -1.0, 0.5])

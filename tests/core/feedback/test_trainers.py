@@ -6,10 +6,10 @@ import msgspec
 import numpy as np
 import pytest
 
-from core.clock import NS_PER_S
 from core.feedback.credit import GammaDelay, UniformDelay
 from core.feedback.trainers import IntendedPress, SimulatedTrainer, TrainerConfig, draw_delay_s, judgement
-from core.streams import stream
+from core.numerics.clock import NS_PER_S
+from core.numerics.streams import stream
 
 VALUES = np.arange(8.0)  # action 7 is the best one; 6 and 7 are the best quarter
 BEST, WORST = 7, 0

@@ -7,11 +7,11 @@ thousandfold, so the twin takes over the simulator's state before every cycle: e
 import numpy as np
 import pytest
 
-from core.keepaway import match as m
-from core.keepaway.game import step_cycle
-from core.keepaway.match import new_match, open_streams, start_episode
 from core.keepaway.pitch import END_REASONS, KeepawayConfig
-from core.keepaway.policies import POLICIES
+from core.keepaway.simulator import match as m
+from core.keepaway.simulator.game import step_cycle
+from core.keepaway.simulator.match import new_match, open_streams, start_episode
+from core.keepaway.simulator.policies import POLICIES
 from tests.naive.keepaway import NaiveMatch
 from tests.naive.keepaway_things import UNKNOWN
 

@@ -25,11 +25,11 @@ from core.combination.config import (
 )
 from core.feedback.config import CreditConfig, TrainerConfig
 from core.feedback.delays import CurrentStep, GammaDelay, PreviousStep, UniformDelay
+from core.feedback.keys import KeyConfig
 from core.keepaway.arl_autoplay import KEEPAWAY_AGENT, ArlAutoplay, ArlKeepawayConfig
 from core.keepaway.autoplay import Autoplay, keepaway_tiles
-from core.keepaway.person_config import KeepawayPersonConfig
+from core.keepaway.participant_config import KeepawayPersonConfig
 from core.keepaway.pitch import KeepawayConfig
-from core.keys import KeyConfig
 from core.learners.human_config import RidgeModel, TileModel
 from core.learners.human_sets import consistency
 from core.learners.sarsa import SarsaConfig, new_sarsa

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from core.keepaway.camera import TRAIL_CYCLES, Camera
-from core.keepaway.game import next_episode, step_cycle
-from core.keepaway.match import ACTION, TARGET, Match, Streams, new_match, open_streams
+from core.keepaway.frame_maker import TRAIL_CYCLES, Camera
 from core.keepaway.picture import NOBODY, PitchFrame
 from core.keepaway.pitch import KICK_DISTANCE, ONGOING, KeepawayConfig
-from core.keepaway.policies import HAND_CODED
+from core.keepaway.simulator.game import next_episode, step_cycle
+from core.keepaway.simulator.match import ACTION, TARGET, Match, Streams, new_match, open_streams
+from core.keepaway.simulator.policies import HAND_CODED
 
 CONFIG = KeepawayConfig(exact_state=True)
 

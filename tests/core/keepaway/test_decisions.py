@@ -6,10 +6,19 @@ import pytest
 from core.keepaway.autoplay import CYCLE_LIMIT as AUTOPLAY_LIMIT
 from core.keepaway.decisions import NOBODY, DecisionPlay
 from core.keepaway.domain import HOLD, Keepaway, KeepawayState
-from core.keepaway.game import step_cycle
-from core.keepaway.match import CYCLE, END, HOLD_BALL, OPTION, PASS_BALL, TARGET, new_match, open_streams
 from core.keepaway.pitch import KICK_DISTANCE, ONGOING, OUT, TAKEN, KeepawayConfig, X, Y
-from core.keepaway.policies import HAND_CODED, hand_coded
+from core.keepaway.simulator.game import step_cycle
+from core.keepaway.simulator.match import (
+    CYCLE,
+    END,
+    HOLD_BALL,
+    OPTION,
+    PASS_BALL,
+    TARGET,
+    new_match,
+    open_streams,
+)
+from core.keepaway.simulator.policies import HAND_CODED, hand_coded
 
 EXACT = KeepawayConfig(exact_state=True)
 CONFIGS = {"exact": EXACT, "noisy": KeepawayConfig(), "4v3": KeepawayConfig(4, 3, 25.0, 25.0)}

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from core.keepaway.autoplay import Autoplay, keepaway_tiles
-from core.keepaway.exhibition import Exhibition, Policy
 from core.keepaway.pitch import OUT, KeepawayConfig
+from core.keepaway.viewed_match import Exhibition, Policy
 from core.learners.sarsa import Sarsa, SarsaConfig, frozen, new_sarsa
 
 CONFIG = KeepawayConfig(exact_state=True)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from studies.experiments.keepaway_fidelity import (
+from studies.fidelity.keepaway_fidelity import (
     FINE_NAMES,
     SETTINGS,
     TRACED_EPISODES,

@@ -7,14 +7,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from core.keepaway import match as m
 from core.keepaway.autoplay import Autoplay, keepaway_tiles, learn_cycle
-from core.keepaway.game import begin_cycle, finish_cycle, step_cycle
-from core.keepaway.match import drop_ball, is_stuck, new_match, open_streams, referee, start_episode
 from core.keepaway.pitch import DROP_DISTANCE, NECK, ONGOING, OUT, PLAYER_RADIUS, TAKEN, KeepawayConfig, X
-from core.keepaway.policies import POLICIES, choose
+from core.keepaway.simulator import match as m
+from core.keepaway.simulator.game import begin_cycle, finish_cycle, step_cycle
+from core.keepaway.simulator.match import drop_ball, is_stuck, new_match, open_streams, referee, start_episode
+from core.keepaway.simulator.policies import POLICIES, choose
 from core.learners.sarsa import SarsaConfig, new_sarsa
-from core.streams import stream
+from core.numerics.streams import stream
 
 EXACT = KeepawayConfig(exact_state=True)
 

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from core.keepaway.arrivals import fastest_to_ball, keeper_to_go
-from core.keepaway.intercept import close_intercept, meeting_cycle
-from core.keepaway.match import GET_OPEN, GO_TO_BALL, HOLD_BALL
-from core.keepaway.options import turn_neck
 from core.keepaway.pitch import BODY, DASH, KIND, NECK_TURN, POWER, VX, X, Y
+from core.keepaway.simulator.arrivals import fastest_to_ball, keeper_to_go
+from core.keepaway.simulator.intercept import close_intercept, meeting_cycle
+from core.keepaway.simulator.match import GET_OPEN, GO_TO_BALL, HOLD_BALL
+from core.keepaway.simulator.options import turn_neck
 
 AT_REST = np.zeros(4)
 EVERYBODY = np.ones(5, np.bool_)

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from core.keepaway.kicking import freeze_ball
 from core.keepaway.pitch import ANGLE, KICK, KIND, POWER
+from core.keepaway.simulator.kicking import freeze_ball
 
 ME = np.zeros(6)
 

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from scipy.stats import gamma
 
-from core.clock import NS_PER_S
 from core.combination.human_learner import HumanLearner
 from core.domain import Choices
 from core.feedback.config import CreditConfig
@@ -12,6 +11,7 @@ from core.feedback.delays import CurrentStep, GammaDelay, PreviousStep, UniformD
 from core.keepaway.domain import HOLD, Keepaway
 from core.keepaway.pitch import KeepawayConfig
 from core.learners.human_config import TileModel
+from core.numerics.clock import NS_PER_S
 
 EXACT = KeepawayConfig(exact_state=True)
 

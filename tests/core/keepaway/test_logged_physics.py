@@ -10,8 +10,6 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from core.keepaway.match import referee
-from core.keepaway.motion import collide, move_object
 from core.keepaway.pitch import (
     BALL_ACCEL_MAX,
     BALL_DECAY,
@@ -23,7 +21,9 @@ from core.keepaway.pitch import (
     PLAYER_SPEED_MAX,
     KeepawayConfig,
 )
-from core.streams import stream
+from core.keepaway.simulator.match import referee
+from core.keepaway.simulator.motion import collide, move_object
+from core.numerics.streams import stream
 from tests.data_folder import data_files
 
 LOGS = data_files("keepaway", pattern="*_traj.csv.gz")

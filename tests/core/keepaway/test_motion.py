@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from core.keepaway.motion import apply_commands, collide, kick_rate, move_all, wrap_deg
 from core.keepaway.pitch import BODY, DASH, KICK, TURN, VX, X, Y
-from core.streams import stream
+from core.keepaway.simulator.motion import apply_commands, collide, kick_rate, move_all, wrap_deg
+from core.numerics.streams import stream
 
 TURN_RNG, KICK_RNG = stream(1, "turn"), stream(1, "kick")
 

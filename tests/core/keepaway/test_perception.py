@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from core.keepaway import match as m
-from core.keepaway.hearing import listen
-from core.keepaway.match import new_match, open_streams
-from core.keepaway.perception import FORGET_BALL, perceive
 from core.keepaway.pitch import ANGLE, BODY, DASH, KIND, NECK, POWER, TURN, VX, VY, KeepawayConfig, X, Y
-from core.keepaway.sight import measure, rounded, seen_distance
-from core.streams import stream
+from core.keepaway.simulator import match as m
+from core.keepaway.simulator.hearing import listen
+from core.keepaway.simulator.match import new_match, open_streams
+from core.keepaway.simulator.perception import FORGET_BALL, perceive
+from core.keepaway.simulator.sight import measure, rounded, seen_distance
+from core.numerics.streams import stream
 
 RNG = stream(1, "perception")
 SEES, BLIND = 0, 2

@@ -3,8 +3,8 @@
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from core.feedback.keys import KeyConfig, PressGate
 from core.keepaway.presses import LOST, WAITING, begin_episode, is_due, make, new_presses, plan
-from core.keys import KeyConfig, PressGate
 
 MS = 1_000_000
 KEYS = KeyConfig(max_presses_per_episode=2)

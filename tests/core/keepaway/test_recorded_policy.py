@@ -6,15 +6,15 @@ import msgspec
 import numpy as np
 import pytest
 
-from core.episode import EpisodeEnded, SessionEnded, UnseenPlayed
+from core.events import EpisodeEnded, SessionEnded, UnseenPlayed
 from core.keepaway.autoplay import keepaway_tiles
 from core.keepaway.domain import Keepaway
 from core.keepaway.policy_file import PolicyFileError
 from core.keepaway.recorded_policy import N_TILINGS, recorded_policy
 from core.learners.sarsa_learner import SarsaLearner
-from core.protocol import KEEPAWAY, Protocol
 from core.recording.recorder import Recorder
 from core.recording.schema import to_plain
+from core.session.protocol import KEEPAWAY, Protocol
 from tests.core.recording.test_recording import HEADER
 
 

@@ -5,9 +5,9 @@ import pytest
 
 from core.keepaway.autoplay import keepaway_tiles
 from core.keepaway.pitch import KeepawayConfig
-from core.keepaway.policies import HAND_CODED, HOLD, RANDOM, choose
-from core.keepaway.variables import observe, state_variables
-from core.streams import stream
+from core.keepaway.simulator.policies import HAND_CODED, HOLD, RANDOM, choose
+from core.keepaway.simulator.variables import observe, state_variables
+from core.numerics.streams import stream
 
 
 def players(*places):

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from core.feedback.samples import Sample
 from core.learners.consistency import Consistency
 from core.learners.human_reward import HumanRewardModel, RidgeModel
-from core.streams import stream
+from core.numerics.streams import stream
 
 
 def score(presses: list[tuple[float, float, float]]) -> float:

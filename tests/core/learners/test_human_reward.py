@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from core.feedback.samples import Sample
 from core.learners.human_config import HumanModelConfig, RidgeModel, SgdModel
 from core.learners.human_reward import HumanRewardModel
-from core.streams import stream
+from core.numerics.streams import stream
 from tests.naive import feedback as naive
 
 CONFIGS: list[HumanModelConfig] = [

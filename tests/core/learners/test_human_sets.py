@@ -9,7 +9,7 @@ from core.feedback.samples import Sample
 from core.learners.human_config import SgdModel, TileModel
 from core.learners.human_reward import HumanRewardModel
 from core.learners.human_sets import human_values, learn_sample, new_human_set
-from core.tile_coding import Range, find_windows, tile_coder
+from core.numerics.tile_coding import Range, find_windows, tile_coder
 
 CODER = tile_coder((Range(0.0, 4.0, 1.0), Range(0.0, 90.0, 30.0)), n_tilings=4)
 N_LEARNERS, N_OPTIONS = 2, 3

@@ -11,8 +11,8 @@ from core.feedback.samples import Sample
 from core.learners.human_config import RidgeModel, SgdModel, TileModel
 from core.learners.human_reward import HumanRewardModel
 from core.learners.human_tiles import HumanTileModel, human_model
-from core.streams import stream
-from core.tile_coding import Tiling, from_runs, row_values, runs
+from core.numerics.streams import stream
+from core.numerics.tile_coding import Tiling, from_runs, row_values, runs
 
 TILING = Tiling(n_weights=60, n_tilings=4)
 

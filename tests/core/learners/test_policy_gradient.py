@@ -18,8 +18,8 @@ from core.learners.policy_gradient_kernels import (
     learn_from_reward,
     remember_score,
 )
-from core.softmax import drawn, exponential, softmax
-from core.streams import stream
+from core.numerics.softmax import drawn, exponential, softmax
+from core.numerics.streams import stream
 from tests.naive import policy_gradient as naive
 
 FORMS = (LINEAR, LINEAR_RAW, EXPONENTIAL, ADVISE)

@@ -16,8 +16,8 @@ from core.learners.sarsa import (
     new_sarsa,
     reward_of,
 )
-from core.streams import stream
-from core.tile_coding import Range, find_windows, tile_coder
+from core.numerics.streams import stream
+from core.numerics.tile_coding import Range, find_windows, tile_coder
 
 CHAIN = tile_coder((Range(0.0, 2.5, 1.0),), n_tilings=1)
 

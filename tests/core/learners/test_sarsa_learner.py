@@ -7,8 +7,8 @@ from core.domain import Choices
 from core.learners.contract import StepwiseLearner
 from core.learners.sarsa import SarsaConfig, decide, end_episode, last_value, new_sarsa, take_action
 from core.learners.sarsa_learner import SarsaLearner
-from core.streams import stream
-from core.tile_coding import Range, from_runs, tile_coder
+from core.numerics.streams import stream
+from core.numerics.tile_coding import Range, from_runs, tile_coder
 
 CODER = tile_coder((Range(0.0, 4.0, 1.0), Range(0.0, 2.0, 1.0)), 4)
 

@@ -7,13 +7,13 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from core.episode import KeyPressed
-from core.protocol import protocol_from
+from core.events import KeyPressed
 from core.recording.anonymise import OTHER_KEY, Anonymising, anonymised, removals
 from core.recording.reader import Recording, read_recording
 from core.recording.recorder import LineWriter
-from core.replay import replay_exactly
-from core.session import build_session
+from core.session.protocol import protocol_from
+from core.session.replay import replay_exactly
+from core.session.session import build_session
 from tests.core.recording.test_recording import HEADER, press
 
 REFERENCE = Path(__file__).resolve().parents[3] / "recordings" / "reference"

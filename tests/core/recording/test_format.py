@@ -8,15 +8,15 @@ from pathlib import Path
 
 import pytest
 
-from core.episode import CreditGiven, Input, KeyPressed, Output, PressRetracted, StopAsked
-from core.protocol import protocol_from
+from core.events import CreditGiven, Input, KeyPressed, Output, PressRetracted, StopAsked
 from core.recording.json_schema import records_of, schema_of
 from core.recording.reader import RecordingError, read_recording
 from core.recording.schema import VERSION
 from core.recording.summary import summarise_recording
 from core.recording.upgrade import upgraded
-from core.replay import replay_exactly
-from core.session import build_session
+from core.session.protocol import protocol_from
+from core.session.replay import replay_exactly
+from core.session.session import build_session
 
 REPOSITORY = Path(__file__).resolve().parents[3]
 REFERENCE = REPOSITORY / "recordings" / "reference"

@@ -6,12 +6,12 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from core.protocol import protocol_from
 from core.recording.publish import publish_copy, publish_folder
 from core.recording.reader import read_recording
 from core.recording.recorder import LineWriter
-from core.replay import replay_exactly
-from core.session import build_session
+from core.session.protocol import protocol_from
+from core.session.replay import replay_exactly
+from core.session.session import build_session
 from tests.core.recording.test_recording import HEADER, press
 
 GOLDEN = Path(__file__).resolve().parents[3] / "recordings" / "reference" / "tetris-linear-equation-4.jsonl"

@@ -14,7 +14,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from core.episode import EpisodeEnded, FrameShown, KeyPressed
+from core.events import EpisodeEnded, FrameShown, KeyPressed
 from core.recording.reader import RecordingError, read_recording
 from core.recording.recorder import Kept, LineWriter, Recorder
 from core.recording.schema import VERSION, Header

@@ -5,7 +5,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from core.episode import (
+from core.events import (
     EpisodeEnded,
     Event,
     FocusLost,

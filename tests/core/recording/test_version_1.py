@@ -7,13 +7,13 @@ import msgspec
 import pytest
 
 from core.combination.config import Annealed, ControlSharing, Linear
-from core.episode import EpisodeEnded, EpisodeStarted, SessionEnded, UnseenPlayed
-from core.protocol import protocol_from
+from core.events import EpisodeEnded, EpisodeStarted, SessionEnded, UnseenPlayed
 from core.recording.reader import RecordingError, read_recording
 from core.recording.recorder import LineWriter
 from core.recording.version_1 import as_far_as_recorded, with_schedules
-from core.replay import replay_exactly
-from core.session import build_session
+from core.session.protocol import protocol_from
+from core.session.replay import replay_exactly
+from core.session.session import build_session
 from tests.data_folder import REPOSITORY
 
 GOLDEN = REPOSITORY / "recordings" / "reference" / "tetris-linear-equation-4.jsonl"

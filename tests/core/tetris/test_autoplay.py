@@ -12,10 +12,10 @@ from core.combination.agreement import Agreement
 from core.combination.config import EXPONENTIAL, LINEAR, LINEAR_RAW, EpisodeWeights
 from core.combination.preference import best_action, choose, takes_control, worst_action
 from core.combination.tally import AGREED, agreement_of
-from core.compiled import JIT_DISABLED
-from core.fixed_point import exact_weights
 from core.learners.linear import action_values
-from core.streams import stream
+from core.numerics.compiled import JIT_DISABLED
+from core.numerics.fixed_point import exact_weights
+from core.numerics.streams import stream
 from core.tetris.afterstate import Tetris, TetrisState
 from core.tetris.autoplay import GreedyGames, best_of, play_greedy, worst_of
 from core.tetris.board import piece_at

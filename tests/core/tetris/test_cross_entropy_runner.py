@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from core.learners.cross_entropy import CrossEntropy, CrossEntropyConfig
-from core.streams import stream
+from core.numerics.streams import stream
 from core.tetris.autoplay import play_greedy
 from core.tetris.config import TetrisConfig
 from core.tetris.cross_entropy_runner import Evaluation, evaluate, run_iteration, undecided_games

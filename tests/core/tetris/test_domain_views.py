@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from core.streams import stream
+from core.numerics.streams import stream
 from core.tetris.afterstate import Tetris, TetrisState
 from core.tetris.config import TetrisConfig
 from core.tetris.game import reachable_placements

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from core.streams import stream_seed
+from core.numerics.streams import stream_seed
 from core.tetris.afterstate import Tetris, TetrisState
 from core.tetris.autoplay import play_greedy
 from core.tetris.config import TetrisConfig

@@ -6,12 +6,12 @@ import pytest
 from core.combination.config import EXPONENTIAL, LINEAR, LINEAR_RAW, EpisodeWeights
 from core.combination.preference import best_action, worst_action
 from core.combination.tally import COMPARED
-from core.compiled import JIT_DISABLED
-from core.counters import uniform_at
-from core.fixed_point import exact_weights
 from core.learners.linear import action_values
 from core.learners.policy_gradient import PolicyGradient, PolicyGradientConfig
-from core.streams import stream, stream_seed
+from core.numerics.compiled import JIT_DISABLED
+from core.numerics.counters import uniform_at
+from core.numerics.fixed_point import exact_weights
+from core.numerics.streams import stream, stream_seed
 from core.tetris.afterstate import Tetris
 from core.tetris.config import TetrisConfig
 from core.tetris.policy_gradient import PolicyGradientGame, placement_scales

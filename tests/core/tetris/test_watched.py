@@ -4,7 +4,6 @@ import msgspec
 import numpy as np
 import pytest
 
-from core.clock import ManualClock
 from core.combination.config import (
     Advise,
     AgentConfig,
@@ -21,18 +20,19 @@ from core.combination.config import (
     RewardShaping,
     Signed,
 )
-from core.compiled import JIT_DISABLED
-from core.episode import EpisodeEnded, EpisodeStarted, KeyPressed
+from core.events import EpisodeEnded, EpisodeStarted, KeyPressed
 from core.feedback.config import CreditConfig
 from core.feedback.delays import GammaDelay, UniformDelay
+from core.feedback.keys import NS_PER_MS, PressGate
 from core.feedback.source import SimulatedParticipant
 from core.feedback.trainers import SimulatedTrainer, TrainerConfig
 from core.feedback.viewing import SteadyViewing
-from core.keys import NS_PER_MS, PressGate
 from core.learners.cross_entropy import CrossEntropyConfig
 from core.learners.policy_gradient_config import PolicyGradientConfig
-from core.protocol import Protocol, SessionConfig
-from core.session import build_session
+from core.numerics.clock import ManualClock
+from core.numerics.compiled import JIT_DISABLED
+from core.session.protocol import Protocol, SessionConfig
+from core.session.session import build_session
 from core.tetris.config import TetrisConfig
 from core.tetris.oracle import TetrisOracle
 from studies.experiments.tetris_trial import new_trial, step_ns

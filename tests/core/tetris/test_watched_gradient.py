@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 
 from core.combination.config import AgentConfig, EnvironmentOnly
-from core.compiled import JIT_DISABLED
 from core.feedback.trainers import TrainerConfig
 from core.learners.policy_gradient import PolicyGradient, PolicyGradientConfig
-from core.protocol import Protocol, SessionConfig
-from core.streams import stream_seed
+from core.numerics.compiled import JIT_DISABLED
+from core.numerics.streams import stream_seed
+from core.session.protocol import Protocol, SessionConfig
 from core.tetris.afterstate import Tetris, TetrisState
 from core.tetris.config import TetrisConfig
 from core.tetris.policy_gradient import placement_scales

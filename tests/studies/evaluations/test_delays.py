@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from core.feedback.delays import GammaDelay
-from core.streams import stream
+from core.numerics.streams import stream
 from studies.evaluations import delays_page
 from studies.evaluations.delays import (
     ONSET,

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from core.episode import FrameShown, KeyPressed
+from core.events import FrameShown, KeyPressed
 from core.recording.importers.contract import (
     BUILT_IN,
     Importer,

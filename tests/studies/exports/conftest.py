@@ -7,7 +7,7 @@ import pytest
 from click.testing import CliRunner
 
 from arl_tui.cli import main
-from core.streams import stream
+from core.numerics.streams import stream
 from studies.reaction_time.protocol import TaskConfig
 from studies.reaction_time.schedule import make_schedule
 from tests.arl_tui.trial_files import write_session

@@ -8,10 +8,10 @@ import sys
 import numpy as np
 import pytest
 
+from core.feedback.keys import KeyConfig
 from core.feedback.trainers import TrainerConfig
-from core.keys import KeyConfig
-from core.protocol import SessionConfig
 from core.recording.reader import read_recording
+from core.session.protocol import SessionConfig
 from studies.exports.minari import FOLDER_VARIABLE, export_minari
 from studies.exports.session_rows import SessionRows
 from studies.exports.tidy import ExportError

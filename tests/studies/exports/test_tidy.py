@@ -10,7 +10,7 @@ from typing import get_args, get_type_hints
 
 import pytest
 
-from core.episode import KeyPressed, PressRetracted
+from core.events import KeyPressed, PressRetracted
 from core.recording.reader import read_recording
 from studies.exports.event_tables import PRESSES
 from studies.exports.tables import TABLES

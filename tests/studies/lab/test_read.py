@@ -2,7 +2,7 @@
 
 import pytest
 
-from core.protocol import protocol_from
+from core.session.protocol import protocol_from
 from studies.lab.read import StudyError, combined, load_study
 
 STUDY = """

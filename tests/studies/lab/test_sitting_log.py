@@ -4,7 +4,7 @@ import hashlib
 
 import pytest
 
-from core.clock import ManualClock
+from core.numerics.clock import ManualClock
 from studies.lab.sealed import SealedFileError
 from studies.lab.sitting_log import (
     ConsentAnswered,

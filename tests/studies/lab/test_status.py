@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from core.clock import ManualClock
+from core.numerics.clock import ManualClock
 from studies.lab.enrolment import NotNow, begin_sitting, enrol
 from studies.lab.folder import exports_folder, participant_folder, sitting_path
 from studies.lab.ledger import Declined, Ledger, SittingEnded, StepDone

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from core.numerics.streams import stream
 from core.recording.importers.contract import ImporterError
-from core.streams import stream
 from studies.evaluations.table import EvaluationColumns, read_evaluations
 from studies.reaction_time.read import Columns, ReadError, read_files
 from tests.studies.reaction_time.program_files import FILES, made

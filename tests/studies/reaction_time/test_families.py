@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import special, stats
 
-from core.streams import stream
+from core.numerics.streams import stream
 from studies.reaction_time import gamma_functions, kernels
 from studies.reaction_time.families import (
     EX_GAUSSIAN,

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from core.feedback.credit import GammaDelay
-from core.streams import stream
+from core.numerics.streams import stream
 from studies.reaction_time import fit
 from studies.reaction_time.families import FAMILIES, GAMMA, SHIFTED_GAMMA, fit_family
 from studies.reaction_time.fit import (

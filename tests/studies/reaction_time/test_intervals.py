@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import optimize, stats
 
-from core.streams import stream
+from core.numerics.streams import stream
 from studies.reaction_time.bootstrap import critical_values, percentile_intervals, resample
 from studies.reaction_time.families import FAMILIES, GAMMA, SHIFTED_GAMMA, fit_family
 from studies.reaction_time.fit import FitSettings, fit_participant

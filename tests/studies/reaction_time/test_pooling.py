@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from core.streams import stream
+from core.numerics.streams import stream
 from studies.reaction_time.families import GAMMA, fit_family
 from studies.reaction_time.held_out import METHODS, compare_held_out, markdown_table, pinball_loss
 from studies.reaction_time.pooling import pool, pooled

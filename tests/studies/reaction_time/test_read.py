@@ -4,7 +4,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from core.streams import stream
+from core.numerics.streams import stream
 from studies.reaction_time.exclusion import ExclusionPolicy, Row, judge, select
 from studies.reaction_time.fit import FitSettings, fit_participant
 from studies.reaction_time.read import BIDS, Columns, ReadError, read_rows, read_table, write_rows

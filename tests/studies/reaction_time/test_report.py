@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from core.feedback.credit import GammaDelay
-from core.streams import stream
+from core.numerics.streams import stream
 from studies.reaction_time import report
 from studies.reaction_time.exclusion import ExclusionPolicy, Row, select
 from studies.reaction_time.figures import fit_figure, paper_figure_4, svg_text

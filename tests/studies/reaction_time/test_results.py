@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from core.streams import stream
+from core.numerics.streams import stream
 from studies.reaction_time.held_out import HeldOutScore
 from studies.reaction_time.read import Columns
 from studies.reaction_time.results import DataSet, delay_of, families_page, fit_data_set, main, pooling_page

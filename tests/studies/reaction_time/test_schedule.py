@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats
 
-from core.streams import stream
+from core.numerics.streams import stream
 from studies.reaction_time.protocol import RESPONSE_KEYS, Foreperiod, TaskConfig
 from studies.reaction_time.schedule import describe, draw_foreperiods, expected_minutes, make_schedule
 from studies.reaction_time.tasks import ALLOWED_KEYS, GRID_ROWS, MAKERS, WORDS

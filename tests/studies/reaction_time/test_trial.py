@@ -2,7 +2,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from core.clock import ManualClock
+from core.numerics.clock import ManualClock
 from studies.reaction_time.protocol import BlockPlan, Schedule, TaskConfig, TrialPlan
 from studies.reaction_time.trial import NS_PER_MS, Trial
 

@@ -1,7 +1,7 @@
 import msgspec
 import pytest
 
-from core.clock import ManualClock
+from core.numerics.clock import ManualClock
 from studies.reaction_time.protocol import TaskConfig, TrialRecord
 from studies.reaction_time.schedule import make_schedule
 from studies.reaction_time.trial import NS_PER_MS, Trial

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import msgspec
 
-from core.episode import (
+from core.events import (
     CreditGiven,
     EpisodeEnded,
     EpisodeStarted,
@@ -21,10 +21,10 @@ from core.episode import (
     StepTaken,
     TimeGap,
 )
-from core.protocol import Protocol
 from core.recording.reader import read_recording
 from core.recording.recorder import LineWriter
 from core.recording.schema import Header, to_plain
+from core.session.protocol import Protocol
 
 REFERENCE = Path(__file__).resolve().parents[3] / "recordings" / "reference"
 RECORDINGS = sorted([*REFERENCE.glob("*.jsonl"), *REFERENCE.glob("version-2/*.jsonl")])

@@ -8,7 +8,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from core.episode import StepTaken
+from core.events import StepTaken
 from core.recording.reader import read_recording
 from core.recording.recorder import LineWriter
 from studies.session_view.comparison import (

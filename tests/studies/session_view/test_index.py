@@ -12,7 +12,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from core.episode import (
+from core.events import (
     CreditGiven,
     EpisodeStarted,
     FrameShown,

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from core.clock import NS_PER_S, ManualClock
 from core.feedback.credit import CurrentStep, GammaDelay, PreviousStep, UniformDelay
+from core.numerics.clock import NS_PER_S, ManualClock
 from studies.session_view.credit_strip import strip_of
 from studies.session_view.session import SessionView, open_session
 from studies.session_view.tags import Tag, Tags, TagsError, write_tags_csv

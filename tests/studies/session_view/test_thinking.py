@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from core.feedback.credit import GammaDelay
-from core.protocol import protocol_from
 from core.recording.reader import read_recording
+from core.session.protocol import protocol_from
 from studies.session_view.session import open_session
 from studies.session_view.thinking import own_thoughts, what_if_thoughts
 from studies.session_view.thoughts import THOUGHT, Thoughts

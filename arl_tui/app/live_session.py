@@ -1,0 +1,409 @@
+"""A live session as the screen's process knows it: what was shown when, which presses count, what is recorded.
+
+No widgets here and no rules of a game: `LiveSession` stands between the link (worker), the recorder (disk) and a
+listener (the screens).
+"""
+
+from collections import deque
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import Literal, Protocol
+
+from arl_tui.app.frames import FrameLedger
+from arl_tui.app.link import (
+    Alive,
+    Begin,
+    Crashed,
+    FromWorker,
+    Link,
+    Picture,
+    Preparing,
+    PressSuggested,
+    Ready,
+    TakenFor,
+)
+from core.events import (
+    EpisodeEnded,
+    EpisodeStarted,
+    Event,
+    FocusLost,
+    FocusRegained,
+    Input,
+    KeyPressed,
+    Output,
+    PressRetracted,
+    Resumed,
+    ScreenCleared,
+    SessionEnded,
+    StepTaken,
+    StopAsked,
+    StopReason,
+    TimeGap,
+    UnseenPlayed,
+    WrongPressAsked,
+)
+from core.feedback.keys import KeyConfig, PressGate
+from core.numerics.clock import NS_PER_S, Clock
+
+Cover = Literal["pause", "help", "quit-dialogue", "resize", "gap", "count-down"]
+Occurrence = Event | Picture | PressSuggested | Preparing | Ready | TakenFor
+
+
+class EventSink(Protocol):
+    """Where events are recorded (`core.recording.recorder.Recorder`)."""
+
+    failure: OSError | None
+    """Why nothing more can be kept; None while all is well."""
+
+    @property
+    def recorded(self) -> int:
+        """How many events have been taken."""
+        ...
+
+    @property
+    def written(self) -> int:
+        """How many of them are in the file: they survive the end of this program."""
+        ...
+
+    def record(self, event: Event) -> None:
+        """Take one event; never wait."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Unconfirmed:
+    """A press, or a press taken back, that is not known to be in the file yet."""
+
+    number: int
+    """How many events must be in the file for this one to be."""
+    event: KeyPressed | PressRetracted
+    presses_left: int
+    """Of the budget, after it."""
+    episode: int
+    since_ns: int
+
+
+@dataclass
+class Tally:
+    """What the summary at the end tells the participant."""
+
+    performances: list[float] = field(default_factory=list)
+    """Of the watched episodes."""
+    unseen: int = 0
+    """Episodes played out of sight."""
+    practised: list[float] = field(default_factory=list)
+    """Mean performance of each block of them."""
+    good: int = 0
+    bad: int = 0
+    taken_back: int = 0
+    trust: float = 0.0
+    """What the rule of trust says of the participant, after the last episode."""
+    weight: float | None = None
+    """Weight of the participant's judgement in the last watched game; None before the first."""
+    steps: int = 0
+
+
+def weight_in_use(episode: EpisodeStarted) -> float:
+    """Return the weight that the human has in an episode: in control sharing, the chance of a handover."""
+    return episode.share if episode.share > 0 else episode.weight
+
+
+def uniform_draws(root_seed: int) -> Iterator[float]:
+    """Yield the numbers in [0, 1) of the stream that says which presses are asked to be wrong."""
+    from core.numerics.streams import stream  # not at the top: the first picture need not wait for numpy
+
+    rng = stream(root_seed, "wrong-press")
+    while True:
+        yield float(rng.random())
+
+
+class LiveSession:
+    """One session from the start key to the end line.
+
+    Phases: `waiting` (for the start) -> `running` -> `stopping` (the worker finishes) -> `over`.
+    """
+
+    def __init__(
+        self,
+        *,
+        keys: KeyConfig,
+        root_seed: int,
+        link: Link,
+        clock: Clock,
+        listener: Callable[[Occurrence], None],
+        on_over: Callable[[str | None], None],
+    ) -> None:
+        """Prepare; nothing is recorded before `begin`.
+
+        Args:
+            keys: which keys mean what.
+            root_seed: the session's seed (stream "wrong-press" says which presses are asked to be wrong).
+            link: the worker.
+            clock: the clock of key and flush times.
+            listener: told of everything that happens, in order.
+            on_over: called once when nothing more will happen; with the reason if the worker failed.
+        """
+        self.gate = PressGate(keys)
+        self.tally = Tally()
+        self.phase: Literal["waiting", "running", "stopping", "over"] = "waiting"
+        self.ready = False
+        self.take_stamps: Callable[[], list[tuple[int, int]]] = list
+        """Returns flush stamps (frame, time) not seen yet; set by the app that owns the driver."""
+        self.find_gap: Callable[[], TimeGap | None] = lambda: None
+        """Returns a gap in time that has just ended (`arl_tui.app.gaps`); set by the app, asked before all that comes in."""
+        self._has_focus = True
+        self._frames = FrameLedger()
+        self._link = link
+        self._clock = clock
+        self._listener = listener
+        self._on_over = on_over
+        self._sink: EventSink | None = None
+        self._accepted: dict[int, float] = {}
+        self._root_seed = root_seed
+        self._draws: Iterator[float] | None = None
+        self._wrong_next = self._draw_wrong()
+        self._worker_error: str | None = None
+        self._unconfirmed: deque[Unconfirmed] = deque()
+        self._taken: dict[int, TakenFor] = {}
+        """What presses were taken for that are not known to be in the file yet."""
+        self._episodes_begun = 0
+        self._heard_ns = clock.now_ns()
+        self.presses_left = self.gate.presses_left
+        """Presses that are left of the budget, as far as presses have been confirmed."""
+
+    # --- from the screens ---------------------------------------------------------------------------------------
+
+    def begin(self, sink: EventSink) -> None:
+        """Start: events are recorded from here on."""
+        if self.phase == "waiting":
+            self._sink = sink
+            self.phase = "running"
+            self._heard_ns = self._clock.now_ns()
+            self._link.send(Begin())
+            if not self._has_focus:
+                self._enter(FocusLost(time_ns=self._clock.now_ns()))
+
+    def press(
+        self, key: str, time_ns: int, *, source: Literal["participant", "simulated"] = "participant"
+    ) -> None:
+        """Take in a key press made at `time_ns`."""
+        if self.phase != "running":
+            return
+        self.notice_gap()
+        self.collect_frames()
+        self.gate.frame, self.gate.step = self._frames.at(time_ns)
+        for record in self.gate.press(key, time_ns, source=source):
+            self._count(record)
+            self._enter(record)
+
+    def painted(self, step: int) -> int:
+        """Note that new content for `step` has been drawn; returns the frame's number."""
+        return self._frames.painted(step)
+
+    def collect_frames(self) -> None:
+        """Take in the flush stamps that have arrived."""
+        self.notice_gap()
+        for frame, time_ns in self.take_stamps():
+            if self.phase != "running" or self.gate.covered:
+                self._frames.dropped(frame)
+            else:
+                self._enter(self._frames.flushed(frame, time_ns))
+
+    def notice_gap(self) -> None:
+        """Note that the program has stood still, if it has: what it shows then covers the game by itself."""
+        gap = self.find_gap()
+        if gap is None or self.phase != "running":
+            return
+        last_ns, middle_ns = gap.last_ns, (gap.last_ns + gap.time_ns) // 2
+        for frame, time_ns in self.take_stamps():
+            # A frame that left just before the gap is in the file before it; one from after it comes under the cover.
+            if self.gate.covered or (time_ns > middle_ns and not gap.suspended_ns):
+                self._frames.dropped(frame)
+            else:
+                self._enter(self._frames.flushed(frame, time_ns))
+                last_ns = max(last_ns, time_ns)
+        self._frames.cleared(last_ns)
+        self._enter(
+            TimeGap(last_ns=last_ns, time_ns=max(last_ns, gap.time_ns), suspended_ns=gap.suspended_ns)
+        )
+
+    def focus(self, has_focus: bool) -> None:
+        """Note that the terminal's window has lost the keyboard, or has it again."""
+        if has_focus == self._has_focus:
+            return
+        self._has_focus = has_focus
+        if self.phase == "running":
+            now_ns = self._clock.now_ns()
+            self._enter(FocusRegained(time_ns=now_ns) if has_focus else FocusLost(time_ns=now_ns))
+
+    def cover(self, reason: Cover) -> None:
+        """Note that something else is on screen: simulated time stops."""
+        if self.phase == "running" and not self.gate.covered:
+            self.collect_frames()
+            now_ns = self._clock.now_ns()
+            self.gate.covered = True
+            self._frames.cleared(now_ns)
+            self._enter(ScreenCleared(time_ns=now_ns, reason=reason))
+
+    def uncover(self) -> None:
+        """Note that the step is on screen again."""
+        if self.phase == "running" and self.gate.covered:
+            # What was drawn before the cover and stamped under it does not count.
+            self.collect_frames()
+            self.gate.covered = False
+            self._enter(Resumed(time_ns=self._clock.now_ns()))
+
+    def count_down(self) -> None:
+        """Note that a count-down is on screen in the step's place; after a page, that page is over."""
+        self.uncover()
+        self.cover("count-down")
+
+    def confirm(self) -> None:
+        """Pass on to the screens the presses that are in the file by now; none once the disk has failed."""
+        sink = self._sink
+        while (
+            self._unconfirmed
+            and sink is not None
+            and sink.failure is None
+            and self._unconfirmed[0].number <= sink.written
+        ):
+            waiting = self._unconfirmed.popleft()
+            same = waiting.episode == self._episodes_begun
+            self.presses_left = waiting.presses_left if same else self.gate.presses_left
+            self._listener(waiting.event)
+            taken = self._taken.pop(waiting.event.press, None)
+            if taken is not None:
+                self._listener(taken)
+
+    def unconfirmed_s(self) -> float:
+        """Return for how long the oldest press has waited to be in the file, seconds; 0.0 where none waits."""
+        if not self._unconfirmed:
+            return 0.0
+        return (self._clock.now_ns() - self._unconfirmed[0].since_ns) / NS_PER_S
+
+    def silent_s(self) -> float:
+        """Return for how long the worker has sent nothing, seconds."""
+        return (self._clock.now_ns() - self._heard_ns) / NS_PER_S
+
+    def stop(self, reason: StopReason = "participant") -> None:
+        """End the session: the worker truncates the episode and says its last word."""
+        if self.phase == "running":
+            self.collect_frames()
+            self.phase = "stopping"
+            self._enter(StopAsked(time_ns=self._clock.now_ns(), reason=reason))
+
+    def give_up(self, reason: str) -> None:
+        """End without the worker's last word."""
+        if self.phase == "running":
+            self.stop("worker-died")
+        if self.phase != "over":
+            self.phase = "over"
+            self._on_over(reason)
+
+    # --- from the worker ----------------------------------------------------------------------------------------
+
+    def take_in(self, message: FromWorker) -> None:
+        """Act on a message of the worker."""
+        self._heard_ns = self._clock.now_ns()
+        if isinstance(message, Alive):
+            return
+        if isinstance(message, Crashed):
+            self._worker_error = f"{message.error}\n\n{message.trace}"
+        elif isinstance(message, TakenFor):
+            self._note_taken(message)
+        elif isinstance(message, Picture | PressSuggested | Preparing):
+            self._listener(message)
+        elif isinstance(message, Ready):
+            self.ready = True
+            self._listener(message)
+        else:
+            self._take_output(message)
+
+    def _note_taken(self, taken: TakenFor) -> None:
+        """Tell the screens what a press was taken for, after they have been told that it counts."""
+        if any(waiting.event.press == taken.press for waiting in self._unconfirmed):
+            self._taken[taken.press] = taken
+        else:
+            self._listener(taken)
+
+    def worker_lost(self, reason: str) -> None:
+        """Act on the end of the worker's process."""
+        self.give_up(self._worker_error or reason)
+
+    def _take_output(self, output: Output) -> None:
+        if self._sink is None or self.phase == "over":
+            return
+        self.notice_gap()
+        # What was flushed before this message arrived comes before it in the file.
+        self.collect_frames()
+        self._sink.record(output)
+        match output:
+            case EpisodeStarted():
+                self.gate.episode_started()
+                self._episodes_begun += 1
+                self.presses_left = self.gate.presses_left
+                self.tally.weight = weight_in_use(output)
+            case StepTaken():
+                self.tally.steps += 1
+                self._ask_wrong_press(output.step)
+            case EpisodeEnded():
+                self.tally.performances.append(output.performance)
+                self.tally.trust = output.trust
+            case UnseenPlayed():
+                self.tally.unseen += len(output.policies)
+                self.tally.practised.append(sum(output.performances) / len(output.performances))
+                self.tally.trust = output.trust
+        self._listener(output)
+        if isinstance(output, SessionEnded):
+            self.phase = "over"
+            self._on_over(None)
+
+    def _ask_wrong_press(self, step: int) -> None:
+        if self._wrong_next and not self.gate.wrong_asked and self.gate.presses_left > 0:
+            self._wrong_next = False
+            self.gate.wrong_asked = True
+            self._enter(WrongPressAsked(time_ns=self._clock.now_ns(), step=step))
+
+    # --- both ---------------------------------------------------------------------------------------------------
+
+    def _count(self, record: KeyPressed | PressRetracted) -> None:
+        if isinstance(record, PressRetracted):
+            value = self._accepted.pop(record.press)
+            self.tally.taken_back += 1
+            change = -1
+        elif record.verdict == "accepted" and record.value is not None:
+            value = self._accepted[record.press] = record.value
+            self._wrong_next = self._draw_wrong()
+            change = 1
+        else:
+            return
+        if value > 0:
+            self.tally.good += change
+        else:
+            self.tally.bad += change
+
+    def _draw_wrong(self) -> bool:
+        rate = self.gate.config.wrong_press_rate
+        if rate == 0.0:
+            return False
+        if self._draws is None:
+            self._draws = uniform_draws(self._root_seed)
+        return next(self._draws) < rate
+
+    def _enter(self, event: Input) -> None:
+        """Record an input, send it to the worker, tell the screens: of a press only when it is in the file."""
+        assert self._sink is not None, "inputs are taken in only between begin and the end"
+        self._sink.record(event)
+        self._link.send(event)
+        if not isinstance(event, KeyPressed | PressRetracted):
+            self._listener(event)
+            return
+        waiting = Unconfirmed(
+            number=self._sink.recorded,
+            event=event,
+            presses_left=self.gate.presses_left,
+            episode=self._episodes_begun,
+            since_ns=self._clock.now_ns(),
+        )
+        self._unconfirmed.append(waiting)
+        self.confirm()

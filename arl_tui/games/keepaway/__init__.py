@@ -1,0 +1,1 @@
+"""Keepaway in the app."""

@@ -1,0 +1,137 @@
+"""Keepaway in the play screen: the pitch, smooth between cycles, and the figures of the game."""
+
+from collections.abc import Iterable
+
+from textual.geometry import Size
+from textual.widget import Widget
+from textual.widgets import Static
+
+from arl_tui.app.link import Picture, TakenFor
+from arl_tui.games.panel import SMALLEST, Progress
+from arl_tui.palette import Palette
+from arl_tui.widgets.pitch import PitchWidget
+from arl_tui.widgets.pitch_drawing import smallest
+from arl_tui.widgets.stats import trend
+from core.keepaway.picture import PitchFrame, between
+from core.keepaway.pitch import KeepawayConfig
+from core.numerics.clock import Clock, MonotonicClock
+from core.session.protocol import Protocol
+
+FRAME_S = 1 / 30
+"""How often what lies between two cycles is drawn, seconds."""
+BESIDE = 36
+"""Columns beside the pitch."""
+KEPT_SHOWN = 3
+"""Durations of so many games are shown."""
+TREND_WIDTH = 12
+
+
+class LivePitch(PitchWidget):
+    """A pitch that draws what lies between the picture it has and the one that comes next."""
+
+    def __init__(self, config: KeepawayConfig, palette: Palette, clock: Clock) -> None:
+        super().__init__(config.length_m, config.width_m, beside=BESIDE, palette=palette)
+        self._clock = clock
+        self._picture: Picture | None = None
+        self._since_ns = 0
+        self.taken = -1
+        """Number of the newest picture whose drawing has been told of."""
+
+    def on_mount(self) -> None:
+        """Begin to draw smoothly."""
+        self.set_interval(FRAME_S, self._slide)
+
+    def take(self, picture: Picture) -> None:
+        """Draw a picture with the next paint, even if it looks like the one before."""
+        assert isinstance(picture.view, PitchFrame), "a worker that plays Keepaway sends pitches"
+        self._picture, self._since_ns = picture, self._clock.now_ns()
+        if not self.show(picture.view, picture.number):
+            self.refresh()
+
+    def _slide(self) -> None:
+        picture = self._picture
+        if picture is None or picture.ahead is None or self.drawn_frame != picture.number:
+            return
+        assert isinstance(picture.view, PitchFrame)
+        share = (self._clock.now_ns() - self._since_ns) / picture.lasts_ns
+        # Never the next picture itself: another step may begin with it.
+        self.show(between(picture.view, picture.ahead, min(share, 0.99)), picture.number)
+
+
+class PitchScene:
+    """The pitch, and the score beside it."""
+
+    def __init__(self, protocol: Protocol, palette: Palette, *, clock: Clock | None = None) -> None:
+        """Draw an empty pitch of the protocol's size."""
+        assert isinstance(protocol.domain, KeepawayConfig), "a protocol of Keepaway"
+        self.pitch = LivePitch(protocol.domain, palette, clock or MonotonicClock())
+        least = smallest(protocol.domain.length_m, protocol.domain.width_m)
+        self.needed = Size(max(SMALLEST.width, least.columns + BESIDE), max(SMALLEST.height, least.lines + 1))
+        """Columns and lines without which the game does not fit."""
+        self._score = Static(id="score")
+        self._score.border_title = "Progress"
+        self._written = ""
+
+    def take_drawn(self) -> bool:
+        """Return whether a picture has been drawn of which this has not been said; what lies between is none."""
+        drawn = self.pitch.drawn_frame
+        fresh = drawn != self.pitch.taken and drawn >= 0
+        self.pitch.taken = drawn
+        return fresh
+
+    def stage(self) -> PitchWidget:
+        """Return the pitch."""
+        return self.pitch
+
+    def figures(self) -> Iterable[Widget]:
+        """Return the score."""
+        return (self._score,)
+
+    def show(self, picture: Picture, progress: Progress) -> None:
+        """Draw a pitch."""
+        self.pitch.take(picture)
+        score = "\n".join(_score_lines(progress))
+        if score != self._written:
+            self._written = score
+            self._score.update(score)
+
+    def refresh(self) -> None:
+        """Draw the pitch once more, and say so."""
+        self.pitch.taken = -1
+        self.pitch.refresh()
+
+    def title(self, text: str) -> None:
+        """Write into the pitch's boundary."""
+        self.pitch.title = text
+
+    def mark(self, taken: TakenFor) -> str:
+        """Mark the keeper who chose, and who was passed to."""
+        if taken.step < 0 or taken.player < 0:
+            return "but no option was on screen"
+        self.pitch.mark(taken.player, taken.target, good=taken.value > 0)
+        keeper = f"K{taken.player + 1}"
+        return (
+            f"for {keeper} holding the ball"
+            if taken.target < 0
+            else f"for {keeper}'s pass to K{taken.target + 1}"
+        )
+
+    def unmark(self) -> None:
+        """Take the mark away."""
+        self.pitch.unmark()
+
+    def presses_left(self, presses: int) -> None:
+        """Write them into the pitch's boundary, where the eye is."""
+        self.pitch.note = "1 press left" if presses == 1 else f"{presses} presses left"
+
+
+def _score_lines(progress: Progress) -> Iterable[str]:
+    """Yield at most four lines of at most 31 characters."""
+    yield f"Game       {progress.episode} of {progress.episodes}"
+    kept = [f"{seconds:.1f}" for seconds in progress.performances]
+    if kept:
+        yield f"Kept       {' '.join(kept[-KEPT_SHOWN:])} s"
+        yield f"Best       {max(progress.performances):.1f} s"
+    weights = progress.human_weights
+    if weights:
+        yield f"Influence  {weights[-1]:.2f}  {trend(weights, TREND_WIDTH)}"

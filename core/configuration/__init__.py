@@ -1,0 +1,1 @@
+"""Settings as frozen structs: their ranges, a catalogue of them, and strict reading from plain types."""

@@ -1,0 +1,351 @@
+"""Reading a configuration from plain types: whatever cannot be used is named with its place.
+
+The structs that are read say all there is to know (`core.configuration.catalogue`). What they check themselves when they
+are made, such as two settings that exclude each other, is found last, and named in the same way.
+"""
+
+import difflib
+import json
+import math
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, TypeVar
+
+import msgspec
+
+from core.configuration.catalogue import TAG, Kind, Struct, settings_of, tables_of, tag_of
+from core.configuration.fields import plain
+
+Path = tuple[str | int, ...]
+LONGEST_SHOWN = 60
+"""A value is cut after so many characters in a message."""
+DEEPEST = 20
+"""Levels of tables within tables; a configuration has five."""
+Config = TypeVar("Config", bound=msgspec.Struct)
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """One thing that is wrong with a configuration."""
+
+    path: Path
+    """Keys from the outermost table to the setting."""
+    reason: str
+    """What was expected, what to do."""
+    value: object = None
+    """What came; None where the reason says it."""
+
+    def __str__(self) -> str:
+        """Return place, value and reason: "[session] episodes = 0: expected ..."."""
+        place = shown_path(self.path)
+        if self.value is not None:
+            place += f" = {shown(self.value)}"
+        return f"{place}: {self.reason}" if place else self.reason
+
+
+class ConfigurationError(msgspec.ValidationError):
+    """A configuration cannot be used; the message names every place and reason, one a line."""
+
+    def __init__(self, problems: Sequence[Problem]) -> None:
+        super().__init__("\n".join(str(problem) for problem in problems))
+        self.problems = tuple(problems)
+
+
+def read(given: Mapping[str, Any], default: Config, *, to_run: bool) -> Config:
+    """Return the configuration that plain types describe; what is not given is as in `default`.
+
+    A table of another type than the default's stands for itself: what is not given is as in that type. A type
+    alone, written as a text, stands for the table of that type with its defaults.
+
+    Args:
+        given: tables by key, as in TOML or JSON.
+        default: of the same kind.
+        to_run: values that nobody means (`core.configuration.fields`, usual) are refused, too: nothing has been run yet.
+
+    Raises:
+        ConfigurationError: with every place and reason.
+    """
+    given = with_tables(given, type(default))
+    found = list(_wrong_in_table(given, type(default), default, (), to_run, Places(type(default))))
+    if found:
+        raise ConfigurationError(found)
+    try:
+        return msgspec.convert(filled(given, msgspec.to_builtins(default)), type(default))
+    except (msgspec.ValidationError, ValueError) as error:
+        raise ConfigurationError([_from_struct(str(error), given)]) from error
+
+
+def with_tables(given: Mapping[str, Any], struct: Struct, depth: int = 0) -> dict[str, Any]:
+    """Return `given` with a table in the place of each text that names a table's type."""
+    if depth > DEEPEST:
+        raise ConfigurationError([Problem((), f"tables lie more than {DEEPEST} deep in each other")])
+    settings = settings_of(struct)
+    found: dict[str, Any] = {}
+    for key, value in given.items():
+        kind = settings[key].kind if key in settings else None
+        found[key] = value
+        if kind is None or kind.structs is None:
+            continue
+        if kind.base == "tables" and isinstance(value, list | tuple):
+            (inner,) = kind.structs.values()
+            found[key] = [with_tables(v, inner, depth + 1) if isinstance(v, Mapping) else v for v in value]
+        elif kind.base == "table":
+            if isinstance(value, str) and "" not in kind.structs:
+                value = {TAG: value}
+            if isinstance(value, Mapping):
+                # Keys of all types: which type it is will be checked later.
+                for inner in kind.structs.values():
+                    value = with_tables(value, inner, depth + 1)
+            found[key] = value
+    return found
+
+
+def filled(given: Mapping[str, Any], default: Mapping[str, Any]) -> dict[str, Any]:
+    """Return `given` with the default's fields where it has none, table by table."""
+    found = {key: value for key, value in default.items() if key not in given}
+    for key, value in given.items():
+        below = default.get(key)
+        if isinstance(value, Mapping) and isinstance(below, Mapping) and _same_type(value, below):
+            found[key] = filled(value, below)
+        else:
+            found[key] = value
+    return found
+
+
+def _same_type(value: Mapping[str, Any], default: Mapping[str, Any]) -> bool:
+    kind = default.get(TAG)
+    return bool(value.get(TAG, kind) == kind)
+
+
+class Places:
+    """Where keys belong: for messages about those that stand in the wrong table."""
+
+    def __init__(self, struct: Struct) -> None:
+        self._places: dict[str, list[str]] = {key: ["the top of the file"] for key in settings_of(struct)}
+        for path, kind in tables_of(struct):
+            name = f"[{'.'.join(path)}]"
+            for tag, inner in (kind.structs or {}).items():
+                for key in settings_of(inner):
+                    self._places.setdefault(key, []).append(f'{name} of type "{tag}"' if tag else name)
+
+    def of(self, key: str) -> str:
+        """Return the tables that have a key, in words; "" where none has."""
+        places = list(dict.fromkeys(self._places.get(key, [])))
+        return " or ".join([", ".join(places[:-1]), places[-1]] if len(places) > 1 else places)
+
+    def nearest(self, key: str) -> str | None:
+        """Return the key of any table that is most like `key`."""
+        return nearest(key, list(self._places))
+
+
+def _wrong_in_table(
+    given: Mapping[str, Any],
+    struct: Struct,
+    default: msgspec.Struct | None,
+    path: Path,
+    to_run: bool,
+    places: Places,
+    siblings: Mapping[str, Struct] | None = None,
+) -> Iterator[Problem]:
+    """Yield what is wrong with a table of a known struct; `siblings` are the other types of the table."""
+    settings = settings_of(struct)
+    for key, value in given.items():
+        if key == TAG and tag_of(struct):
+            continue
+        here = (*path, key)
+        if key not in settings:
+            yield Problem(here, _unknown(key, struct, siblings or {}, places), value)
+            continue
+        kind = settings[key].kind
+        below = getattr(default, key, None) if default is not None else settings[key].default
+        if value is None and kind.optional:
+            continue
+        if kind.base == "table":
+            yield from _wrong_in_typed_table(value, kind, below, here, to_run, places)
+        elif kind.base == "tables":
+            yield from _wrong_in_tables(value, kind, here, to_run, places)
+        else:
+            reason = wrong(value, kind, to_run=to_run)
+            if reason:
+                yield Problem(here, reason, value)
+
+
+def _wrong_in_typed_table(
+    value: object, kind: Kind, default: object, path: Path, to_run: bool, places: Places
+) -> Iterator[Problem]:
+    structs = kind.structs or {}
+    tags = [tag for tag in structs if tag]
+    if not isinstance(value, Mapping):
+        reason = f"expected a table, [{shown_key(path)}]" + (f", or one of {_quoted(tags)}" if tags else "")
+        yield Problem(path, reason, value)
+        return
+    below = default if isinstance(default, msgspec.Struct) else None
+    tag = value.get(TAG, tag_of(below) if below is not None else "") if tags else ""
+    if not isinstance(tag, str) or tag not in structs:
+        near = nearest(str(tag), tags)
+        yield Problem(
+            (*path, TAG),
+            f"expected one of {_quoted(tags)}" + (f'; did you mean "{near}"?' if near else ""),
+            tag,
+        )
+        return
+    struct = structs[tag]
+    same = below if type(below) is struct else None
+    siblings = {name: other for name, other in structs.items() if name != tag}
+    yield from _wrong_in_table(value, struct, same, path, to_run, places, siblings)
+
+
+def _wrong_in_tables(
+    value: object, kind: Kind, path: Path, to_run: bool, places: Places
+) -> Iterator[Problem]:
+    (struct,) = (kind.structs or {}).values()
+    if not isinstance(value, list | tuple):
+        yield Problem(path, f"expected a list of tables, each under [[{shown_key(path)}]]", value)
+        return
+    for number, item in enumerate(value):
+        here = (*path, number)
+        if isinstance(item, Mapping):
+            yield from _wrong_in_table(item, struct, None, here, to_run, places)
+        else:
+            yield Problem(here, "expected a table", item)
+
+
+def wrong(value: object, kind: Kind, *, to_run: bool) -> str:
+    """Return what is wrong with the value of a setting that is no table; "" where nothing is."""
+    match kind.base:
+        case "true or false":
+            return "" if isinstance(value, bool) else "expected true or false"
+        case "text":
+            return "" if isinstance(value, str) else f"expected {kind}, in quotes"
+        case "choice":
+            if isinstance(value, str) and value in kind.choices:
+                return ""
+            near = nearest(value, kind.choices) if isinstance(value, str) else None
+            return f"expected {kind}" + (f'; did you mean "{near}"?' if near else "")
+        case "list":
+            return _wrong_list(value, kind, to_run)
+        case _:
+            return _wrong_number(value, kind, to_run)
+
+
+def _wrong_list(value: object, kind: Kind, to_run: bool) -> str:
+    if not isinstance(value, list | tuple) or not (kind.any_length or len(value) == len(kind.items)):
+        return f"expected {kind}"
+    items = kind.items * len(value) if kind.any_length else kind.items
+    reasons = [wrong(item, each, to_run=to_run) for item, each in zip(value, items, strict=True)]
+    return next((f"the item {shown(value[i])}: {r}" for i, r in enumerate(reasons) if r), "")
+
+
+def _wrong_number(value: object, kind: Kind, to_run: bool) -> str:
+    if not to_run:
+        kind = replace(kind, range=replace(kind.range, usual=None))  # messages name the range that holds here
+    whole = kind.base == "whole number"
+    if isinstance(value, str):
+        return f"expected {kind}, without quotes"
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return f"expected {kind}"
+    if isinstance(value, float) and not math.isfinite(value):
+        return f"expected {kind}: infinity and NaN are none"
+    if whole and isinstance(value, float):
+        return f"expected {kind}, without a decimal point"
+    if not kind.range.holds(value):
+        return f"expected {kind}"
+    if to_run and not kind.range.is_usual(value):
+        unit = f" {kind.range.unit}" if kind.range.unit else ""
+        slip = kind.range.unit == "seconds" and kind.range.is_usual(value / 1000)
+        hint = f"; in milliseconds it would be {plain(value / 1000)}" if slip else ""
+        return f"{plain(value)}{unit} is a value that nobody means: expected {kind}{hint}"
+    return ""
+
+
+def _unknown(key: str, struct: Struct, siblings: Mapping[str, Struct], places: Places) -> str:
+    """Return that a table has no such key, and which may be meant."""
+    tag = tag_of(struct)
+    own = [*([TAG] if tag else []), *settings_of(struct)]
+    table = f'a table of type "{tag}"' if tag else "this table"
+    text = f"there is no such key in {table}"
+    others = {name: list(settings_of(other)) for name, other in siblings.items()}
+    with_key = [name for name, keys in others.items() if key in keys]
+    if with_key:
+        types = f"type {_quoted(with_key)}" if len(with_key) == 1 else f"the types {_quoted(with_key)}"
+        return f'{text}; `{key}` belongs to {types}: set {TAG} = "{with_key[0]}"'
+    near = nearest(key, own)
+    if near:
+        return f"{text}; did you mean `{near}`?"
+    elsewhere = places.of(key)
+    if elsewhere:
+        return f"{text}; `{key}` belongs to {elsewhere}"
+    near = nearest(key, [name for keys in others.values() for name in keys])
+    if near:
+        of_types = [name for name, keys in others.items() if near in keys]
+        return f"{text}; did you mean `{near}`, which belongs to type {_quoted(of_types)}?"
+    near = places.nearest(key)
+    if near:
+        return f"{text}; did you mean `{near}`, which belongs to {places.of(near)}?"
+    return f"{text}; it has " + (", ".join(own) if own else "no keys")
+
+
+def _from_struct(text: str, given: Mapping[str, Any]) -> Problem:
+    """Return what a struct refused when it was made, with the place as tables are written in a file."""
+    reason, _, where = text.partition(" - at `$")
+    path: Path = tuple(
+        int(part[1:-1]) if part.startswith("[") else part.strip(".`")
+        for part in re.findall(r"\.\w+|\[\d+\]", where)
+    )
+    named = re.search(r"\[([a-z_.]+)\] ([a-z_0-9]+)", reason)
+    if named is not None:
+        return Problem((*named[1].split("."), named[2]), reason)
+    table: Any = given
+    for part in path:
+        table = table[part] if isinstance(part, int) else table.get(part, {})
+    keys = [
+        word for word in re.findall(r"[a-z_0-9]+", reason) if isinstance(table, Mapping) and word in table
+    ]
+    value = table[keys[0]] if keys else None
+    return Problem((*path, keys[0]) if keys else path, reason, None if isinstance(value, Mapping) else value)
+
+
+def nearest(word: str, known: Sequence[str]) -> str | None:
+    """Return the known word that is most like `word`; None where none is much like it."""
+    found = difflib.get_close_matches(word.lower(), known, n=1, cutoff=0.6)
+    return found[0] if found else None
+
+
+def shown_path(path: Path) -> str:
+    """Return a place as it is written in a file: "[agent.scheme] beta_0"; "name" at the top."""
+    if not path:
+        return ""
+    table, key = path[:-1], path[-1]
+    if isinstance(key, int):
+        return f"[[{shown_key(table)}]] number {key + 1}"
+    return f"[{shown_key(table)}] {printable(key)}" if table else printable(key)
+
+
+def shown_key(path: Path) -> str:
+    """Return a table's name; of a list of tables with the number, from 1."""
+    return ".".join(f"{part + 1}" if isinstance(part, int) else printable(part) for part in path)
+
+
+def shown(value: object) -> str:
+    """Return a value as it is written in a file, cut where it is long, safe for a terminal."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):
+        text = printable(json.dumps(value[: LONGEST_SHOWN + 1], ensure_ascii=False))
+    elif isinstance(value, Mapping):
+        return "(a table)"
+    elif isinstance(value, list | tuple):
+        text = "[" + ", ".join(shown(item) for item in value[:10]) + (", ...]" if len(value) > 10 else "]")
+    else:
+        text = repr(value) if isinstance(value, int | float) else str(value)
+    return text if len(text) <= LONGEST_SHOWN else text[:LONGEST_SHOWN] + "..."
+
+
+def printable(text: str) -> str:
+    """Return a text without anything that a terminal could take for a command."""
+    return "".join(letter if letter.isprintable() else f"\\u{ord(letter):04x}" for letter in text)
+
+
+def _quoted(names: Sequence[str]) -> str:
+    return ", ".join(f'"{name}"' for name in names)

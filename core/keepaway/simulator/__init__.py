@@ -1,0 +1,1 @@
+"""The simulator of Keepaway: the server's physics and the players' perception and skills."""

@@ -1,0 +1,1 @@
+"""A session: its protocol, its run in one deterministic order, exact replay and what-ifs."""

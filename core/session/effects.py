@@ -1,0 +1,387 @@
+"""In which sessions a setting has an effect: the one place where this is known.
+
+`USES` names every setting that has an effect in some sessions only; all others have one wherever their table
+is used. A setting without effect is refused when a protocol is read, or named before a session starts
+(`Use.refused`).
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import msgspec
+
+from core.combination.config import (
+    Coach,
+    EnvironmentOnly,
+    Equation4,
+    Exponential,
+    HumanOnly,
+    Linear,
+)
+from core.configuration.catalogue import settings_of
+from core.configuration.reading import Path, Problem, shown_path
+from core.feedback.delays import Delay, GammaDelay, UniformDelay
+from core.keepaway.pitch import KeepawayConfig
+from core.learners.cross_entropy_config import CrossEntropyConfig
+from core.learners.human_config import SgdModel
+from core.learners.policy_gradient_config import PolicyGradientConfig
+from core.learners.sarsa_config import SarsaConfig
+
+if TYPE_CHECKING:
+    from core.session.protocol import Protocol
+
+Mode = Literal["live", "simulated", "what-if"]
+"""With a participant (`arl play`), simulated, or learned again from a recording (`arl replay`)."""
+MODES: tuple[Mode, ...] = ("live", "simulated", "what-if")
+USUAL_MEAN_S = 10.0
+"""A longer mean delay is a slip of units: people's medians are 0.6 to 2.4 s."""
+RAW_STEP = 0.01
+"""Largest step size of gradient descent on raw inputs (up to 20 each): above it H diverges."""
+
+
+@dataclass(frozen=True, slots=True)
+class Use:
+    """Where some settings have an effect."""
+
+    settings: tuple[str, ...]
+    """Dotted paths; a table stands for all that is in it."""
+    where: str
+    """In which sessions, in words, after "has an effect"."""
+    when: "Callable[[Protocol, Mode], bool]"
+    refused: bool = True
+    """Without effect in all modes it is refused when a protocol is read; else named before the start."""
+
+
+def _live(protocol: "Protocol", mode: Mode) -> bool:
+    return mode == "live"
+
+
+def _simulated(protocol: "Protocol", mode: Mode) -> bool:
+    return mode == "simulated"
+
+
+def _on_screen(protocol: "Protocol", mode: Mode) -> bool:
+    return mode != "what-if"
+
+
+def _draws_top_policies(protocol: "Protocol") -> bool:
+    """Return whether what is watched is drawn from the top policies."""
+    return protocol.session.watched == "top" and not isinstance(protocol.learner, SarsaConfig)
+
+
+def _trust_is_used(protocol: "Protocol") -> bool:
+    """Return whether w_h of bootstrap learning decides anything: a choice, or which policy is watched."""
+    by_trust = isinstance(protocol.agent.scheme, Linear | Exponential)
+    return by_trust or (protocol.agent.bootstrap.symmetric and _draws_top_policies(protocol))
+
+
+def _looks_back(protocol: "Protocol") -> bool:
+    return protocol.agent.bootstrap.trust.needs.window
+
+
+def _learner_counts(protocol: "Protocol") -> bool:
+    """Return whether the environment's learner has any say."""
+    return not isinstance(protocol.agent.scheme, HumanOnly)
+
+
+def _chance_counts(protocol: "Protocol") -> bool:
+    trust = protocol.agent.bootstrap.trust
+    return isinstance(trust, Equation4) and trust.match == "chance-corrected"
+
+
+def _with_traces(protocol: "Protocol") -> bool:
+    return isinstance(protocol.learner, SarsaConfig) and protocol.learner.trace_decay > 0
+
+
+def _natural(protocol: "Protocol") -> bool:
+    return isinstance(protocol.learner, PolicyGradientConfig) and protocol.learner.natural
+
+
+def _environment_teaches(protocol: "Protocol") -> bool:
+    return not isinstance(protocol.agent.scheme, Coach) or protocol.agent.scheme.environment_too
+
+
+def _noisy_sight(protocol: "Protocol") -> bool:
+    return isinstance(protocol.domain, KeepawayConfig) and not protocol.domain.exact_state
+
+
+def _plays_unseen(protocol: "Protocol") -> bool:
+    session = protocol.session
+    return session.unseen_before > 0 or (session.unseen_between > 0 and session.episodes > 1)
+
+
+USES: tuple[Use, ...] = (
+    Use(("screen.tick_ms",), "in Tetris only", lambda p, m: p.game == "tetris" and _on_screen(p, m)),
+    Use(("screen.speed",), "in Keepaway only", lambda p, m: p.game == "keepaway" and _on_screen(p, m)),
+    Use(
+        ("screen.pause_between_episodes_s",),
+        "where a session is shown or simulated",
+        _on_screen,
+        refused=False,
+    ),
+    Use(("screen.palette",), "on a screen: in live sessions only", _live, refused=False),
+    Use(
+        ("keys.wrong_press_rate",),
+        "in live sessions only (a simulated participant has trainer.deliberate_rate)",
+        _live,
+        refused=False,
+    ),
+    Use(
+        ("keys",),
+        "where keys are pressed: in live and simulated sessions",
+        _on_screen,
+        refused=False,
+    ),
+    Use(("trainer",), "in simulated sessions only: in a live one the participant presses", _simulated, False),
+    Use(("others",), "in simulated sessions only: a live one has one participant", _simulated, False),
+    Use(
+        ("trainer.burst_presses", "trainer.burst_interval_s"),
+        "where trainer.burst_rate is > 0",
+        lambda p, m: p.trainer.burst_rate > 0,
+    ),
+    Use(("agent.asking",), "in no session yet, because no screen poses questions", lambda p, m: False),
+    Use(
+        ("delay_of", "delay_if_missing"),
+        "in live sessions and what-ifs: a simulated participant's delay is not measured",
+        lambda p, m: m != "simulated",
+        refused=False,
+    ),
+    Use(
+        ("delay_if_missing",),
+        "where delay_of names a measured delay: feedback-lag, simple or pooled",
+        lambda p, m: p.delay_of in ("feedback-lag", "simple", "pooled"),
+    ),
+    Use(
+        ("agent.credit.delay",),
+        'with delay_of = "rule" only',
+        lambda p, m: p.delay_of == "rule",
+        refused=False,
+    ),
+    Use(
+        ("agent.credit", "agent.human_model"),
+        "on what is done with every scheme but environment-only; there presses are learned from and have no say",
+        lambda p, m: not isinstance(p.agent.scheme, EnvironmentOnly),
+        refused=False,
+    ),
+    Use(
+        ("agent.human_model",),
+        "on what is done with every scheme but coach: there presses teach the learner itself",
+        lambda p, m: not isinstance(p.agent.scheme, Coach),
+        refused=False,
+    ),
+    Use(
+        ("agent.bootstrap.trust",),
+        'on what is done with the schemes linear and exponential, and where session.watched = "top" draws '
+        "policies by their match; elsewhere w_h is worked out and recorded, and nothing goes by it",
+        lambda p, m: _trust_is_used(p),
+        refused=False,
+    ),
+    Use(
+        ("agent.bootstrap.trust.chance",),
+        'with match = "chance-corrected" only',
+        lambda p, m: _chance_counts(p),
+    ),
+    Use(
+        ("agent.bootstrap.symmetric",),
+        'in Tetris with session.watched = "top": elsewhere no policy is drawn',
+        lambda p, m: _draws_top_policies(p),
+    ),
+    Use(
+        ("agent.bootstrap.window_decisions",),
+        'with others, or a trust that looks back (measured = "window"; a chance-corrected match without chance)',
+        lambda p, m: _looks_back(p) or bool(p.others),
+    ),
+    Use(
+        ("session.watched",),
+        "in Tetris only: the learner of Keepaway changes at every step, and no policy of it comes back",
+        lambda p, m: p.game == "tetris",
+    ),
+    Use(
+        ("session.unseen_steps",),
+        "where there are unseen episodes",
+        lambda p, m: _plays_unseen(p),
+        refused=False,
+    ),
+    Use(
+        ("session.unseen_between",),
+        "with two watched episodes or more",
+        lambda p, m: p.session.episodes > 1,
+        refused=False,
+    ),
+    Use(("session.watched_steps",), "where a session is shown or simulated", _on_screen, refused=False),
+    Use(
+        ("domain.clear_on_overflow", "domain.terminal_value"),
+        'with game_over = "overflow" only',
+        lambda p, m: getattr(p.domain, "game_over", "") == "overflow",
+    ),
+    Use(
+        ("domain.view_angle_deg", "domain.quantise", "domain.see_phases"),
+        "with exact_state = false only",
+        lambda p, m: _noisy_sight(p),
+    ),
+    Use(
+        ("learner.replacing_traces", "learner.least_trace"),
+        "with trace_decay > 0 only",
+        lambda p, m: _with_traces(p),
+    ),
+    Use(
+        ("learner.fisher_rate", "learner.fisher_ridge"), "with natural = true only", lambda p, m: _natural(p)
+    ),
+    Use(
+        ("learner", "domain.features"),
+        "on what is done with every scheme but human-only, where the environment has no say",
+        lambda p, m: _learner_counts(p),
+        refused=False,
+    ),
+    Use(
+        (
+            "learner.step_size",
+            "learner.trace_decay",
+            "learner.baseline_rate",
+            "learner.update",
+            "learner.natural",
+        ),
+        "with every scheme but coach with environment_too = false",
+        lambda p, m: _environment_teaches(p),
+    ),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Idle:
+    """A setting that differs from its default and has no effect."""
+
+    path: Path
+    value: object
+    use: Use
+
+    def __str__(self) -> str:
+        """Return "[screen] speed has no effect here: it has one in Keepaway only"."""
+        return f"{shown_path(self.path)} has no effect here: it has one {self.use.where}"
+
+    def problem(self) -> Problem:
+        """Return what a reader of the file is told."""
+        return Problem(
+            self.path,
+            f"has no effect in this protocol; it has one {self.use.where}: leave it out",
+            self.value,
+        )
+
+
+def uses_of(path: str) -> Iterator[Use]:
+    """Yield the entries that speak of a setting, or of a table that it is in."""
+    for use in USES:
+        if any(path == setting or path.startswith(f"{setting}.") for setting in use.settings):
+            yield use
+
+
+def idle(protocol: "Protocol", default: "Protocol", modes: Sequence[Mode] = MODES) -> list[Idle]:
+    """Return the settings that differ from the defaults and have an effect in none of these modes.
+
+    Args:
+        protocol: any.
+        default: of its game.
+        modes: how it is to be run.
+    """
+    found = []
+    for path, value in changed(protocol, default):
+        for use in uses_of(".".join(map(str, path))):
+            if not any(use.when(protocol, mode) for mode in modes):
+                found.append(Idle(path, value, use))
+                break
+    return found
+
+
+def changed(
+    config: msgspec.Struct, default: msgspec.Struct | None, path: Path = ()
+) -> Iterator[tuple[Path, object]]:
+    """Yield every setting whose value is not the default's, with its path.
+
+    A table of another type counts as changed (its key `type`); what is in it is held against that type's
+    defaults.
+    """
+    same = type(default) is type(config)
+    if not same and default is not None:
+        yield (*path, "type"), config.__struct_config__.tag
+    for key, setting in settings_of(type(config)).items():
+        value = getattr(config, key)
+        usual = getattr(default, key) if same else setting.default
+        if isinstance(value, msgspec.Struct):
+            yield from changed(value, usual if isinstance(usual, msgspec.Struct) else None, (*path, key))
+        elif value != usual:
+            yield (*path, key), value
+
+
+def contradictions(protocol: "Protocol") -> Iterator[Problem]:
+    """Yield what nobody means though each value is in its range: for protocols that are about to be run."""
+    agent, session = protocol.agent, protocol.session
+    delays: list[tuple[Path, Delay]] = [
+        (("agent", "credit", "delay"), agent.credit.delay),
+        (("trainer", "delay"), protocol.trainer.delay),
+    ]
+    delays += [(("others", number, "delay"), other.delay) for number, other in enumerate(protocol.others)]
+    for path, delay in delays:
+        reason = wrong_delay(delay)
+        if reason:
+            key, value = ("scale_s", delay.scale_s) if isinstance(delay, GammaDelay) else ("high_s", None)
+            yield Problem((*path, key), reason, value)
+    if isinstance(agent.scheme, Coach) and session.watched == "top":
+        yield Problem(
+            ("session", "watched"),
+            'with the scheme coach set watched = "proposed": a top policy is played as it is, so presses from '
+            "the second watched episode on would be recorded as credited and teach nothing",
+            session.watched,
+        )
+    model = agent.human_model
+    if isinstance(model, SgdModel) and not model.standardise and model.step_size > RAW_STEP:
+        yield Problem(
+            ("agent", "human_model", "step_size"),
+            f"without standardising a step size above {RAW_STEP:g} makes the human model diverge to "
+            "infinity; make it smaller, or set standardise = true",
+            model.step_size,
+        )
+    for number, trainer in enumerate((protocol.trainer, *protocol.others)):
+        if trainer.knowledge == "myopic" and protocol.game == "keepaway":
+            where: Path = ("others", number - 1) if number else ("trainer",)
+            yield Problem(
+                (*where, "knowledge"),
+                "no participant of Keepaway is myopic (an option has no immediate effect): expert or lay",
+                "myopic",
+            )
+    low_ms, high_ms = protocol.keys.repeat_delay_ms
+    if low_ms > high_ms:
+        yield Problem(
+            ("keys", "repeat_delay_ms"),
+            "expected the shortest delay first, then the longest",
+            protocol.keys.repeat_delay_ms,
+        )
+
+
+def wrong_delay(delay: Delay) -> str:
+    """Return why nobody means a delay; "" for one that a participant may have."""
+    match delay:
+        case GammaDelay():
+            mean_s = delay.mean_s
+        case UniformDelay():
+            mean_s = (delay.low_s + delay.high_s) / 2
+        case _:
+            return ""
+    if mean_s <= USUAL_MEAN_S:
+        return ""
+    return (
+        f"a mean delay of {mean_s:g} seconds is one that nobody means: expected at most {USUAL_MEAN_S:g} "
+        "seconds; is it in milliseconds?"
+    )
+
+
+def warnings_of(protocol: "Protocol") -> Iterator[str]:
+    """Yield what an experimenter may not have meant, in sentences, for the start of a session."""
+    session = protocol.session
+    never_proposes = session.watched == "top" and session.unseen_between == 0 and session.episodes > 1
+    if isinstance(protocol.learner, CrossEntropyConfig | PolicyGradientConfig) and never_proposes:
+        yield (
+            'with watched = "top" and unseen_between = 0 the learner plays only '
+            + ("before the first game" if session.unseen_before else "the first game")
+            + ": the environment teaches nothing after it"
+        )

@@ -1,0 +1,151 @@
+"""What a protocol will do, in words: games, presses, minutes, weight of the participant in each game."""
+
+from core.combination.config import Coach, EnvironmentOnly, EpisodeWeights, Exponential, FixedWeight, Linear
+from core.feedback.delays import describe
+from core.session.protocol import Protocol
+
+TICKS_PER_PIECE = 8
+"""Tetris: pictures (ticks) of a piece on average on the default board (`core.tetris.pace`)."""
+SECONDS_PER_MATCH = 10.0
+"""Keepaway: an untrained team keeps the ball for about 7 s, a trained one for 12 s (default size)."""
+SHOWN_GAMES = 5
+FADED = 0.01
+"""A weight below this share of the first game's is as good as none."""
+MEASURED = {
+    "feedback-lag": "own measured delay of judging this game (task feedback lag)",
+    "simple": "own measured delay of a simple reaction (task simple)",
+    "pooled": "delay of judging this game, pooled with the others in the folder (task feedback lag)",
+}
+"""What `delay_of` means for a participant, in words."""
+
+
+def plan(protocol: Protocol) -> dict[str, str]:
+    """Return what a session does, in sentences by topic: games, presses, time, weight, credit."""
+    return {
+        "Game": f"{protocol.game}; learner {_tag(protocol.learner)}",
+        "Games": _games(protocol),
+        "Presses": _presses(protocol),
+        "Time": _time(protocol),
+        "Weight": weight_in_words(protocol),
+        "Credit": credit_in_words(protocol),
+    }
+
+
+def unseen_games(protocol: Protocol) -> int:
+    """Return how many unseen games a whole session has."""
+    session = protocol.session
+    return session.unseen_before + session.unseen_between * (session.episodes - 1)
+
+
+def expected_minutes(protocol: Protocol) -> float:
+    """Return how long the watched games of a session take, in minutes, without pauses and unseen games.
+
+    Tetris: every game has all its pieces, as most have. Keepaway: games are as long as the default's are on
+    average.
+    """
+    session, screen = protocol.session, protocol.screen
+    if protocol.game == "tetris":
+        game_s = session.watched_steps * TICKS_PER_PIECE * screen.tick_ms / 1000
+    else:
+        game_s = min(SECONDS_PER_MATCH, session.watched_steps * 0.1) / screen.speed
+    return session.episodes * (game_s + screen.pause_between_episodes_s) / 60
+
+
+def weights_of_games(protocol: Protocol) -> list[EpisodeWeights]:
+    """Return the weights of each watched game after the first press; those that go by trust at trust 1."""
+    session, scheme = protocol.session, protocol.agent.scheme
+    found = []
+    for game in range(session.episodes):
+        episode = session.unseen_before + game * (session.unseen_between + 1)
+        number = game if getattr(scheme, "per", "episode") == "watched-game" else episode
+        found.append(scheme.weights(1.0, number))
+    return found
+
+
+def weight_in_words(protocol: Protocol) -> str:
+    """Return the weight of the participant in each watched game, in words."""
+    scheme, trust = protocol.agent.scheme, protocol.agent.bootstrap.trust
+    name = _tag(scheme)
+    if isinstance(scheme, EnvironmentOnly):
+        return f"{name}: 0 in every game; presses are recorded and learned from, and decide nothing"
+    if isinstance(scheme, Coach):
+        return f"{name}: presses move the learner's policy itself (step size {scheme.step_size:g})"
+    if isinstance(scheme, Linear | Exponential):
+        rule = (
+            f"{trust.w_h:g} in every game" if isinstance(trust, FixedWeight) else "found anew after each game"
+        )
+        return f"{name}: w_h by bootstrap learning ({_tag(trust)}): 0 before the first press, then {rule}"
+    what, values = _falling(weights_of_games(protocol))
+    text = f"{name}: {what} {_listed(values)}"
+    faded = next((game for game, value in enumerate(values, 1) if abs(value) < FADED * abs(values[0])), None)
+    if faded is not None:
+        text += f"; from game {faded} on below {FADED:.0%} of the first"
+    return text
+
+
+def credit_in_words(protocol: Protocol) -> str:
+    """Return by whose delay presses are credited, for every participant."""
+    rule = describe(protocol.agent.credit.delay)
+    if protocol.delay_of == "rule":
+        return f"{rule}, as written in the protocol, for every participant"
+    if protocol.delay_of == "paper":
+        return "the paper's gamma:2.5,0.3, for every participant"
+    missing = {
+        "refuse": "the session does not start",
+        "pooled": "the pooled delay of the others (at least five)",
+        "paper": "the paper's gamma:2.5,0.3",
+    }[protocol.delay_if_missing]
+    return f"each participant's {MEASURED[protocol.delay_of]}; for a participant without one: {missing}"
+
+
+def _falling(weights: list[EpisodeWeights]) -> tuple[str, list[float]]:
+    """Return which quantity gives the participant a say, and its value in each game."""
+    first = weights[0]
+    if first.share:
+        return "probability of the participant's choice", [each.share for each in weights]
+    if first.shaping:
+        return "reward per unit of H", [each.shaping for each in weights]
+    return f"w_r = {first.w_r:g}, w_h", [each.w_h for each in weights]
+
+
+def _listed(values: list[float]) -> str:
+    if len(set(values)) == 1:
+        return f"{values[0]:g} in every game"
+    shown = [f"{value:.2g}" for value in values[:SHOWN_GAMES]]
+    if len(values) > SHOWN_GAMES:
+        shown += ["...", f"{values[-1]:.2g}"] if len(values) > SHOWN_GAMES + 1 else [f"{values[-1]:.2g}"]
+    return f"{', '.join(shown)} in games 1 to {len(values)}"
+
+
+def _games(protocol: Protocol) -> str:
+    session = protocol.session
+    text = f"{session.episodes} watched, each of at most {session.watched_steps} {_steps(protocol)}"
+    unseen = unseen_games(protocol)
+    if unseen:
+        between = f"{session.unseen_before} before the first, {session.unseen_between} between two"
+        text += f"; {unseen} unseen ({between})"
+    return text
+
+
+def _presses(protocol: Protocol) -> str:
+    keys, games = protocol.keys, protocol.session.episodes
+    most = keys.max_presses_per_episode
+    letters = f"good {keys.good}, bad {keys.bad}, take back {keys.retract}"
+    text = f"at most {most} in a game, {most * games} in all; {letters}"
+    if keys.wrong_press_rate:
+        text += f"; asked to press wrongly at {keys.wrong_press_rate:.0%} of the steps"
+    return text
+
+
+def _time(protocol: Protocol) -> str:
+    minutes = expected_minutes(protocol)
+    text = f"about {minutes:.0f} minutes" if minutes >= 1.5 else f"about {60 * minutes:.0f} seconds"
+    return text + " of watching" + (", and the time of the unseen games" if unseen_games(protocol) else "")
+
+
+def _steps(protocol: Protocol) -> str:
+    return "pieces" if protocol.game == "tetris" else "decisions"
+
+
+def _tag(config: object) -> str:
+    return str(getattr(config, "__struct_config__").tag)  # noqa: B009 - every configuration here is a struct

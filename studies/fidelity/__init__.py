@@ -1,0 +1,1 @@
+"""How closely simulators and learners follow their references."""
