@@ -206,7 +206,8 @@ def run(app: "WatchApp") -> None:
 
 def get_ready(config: "KeepawayConfig") -> None:
     """Load all that matches of this task need; where it is not compiled, let Python play until it is."""
-    from arl_tui.ahead import Ahead, fill, is_compiled, match_order
+    from arl_tui.ahead import Ahead, fill
+    from arl_tui.app.compile_order import is_compiled, match_order
     from core.numerics.interpreting import (
         CAN_INTERPRET,
         load_interpreted,

@@ -9,12 +9,13 @@ import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, get_args
 
 import msgspec
 import numpy as np
 
 from core.events import (
+    CoverReason,
     CreditGiven,
     EpisodeEnded,
     EpisodeStarted,
@@ -30,6 +31,7 @@ from core.events import (
     StopAsked,
     TimeGap,
     UnseenPlayed,
+    Verdict,
     WrongPressAsked,
 )
 from core.recording.reader import CHAIN_MARK, RecordingError, line_of_file, read_recording
@@ -40,11 +42,11 @@ from studies.session_view.tables import DTYPES, Contents, Growing, Rows, read_ta
 
 INDEX_VERSION: Final = 1
 SUFFIX: Final = ".index"
-VERDICTS: Final = ("accepted", "other", "repeat", "no-presses-left", "covered", "not-playing")
+VERDICTS: Final[tuple[str, ...]] = get_args(Verdict)
 """Verdicts of presses by their number in the index."""
 COVERED, RESUMED, GAP, FOCUS_LOST, FOCUS_REGAINED, STOP, WRONG_ASKED = range(7)
 """Kinds of marks."""
-REASONS: Final = ("pause", "help", "quit-dialogue", "resize", "gap")
+REASONS: Final[tuple[str, ...]] = get_args(CoverReason)
 """Why a game was covered, by number."""
 ENDS: Final = ("termination", "truncation")
 _SEAL = len(CHAIN_MARK) + CHAIN_DIGITS + 2
