@@ -99,7 +99,7 @@ EXPLAINED: Final = (
     "Intervals are 95 % percentile bootstrap intervals of means.",
     "agreement: share of the presses' credit that praises the environment policy's own choice, or blames another.",
     "match: share of steps at which the environment's and the human policy would have done the same.",
-    "consistency: standard errors by which a model foresaw the presses better than chance; above 2, they were not random.",
+    "consistency: standard errors by which a model foresaw the presses better than chance (2: not random).",
     "delay: median time from a step's appearance to the press; own delay: mean measured by arl calibrate.",
 )
 
