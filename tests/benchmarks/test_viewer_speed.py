@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from core.episode import FrameShown
+from core.events import FrameShown
 from studies.session_view.session import open_session
 from tests.studies.session_view.made import MS, ended, pressed, started, taken, write
 
