@@ -106,7 +106,8 @@ class _Writer:
         self.result = BidsExport()
         self._subjects: dict[str, _Subject] = {}
         self._labels: dict[str, str] = {}
-        self._tasks: set[str] = set()
+        self._tasks: dict[str, str] = {}
+        """Suffix of the files of each task."""
 
     def add(self, source: Source) -> None:
         match source.kind:
@@ -155,7 +156,7 @@ class _Writer:
         subject = self._subjects.setdefault(label, _Subject())
         subject.origins |= {origin} - {""}
         subject.runs[task] = subject.runs.get(task, 0) + 1
-        self._tasks.add(task)
+        self._tasks[task] = "events" if origin else "beh"
         return subject, f"sub-{label}/beh/sub-{label}_task-{task}_run-{subject.runs[task]:02}"
 
     def _games(self, session: SessionRows) -> Iterator[Row]:
@@ -243,10 +244,10 @@ class _Writer:
         self._json("dataset_description.json", description)
         (self.into / "README.md").write_text(README, encoding="utf-8")
         for task in sorted(self._tasks):
-            is_game = task in INSTRUCTIONS
+            is_game = self._tasks[task] == "events"
             columns = COLUMNS if is_game else self._trial_columns()
-            about = {"TaskName": task, "TaskDescription": TASKS.get(task, TASKS["trials"])}
-            about["Instructions"] = INSTRUCTIONS.get(task, INSTRUCTIONS["trials"])
+            kind = task if task in TASKS else "judging" if is_game else "trials"
+            about = {"TaskName": task, "TaskDescription": TASKS[kind], "Instructions": INSTRUCTIONS[kind]}
             about |= self._institution()
             found = sidecar(columns)
             if is_game:

@@ -59,7 +59,7 @@ COLUMNS: tuple[Column, ...] = (
 TASKS = {
     "tetris": "The participant watches an agent play Tetris in a text terminal and judges its last move by key presses.",
     "keepaway": "The participant watches agents play Keepaway in a text terminal and judges the last pass by key presses.",
-    "judging": "The participant judges what an agent does; imported from a table of evaluations.",
+    "judging": "The participant judges what an agent does by key presses.",
     "trials": "Reaction-time trials in a text terminal: a foreperiod, a stimulus, and a key.",
 }
 INSTRUCTIONS = {

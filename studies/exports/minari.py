@@ -241,7 +241,7 @@ def _played(
         states.append(state)
     rows = [context.rows[taken.step] for taken in steps]
     n_steps = len(steps)
-    first = np.full_like(features[0], np.nan)
+    first = np.full(features[0].shape, np.nan)
     trust = math.nan if started.trust is None else started.trust
     return Played(
         observations=_observations(context.protocol, states, domain),
@@ -255,7 +255,7 @@ def _played(
             "trust": [trust] * (n_steps + 1),
             "weight": [started.weight] * (n_steps + 1),
             "step_index": [-1, *(taken.step for taken in steps)],
-            "feedback_features": np.array([first, *features]),
+            "feedback_features": np.array([first, *features], dtype=np.float64),
         },
         about={
             name: context.session.keys[name] or ""
@@ -273,9 +273,7 @@ def _variant(protocol: Protocol) -> str:
         case KeepawayConfig(n_keepers=keepers, n_takers=takers):
             return f"keepaway-{keepers}v{takers}"
         case _:
-            raise ValueError(
-                f"a Minari data set is of Tetris or Keepaway, not of {protocol.game}: use `arl export tidy`"
-            )
+            raise NotReplayedError(f"there is no Minari data set of the game {protocol.game}")
 
 
 def _spaces(protocol: Protocol) -> tuple[Any, Any]:
@@ -291,7 +289,7 @@ def _spaces(protocol: Protocol) -> tuple[Any, Any]:
             n_variables = len(game_of(protocol).domain(protocol).initial(0).variables)
             return spaces.Box(-np.inf, np.inf, (n_variables,), np.float64), spaces.Discrete(config.n_actions)
         case _:
-            raise AssertionError("`_variant` has refused other games")
+            raise NotReplayedError(f"there is no Minari data set of the game {protocol.game}")
 
 
 def _observations(protocol: Protocol, states: list[Any], domain: Any) -> Any:
