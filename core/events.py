@@ -108,6 +108,8 @@ class TimeGap(Record, frozen=True, kw_only=True, tag="time-gap"):
     """When it ran again."""
     suspended_ns: int = 0
     """How long the machine was suspended: this clock does not count that time on Linux. >= 0."""
+    joint: bool = False
+    """The session was broken off, and goes on here in another file: first event of a resumed session."""
 
 
 class FocusLost(Record, frozen=True, kw_only=True, tag="focus-lost"):

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from textual import constants, events
 
@@ -14,10 +14,11 @@ from arl_tui.app.driver import FlushClock, stamped_driver
 from arl_tui.app.gaps import LOOKS_PER_S, GapWatch
 from arl_tui.app.garbage import GarbageControl
 from arl_tui.app.link import Link, Preparing, PressSuggested, Ready
-from arl_tui.app.live_session import LiveSession, Occurrence, Tally
+from arl_tui.app.live_session import LiveSession, Occurrence
 from arl_tui.app.once import after
 from arl_tui.app.pace import pace_facts, pace_warning
 from arl_tui.app.plain_app import PlainApp
+from arl_tui.app.tally import Tally
 from arl_tui.palette import palette_for
 from arl_tui.recordings import create_new, rescue, rescue_whole
 from arl_tui.screens.closing import ClosingScreen
@@ -30,6 +31,9 @@ from core.numerics.clock import NS_PER_S, Clock, MonotonicClock, wall_time_utc
 from core.recording.recorder import Kept, Recorder
 from core.recording.schema import Header, to_plain
 from core.session.protocol import Protocol
+
+if TYPE_CHECKING:
+    from core.recording.joined import FinishedPart
 
 PATIENCE_S = 20.0
 """The worker gets this long to say its last word, seconds."""
@@ -62,6 +66,10 @@ class Sitting:
     """A simulated participant presses keys, too."""
     source: Mapping[str, str] = field(default_factory=dict)
     """Where the credit rule comes from, for the recording's header."""
+    study: Mapping[str, str] = field(default_factory=dict)
+    """Where the session belongs in a study, for the recording's header; empty outside of studies."""
+    kept: "FinishedPart | None" = None
+    """What the session had done before it broke off; None where it begins."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,12 +112,20 @@ class ArlApp(PlainApp[Outcome]):
             clock=self._clock,
             listener=self._on_occurrence,
             on_over=self._on_over,
+            earlier=() if sitting.kept is None else sitting.kept.events,
         )
         self.live.take_stamps = self._take_stamps
         self.live.gate.reader = self.reader
         palette = palette_for(sitting.protocol.screen.palette, self.console.color_system)
         self.play = PlayScreen(sitting.protocol, self.live, palette)
-        self.welcome = WelcomeScreen(sitting.protocol, sitting.participant, simulated=sitting.simulated)
+        if sitting.kept is not None:
+            self.play.go_on_after(sitting.kept.outputs)
+        self.welcome = WelcomeScreen(
+            sitting.protocol,
+            sitting.participant,
+            simulated=sitting.simulated,
+            games_done=0 if sitting.kept is None else sitting.kept.games,
+        )
         self._link = link
         self._garbage = GarbageControl()
         self._recorder: Recorder | None = None
@@ -210,6 +226,8 @@ class ArlApp(PlainApp[Outcome]):
             terminal=terminal | timing_facts(self.sitting.recordings, terminal, created_utc),
             departures=protocol.departures(),
             source=dict(self.sitting.source) | pace_facts(self._worker_ready),
+            study=dict(self.sitting.study),
+            resumes=None if self.sitting.kept is None else self.sitting.kept.resumes,
         )
 
     # --- keys and frames ----------------------------------------------------------------------------------------
@@ -329,7 +347,12 @@ class ArlApp(PlainApp[Outcome]):
             self.pop_screen()
         protocol = self.sitting.protocol
         self.push_screen(
-            ClosingScreen(outcome, words_of(protocol.game), show_weight=protocol.screen.show_weight)
+            ClosingScreen(
+                outcome,
+                words_of(protocol.game),
+                show_weight=protocol.screen.show_weight,
+                show_file=not self.sitting.study,
+            )
         )
 
     def _on_loop_error(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:

@@ -8,7 +8,8 @@ import msgspec
 
 from arl_tui.app import facts
 from core.events import SessionEnded
-from core.recording.reader import Recording, RecordingError, read_recording
+from core.recording.joined import read_session
+from core.recording.reader import Recording, RecordingError
 from core.recording.summary import summarise_recording
 from core.session.protocol import Protocol, protocol_from
 from core.system.foreign_text import printable
@@ -18,13 +19,17 @@ GETTING_READY = "Getting ready; the first time this takes a minute or two ..."
 
 
 def read_or_stop(path: Path, *, allow_truncated: bool) -> Recording:
-    """Read a recording and say what is unusual about its file; stop where it cannot be read."""
+    """Read a session and say what is unusual about its files; stop where they cannot be read."""
     try:
-        recording = read_recording(path, allow_truncated=allow_truncated)
+        recording = read_session(path, allow_truncated=allow_truncated)
     except (RecordingError, OSError) as error:
         raise click.ClickException(printable(str(error), longest=None)) from error
     for note in recording.notes:
         click.echo(f"Beware: {printable(note, longest=None)}", err=True)
+    for older in recording.older:
+        click.echo(
+            f"Goes on with {printable(str(older), longest=None)}: both are taken as one session.", err=True
+        )
     return recording
 
 

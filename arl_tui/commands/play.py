@@ -15,6 +15,7 @@ from core.session.protocol import Protocol, load_protocol
 
 if TYPE_CHECKING:
     from arl_tui.app.session_app import Outcome
+    from core.recording.joined import FinishedPart
 
 FRAMES_PER_S = "30"
 """Upper bound of Textual's drawing rate; read when Textual is imported."""
@@ -87,8 +88,21 @@ def run_live(
     recordings: Path,
     simulated: bool = False,
     source: Mapping[str, str] | None = None,
+    study: Mapping[str, str] | None = None,
+    kept: "FinishedPart | None" = None,
 ) -> "Outcome":
-    """Start the worker, then the app; return what is left when both are gone."""
+    """Start the worker, then the app; return what is left when both are gone.
+
+    Args:
+        protocol: what is played, its credit rule in numbers.
+        participant: pseudonym.
+        seed: root seed; a new one by default.
+        recordings: folder of the new recording.
+        simulated: a simulated participant presses keys, too.
+        source: where the credit rule comes from, for the header.
+        study: where the session belongs in a study, for the header.
+        kept: what the session had done before it broke off; None where it begins.
+    """
     os.environ.setdefault("TEXTUAL_FPS", FRAMES_PER_S)
     root_seed = secrets.randbits(63) if seed is None else seed
     gc.disable()  # start-up leaves nothing to collect; `GarbageControl` takes over with the app
@@ -97,7 +111,7 @@ def run_live(
 
     # Before the app runs, because no process can be started from inside it; but after everything is imported: on two
     # hardware threads of one core a worker that compiles slows the first picture down by a third.
-    link = start_worker(protocol, root_seed, simulated=simulated)
+    link = start_worker(protocol, root_seed, simulated=simulated, kept=kept)
     try:
         sitting = Sitting(
             protocol=protocol,
@@ -106,6 +120,8 @@ def run_live(
             recordings=recordings,
             simulated=simulated,
             source=source or {},
+            study=study or {},
+            kept=kept,
         )
         app = build_app(sitting, link)
         outcome = app.run_in_terminal()

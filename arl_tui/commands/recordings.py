@@ -2,7 +2,7 @@
 
 import csv
 import shlex
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 import click
@@ -10,6 +10,7 @@ import msgspec
 
 from arl_tui.home import elsewhere, recordings_folder, why_here
 from arl_tui.recordings import CALIBRATION_FOLDER, all_recordings
+from core.recording.joined import joined
 from core.recording.reader import Recording, RecordingError, read_recording
 from core.recording.summary import RecordingSummary, summarise_recording
 from core.system.foreign_text import printable
@@ -28,6 +29,8 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
     """Why it is damaged."""
     notes: str = ""
     """What is unusual about a sound file, separated by "; "."""
+    goes_on_with: str = ""
+    """Older recordings that are part of the session, separated by "; ": they have no line of their own."""
     participant: str = ""
     origin: str = ""
     created_utc: str = ""
@@ -54,7 +57,7 @@ def list_all(folder: Path, *, csv_path: Path | None = None) -> None:
     """Print what each recording holds; leave with status 1 if one of them is damaged."""
     why = f" ({why_here()})" if folder == recordings_folder() else ""
     problems: list[OSError] = []
-    found = list(read_all(folder, problems))
+    found = as_sessions(read_all(folder, problems))
     if found:
         click.echo(f"Recordings in {folder}{why}:")
     else:
@@ -86,6 +89,24 @@ def read_all(folder: Path, problems: list[OSError]) -> Iterator[Found]:
             yield path, None, str(error)
 
 
+def as_sessions(found: Iterable[Found]) -> list[Found]:
+    """Return one entry per session: a recording that another one goes on with is part of that one.
+
+    Where both cannot be joined, the newer one is named as damaged, and the older one stands for itself.
+    """
+    sessions: list[Found] = []
+    parts: set[Path] = set()
+    for path, recording, reason in found:
+        if recording is not None:
+            try:
+                recording = joined(recording)
+                parts.update(recording.older)
+            except (RecordingError, OSError) as error:
+                recording, reason = None, str(error)
+        sessions.append((path, recording, reason))
+    return [one for one in sessions if one[0] not in parts]
+
+
 def lines_of(path: Path, folder: Path, recording: Recording | None, reason: str) -> Iterator[str]:
     """Yield the lines about one file."""
     name = printable(str(path.relative_to(folder)))
@@ -97,6 +118,8 @@ def lines_of(path: Path, folder: Path, recording: Recording | None, reason: str)
     when = header.created_utc.removesuffix("+00:00").replace("T", " ")
     yield click.style(name, bold=True) + printable(f"  {header.participant}  {header.origin}  {when} UTC")
     yield f"    {printable(summarise_recording(recording).words)}"
+    for older in recording.older:
+        yield f"    goes on with {printable(older.name)}: both are one session"
     for note in recording.notes:
         yield f"    beware: {printable(note, longest=None)}"
 
@@ -131,6 +154,7 @@ def row_of(path: Path, recording: Recording | None, reason: str) -> Row:
         file=str(path),
         state="sound",
         notes="; ".join(recording.notes),
+        goes_on_with="; ".join(older.name for older in recording.older),
         participant=header.participant,
         origin=header.origin,
         created_utc=header.created_utc,

@@ -26,17 +26,21 @@ class ClosingScreen(Page):
 
     VERTICAL_BREAKPOINTS = [(0, "-short"), (34, "-tall")]  # noqa: RUF012 - as Textual declares it
 
-    def __init__(self, outcome: "Outcome", words: Words, *, show_weight: bool = False) -> None:
+    def __init__(
+        self, outcome: "Outcome", words: Words, *, show_weight: bool = False, show_file: bool = True
+    ) -> None:
         """Prepare.
 
         Args:
             outcome: what is left of the session.
             words: of its game.
             show_weight: whether the participant may see the weight that their feedback had.
+            show_file: say where the recording is; not to the participant of a study.
         """
         super().__init__()
         self.outcome = outcome
         self._show_weight = show_weight
+        self._show_file = show_file
         self._words = words
         self.HEADING = "Thank you!" if outcome.trouble is None else "The session had to end early"
 
@@ -55,7 +59,7 @@ class ClosingScreen(Page):
 
             yield Static(f"\nIn practice, {self._words.units[1]} per game, block by block:")
             yield LearningCurve(outcome.tally.practised)
-        if outcome.recording is not None:
+        if outcome.recording is not None and self._show_file:
             yield Static(Text(where_recorded(outcome)), classes="path")
         yield Static("Press [reverse] Enter [/] to leave", classes="call")
 

@@ -1,6 +1,6 @@
 """The game on screen: its picture, feedback, figures, and the keys that steer the session."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, ClassVar, cast
 
 from textual import events
@@ -12,7 +12,8 @@ from textual.widgets import Static
 
 from arl_tui.app.gaps import length_s
 from arl_tui.app.link import Picture, TakenFor
-from arl_tui.app.live_session import Cover, LiveSession, Occurrence, weight_in_use
+from arl_tui.app.live_session import Cover, LiveSession, Occurrence
+from arl_tui.app.tally import weight_in_use
 from arl_tui.games.panel import Progress, scene_of
 from arl_tui.palette import Palette
 from arl_tui.screens.count_down import CountDown
@@ -24,6 +25,7 @@ from core.events import (
     EpisodeEnded,
     EpisodeStarted,
     KeyPressed,
+    Output,
     PressRetracted,
     SessionEnded,
     StopAsked,
@@ -123,6 +125,14 @@ class PlayScreen(Screen[None], inherit_bindings=False):
             case StopAsked() | SessionEnded():
                 self._count_down.stop()
                 self._say("Stopping: everything is being saved ...")
+
+    def go_on_after(self, outputs: Iterable[Output]) -> None:
+        """Count the games that were finished before the session broke off."""
+        for output in outputs:
+            if isinstance(output, EpisodeStarted):
+                self._watched += 1
+                if self._shows_weight:
+                    self._human_weights.append(weight_in_use(output))
 
     def take_painted(self) -> int | None:
         """Return the step whose picture has been drawn since the last call; None where none has."""

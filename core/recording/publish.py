@@ -9,20 +9,26 @@ from typing import Any
 
 import msgspec
 
+from core.recording.joined import older_path
 from core.recording.reader import CHAIN_MARK, Recording, read_recording
-from core.recording.recorder import Chain
+from core.recording.recorder import CHAIN_DIGITS, Chain
+from core.recording.schema import Resumes
 from core.recording.undo import as_recorded
 
 REMOVED = "(date removed)"
 _DATE = re.compile(r"\d{4}-?[01]\d-?[0-3]\d([T ][\d:.]+(Z|[+-]\d\d:?\d\d)?)?")
 
 
-def publish_copy(recording: Recording, target: Path) -> None:
+def publish_copy(recording: Recording, target: Path, *, resumes: Resumes | None = None) -> str:
     """Write a copy of a recording whose header names no date; its events are the same, byte by byte.
 
     Args:
         recording: as it was read.
         target: the new file; its folder is made where it is missing.
+        resumes: what the copy says that it goes on with: the copy of the older recording.
+
+    Returns:
+        The copy's last chain.
 
     Raises:
         FileExistsError: there is a file at `target` already.
@@ -32,16 +38,20 @@ def publish_copy(recording: Recording, target: Path) -> None:
     lines = [line for line in content.split(b"\n") if line.strip()]
     n_lines = 1 + len(recording.events) + recording.complete
     payloads = [line.rpartition(CHAIN_MARK)[0] + b"}" for line in lines[:n_lines]]
-    payloads[0] = _without_dates(payloads[0])
+    payloads[0] = _without_dates(payloads[0], resumes)
     chain = Chain()
     target.parent.mkdir(parents=True, exist_ok=True)
     with target.open("xb") as file:
         for payload in payloads:
-            file.write(chain.seal(payload))
+            sealed = chain.seal(payload)
+            file.write(sealed)
+    return sealed.rpartition(CHAIN_MARK)[2][:CHAIN_DIGITS].decode()
 
 
-def _without_dates(header: bytes) -> bytes:
+def _without_dates(header: bytes, resumes: Resumes | None) -> bytes:
     plain = _removed(msgspec.json.decode(header))
+    if resumes is not None:
+        plain["resumes"] = msgspec.to_builtins(resumes)
     plain["source"] = plain.get("source", {}) | {"published": "dates removed, chained anew"}
     return msgspec.json.encode(plain)
 
@@ -75,10 +85,15 @@ def publish_folder(paths: list[Path], into: Path) -> list[tuple[Path, Path]]:
     recordings = sorted(map(read_recording, paths), key=lambda found: (found.header.created_utc, found.path))
     numbers: dict[str, int] = {}
     copies = []
+    published: dict[Path, tuple[str, str]] = {}
     for recording in recordings:
         code = re.sub(r"[^\w-]", "_", recording.header.participant)
         numbers[code] = numbers.get(code, 0) + 1
         target = into / f"{code}-{numbers[code]}.jsonl"
-        publish_copy(recording, target)
+        resumes = recording.header.resumes
+        if resumes is not None and (older := older_path(recording.path, resumes)) in published:
+            name, chain = published[older]
+            resumes = msgspec.structs.replace(resumes, file=name, chain=chain)
+        published[recording.path] = target.name, publish_copy(recording, target, resumes=resumes)
         copies.append((recording.path, target))
     return copies

@@ -47,6 +47,10 @@ class Recording:
     """What stands behind the last whole line: the one that was being written when the session was cut off."""
     notes: tuple[str, ...] = ()
     """What is unusual about the file and was put right while reading, in plain sentences."""
+    chain: str = ""
+    """Chain of the last whole line, hex: no other content has the same."""
+    older: tuple[Path, ...] = ()
+    """Older recordings whose events come first, where a session was resumed (`core.recording.joined`)."""
 
     @property
     def inputs(self) -> tuple[Input, ...]:
@@ -94,6 +98,7 @@ class _Reading:
         self._content = content
         self._notes = notes
         self._chain = Chain()
+        self._last_chain = ""
 
     def read(self, *, allow_truncated: bool) -> Recording:
         lines, tail = self._lines()
@@ -117,7 +122,9 @@ class _Reading:
         self._check_end(lines[-1][0], events, end, allow_truncated=allow_truncated)
         if header.version == 1:
             header = msgspec.structs.replace(header, protocol=version_1.with_schedules(header.protocol))
-        return Recording(self._path, header, tuple(events), end is not None, tail, tuple(self._notes))
+        return Recording(
+            self._path, header, tuple(events), end is not None, tail, tuple(self._notes), self._last_chain
+        )
 
     def _wrong(self, number: int, what: str) -> RecordingError:
         return RecordingError(f"{self._path}:{number}: {what}")
@@ -213,6 +220,7 @@ class _Reading:
         payload += b"}"
         if self._chain.advance(payload) != rest[:CHAIN_DIGITS]:
             raise self._wrong(number, _broken(number, payload, rest[:CHAIN_DIGITS]))
+        self._last_chain = rest[:CHAIN_DIGITS].decode()
         try:
             return _record(payload, version)
         except (msgspec.DecodeError, ValueError) as error:

@@ -17,6 +17,7 @@ from core.events import (
     TimeGap,
 )
 from core.recording.reader import Recording
+from core.recording.schema import Header
 
 HAS_REASONS = 2
 """First version that tells a closed window, a signal and a full disk from a participant's stop."""
@@ -139,7 +140,7 @@ def summarise_recording(recording: Recording) -> RecordingSummary:
     return RecordingSummary(
         game=_game(protocol),
         protocol=str(protocol.get("name", "default")),
-        condition=str(recording.header.source.get("condition", protocol.get("condition", ""))),
+        condition=condition_of(recording.header),
         games_finished=_finished(recording),
         games_begun=_count(recording, EpisodeStarted),
         games_planned=None if imported else _planned(protocol),
@@ -147,10 +148,18 @@ def summarise_recording(recording: Recording) -> RecordingSummary:
         presses_counted=len(counted),
         presses_simulated=sum(press.source == "simulated" for press in counted),
         presses_taken_back=len(taken_back & presses.keys()),
-        gaps=_count(recording, TimeGap),
+        gaps=sum(isinstance(event, TimeGap) and not event.joint for event in recording.events),
         focus_lost=_count(recording, FocusLost),
         ending=ending_of(recording),
     )
+
+
+def condition_of(header: Header) -> str:
+    """Return the study's condition of a session; "" where there is none."""
+    for said in (header.study, header.source, header.protocol):
+        if said.get("condition"):
+            return str(said["condition"])
+    return ""
 
 
 def _count(recording: Recording, kind: type) -> int:

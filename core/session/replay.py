@@ -75,7 +75,7 @@ def replay_exactly(recording: Recording, session: Session) -> ReplayResult:
         if recorded is not None and replayed is not None:
             replayed = as_far_as_recorded(recorded, replayed)
         if recorded != replayed:
-            return ReplayResult(compared, _first_difference(compared, recorded, replayed))
+            return ReplayResult(compared, first_difference(compared, recorded, replayed))
         compared += 1
     return ReplayResult(compared, None)
 
@@ -83,7 +83,9 @@ def replay_exactly(recording: Recording, session: Session) -> ReplayResult:
 def _run_both(recording: Recording, session: Session) -> Iterator[tuple[Output | None, Output | None]]:
     """Yield recorded and replayed outputs side by side; None where one of the two has ended."""
     outputs = recording.outputs
-    source, clock = Recorded(recording.inputs), ManualClock()
+    # A resumed session's older part may have been shifted to times before zero.
+    first_ns = next((output.time_ns for output in outputs if not isinstance(output, CreditGiven)), 0)
+    source, clock = Recorded(recording.inputs), ManualClock(first_ns)
     run = session.run(source, clock)
     for number, recorded in enumerate(outputs):
         timed = next((output for output in outputs[number:] if not isinstance(output, CreditGiven)), None)
@@ -97,7 +99,8 @@ def _run_both(recording: Recording, session: Session) -> Iterator[tuple[Output |
         yield None, next(run, None)
 
 
-def _first_difference(number: int, recorded: Output | None, replayed: Output | None) -> Difference:
+def first_difference(number: int, recorded: Output | None, replayed: Output | None) -> Difference:
+    """Return in which field two outputs that are not equal differ."""
     if recorded is None or replayed is None or type(recorded) is not type(replayed):
         return Difference(number, "type", type(recorded).__name__, type(replayed).__name__)
     before, now = msgspec.structs.asdict(recorded), msgspec.structs.asdict(replayed)

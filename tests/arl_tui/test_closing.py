@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 from textual.app import App
 
-from arl_tui.app.live_session import Tally
 from arl_tui.app.session_app import Outcome
+from arl_tui.app.tally import Tally
 from arl_tui.screens.closing import ClosingScreen
 from arl_tui.widgets.learning_curve import LearningCurve
 from arl_tui.words import KEEPAWAY, TETRIS, Words
