@@ -125,6 +125,8 @@ class LiveSession:
         presses = [event.press for event in earlier if isinstance(event, KeyPressed)]
         self.gate = PressGate(keys, numbers=count(max(presses, default=-1) + 1))
         self.tally = Tally()
+        self.stop_reason: StopReason | None = None
+        """Why the session was asked to end; None while it was not."""
         self.phase: Literal["waiting", "running", "stopping", "over"] = "waiting"
         self.ready = False
         self.take_stamps: Callable[[], list[tuple[int, int]]] = list
@@ -298,6 +300,7 @@ class LiveSession:
         if self.phase == "running":
             self.collect_frames()
             self.phase = "stopping"
+            self.stop_reason = reason
             self._enter(StopAsked(time_ns=self._clock.now_ns(), reason=reason))
 
     def give_up(self, reason: str) -> None:

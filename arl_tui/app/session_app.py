@@ -13,7 +13,7 @@ from textual import constants, events
 from arl_tui.app.driver import FlushClock, stamped_driver
 from arl_tui.app.gaps import LOOKS_PER_S, GapWatch
 from arl_tui.app.garbage import GarbageControl
-from arl_tui.app.link import Link, Preparing, PressSuggested, Ready
+from arl_tui.app.link import Link, Preparing, PressSuggested, Ready, TakenFor
 from arl_tui.app.live_session import LiveSession, Occurrence
 from arl_tui.app.once import after
 from arl_tui.app.pace import pace_facts, pace_warning
@@ -70,6 +70,8 @@ class Sitting:
     """Where the session belongs in a study, for the recording's header; empty outside of studies."""
     kept: "FinishedPart | None" = None
     """What the session had done before it broke off; None where it begins."""
+    practice: bool = False
+    """Nothing counts; it ends after the game in which both keys have been pressed in time."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,6 +87,8 @@ class Outcome:
     """How much of the session is in the file, and how much of that the disk has confirmed."""
     warning: str = ""
     """What the experimenter is told of the pace, if presses often miss their step."""
+    stopped: StopReason | None = None
+    """Why the session was asked to end before its last game; None where it was not."""
 
 
 class ArlApp(PlainApp[Outcome]):
@@ -125,6 +129,7 @@ class ArlApp(PlainApp[Outcome]):
             sitting.participant,
             simulated=sitting.simulated,
             games_done=0 if sitting.kept is None else sitting.kept.games,
+            practice=sitting.practice,
         )
         self._link = link
         self._garbage = GarbageControl()
@@ -133,6 +138,8 @@ class ArlApp(PlainApp[Outcome]):
         self._stamps_without_driver: list[tuple[int, int]] = []
         self._simulated_keys: set[int] = set()
         self._outcome: Outcome | None = None
+        self._practised: set[bool] = set()
+        """Which keys have been pressed in time: True for the good one."""
 
     # --- life ---------------------------------------------------------------------------------------------------
 
@@ -283,6 +290,10 @@ class ArlApp(PlainApp[Outcome]):
                 self._garbage.hold()
             case EpisodeEnded():
                 self._garbage.collect()
+                if self.sitting.practice and len(self._practised) == 2:
+                    self.ask_to_stop("practised")
+            case TakenFor(step=step, value=value) if step >= 0:
+                self._practised.add(value > 0)
             case PressSuggested(key=key, time_ns=time_ns):
                 delay_s = max(0, time_ns - self._clock.now_ns()) / NS_PER_S
                 after(self, delay_s, lambda: self._press_simulated(key))
@@ -339,7 +350,9 @@ class ArlApp(PlainApp[Outcome]):
             trouble = "\n\n".join(part for part in (problem, trouble) if part) or None
         sitting = self.sitting
         warning = "" if sitting.simulated else pace_warning(sitting.protocol, self._worker_ready)
-        outcome = self._outcome = Outcome(path, self.live.tally, trouble, kept=kept, warning=warning)
+        outcome = self._outcome = Outcome(
+            path, self.live.tally, trouble, kept=kept, warning=warning, stopped=self.live.stop_reason
+        )
         if self.ended_by is not None:
             self._go(outcome)
             return
@@ -352,6 +365,7 @@ class ArlApp(PlainApp[Outcome]):
                 words_of(protocol.game),
                 show_weight=protocol.screen.show_weight,
                 show_file=not self.sitting.study,
+                practice=self.sitting.practice,
             )
         )
 

@@ -4,7 +4,7 @@ import gc
 import os
 import secrets
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,7 +14,7 @@ import msgspec
 from core.session.protocol import Protocol, load_protocol
 
 if TYPE_CHECKING:
-    from arl_tui.app.session_app import Outcome
+    from arl_tui.app.session_app import ArlApp, Outcome
     from core.recording.joined import FinishedPart
 
 FRAMES_PER_S = "30"
@@ -93,6 +93,42 @@ def run_live(
 ) -> "Outcome":
     """Start the worker, then the app; return what is left when both are gone.
 
+    The arguments are those of `live_app`.
+    """
+    app, outcome = live_app(
+        protocol,
+        participant=participant,
+        seed=seed,
+        recordings=recordings,
+        simulated=simulated,
+        source=source,
+        study=study,
+        kept=kept,
+    )
+    if app.ended_by is not None:
+        if outcome is not None and outcome.recording is not None:
+            click.echo(f"Recording: {outcome.recording}")
+        raise SystemExit(128 + app.ended_by)
+    if outcome is None:
+        raise click.ClickException("the app ended without a result; see the message above")
+    return outcome
+
+
+def live_app(
+    protocol: Protocol,
+    *,
+    participant: str,
+    seed: int | None,
+    recordings: Path,
+    simulated: bool = False,
+    source: Mapping[str, str] | None = None,
+    study: Mapping[str, str] | None = None,
+    kept: "FinishedPart | None" = None,
+    practice: bool = False,
+    on_gone: Callable[[], None] = lambda: None,
+) -> "tuple[ArlApp, Outcome | None]":
+    """Start the worker, then the app; return the app and its result when both are gone.
+
     Args:
         protocol: what is played, its credit rule in numbers.
         participant: pseudonym.
@@ -102,6 +138,8 @@ def run_live(
         source: where the credit rule comes from, for the header.
         study: where the session belongs in a study, for the header.
         kept: what the session had done before it broke off; None where it begins.
+        practice: nothing counts.
+        on_gone: called where the window is closed and this process is about to end.
     """
     os.environ.setdefault("TEXTUAL_FPS", FRAMES_PER_S)
     root_seed = secrets.randbits(63) if seed is None else seed
@@ -122,18 +160,13 @@ def run_live(
             source=source or {},
             study=study or {},
             kept=kept,
+            practice=practice,
         )
         app = build_app(sitting, link)
-        outcome = app.run_in_terminal()
+        app.before_leaving = on_gone
+        return app, app.run_in_terminal()
     finally:
         link.close()
-    if app.ended_by is not None:
-        if outcome is not None and outcome.recording is not None:
-            click.echo(f"Recording: {outcome.recording}")
-        raise SystemExit(128 + app.ended_by)
-    if outcome is None:
-        raise click.ClickException("the app ended without a result; see the message above")
-    return outcome
 
 
 def tell(outcome: "Outcome") -> None:

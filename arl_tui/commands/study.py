@@ -89,14 +89,15 @@ def run(file: Path, code: str | None, recordings: Path) -> None:
     from arl_tui.app.facts import software
     from arl_tui.commands.play import need_terminal
     from arl_tui.commands.study_blocks import player
-    from arl_tui.study.run import Terminal, run_sitting
+    from arl_tui.study.presenter import Terminal
+    from arl_tui.study.run import run_sitting
     from studies.lab.enrolment import drawn_code
 
     need_terminal("arl study run", instead="arl study simulate")
     with _plain_errors():
         loaded, ledger = _open(file, recordings)
         code = code or drawn_code(loaded.study, ledger)
-        result = run_sitting(loaded, ledger, code, Terminal(player(loaded, recordings)), software=software())
+        result = run_sitting(loaded, ledger, code, Terminal(player(loaded)), software=software())
     said = {
         "finished": "finished the sitting",
         "stopped": "stopped the sitting",
@@ -107,6 +108,8 @@ def run(file: Path, code: str | None, recordings: Path) -> None:
     }[result.how]
     who = "The participant" if result.how in ("declined", "nothing") else result.code
     click.echo(f"{who} {said}.")
+    for remark in result.remarks:
+        click.echo(f"Beware: {remark}", err=True)
     if result.trouble:
         raise click.ClickException(result.trouble)
 
@@ -123,6 +126,7 @@ def simulate(file: Path, participants: int, recordings: Path) -> None:
     Their data lie in a folder of their own, whose name ends in "-simulated", and every file says that it is simulated.
     """
     from arl_tui.app.facts import software
+    from arl_tui.commands.study_blocks import settle_simulated
     from arl_tui.study.run import run_sitting
     from arl_tui.study.simulated import SimulatedPresenter, habits_of
     from core.numerics.clock import ManualClock
@@ -141,7 +145,14 @@ def simulate(file: Path, participants: int, recordings: Path) -> None:
             )
             seed = stream_seed(loaded.study.seed, "simulated", number)
             for _ in loaded.study.sittings:
-                presenter = SimulatedPresenter(loaded, habits, seed=seed, clock=clock, software=software())
+                presenter = SimulatedPresenter(
+                    loaded,
+                    habits,
+                    seed=seed,
+                    clock=clock,
+                    software=software(),
+                    settle=settle_simulated(loaded),
+                )
                 result = run_sitting(
                     loaded,
                     ledger,

@@ -125,8 +125,13 @@ def _check_can_go_on(recording: Recording) -> None:
         stop = next((event for event in recording.inputs if isinstance(event, StopAsked)), None)
         if stop is None:
             raise ResumeError(f"{path}: this session is finished: there is nothing left to do")
-        if stop.reason == "time-limit":
-            raise ResumeError(f"{path}: this session has reached its time limit: there is nothing left to do")
+        if stop.reason in ("time-limit", "practised"):
+            why = (
+                "has reached its time limit"
+                if stop.reason == "time-limit"
+                else "was a practice, which is complete"
+            )
+            raise ResumeError(f"{path}: this session {why}: there is nothing left to do")
 
 
 def joined(recording: Recording) -> Recording:

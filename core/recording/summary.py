@@ -30,6 +30,7 @@ _STOPS: dict[StopReason, str] = {
     "signal": "stopped by a signal",
     "worker-died": "worker died",
     "time-limit": "time limit reached",
+    "practised": "both keys were practised",
     "disk-failed": "disk failed: the recording could not be written any more",
 }
 _V1_STOP = " (or window closed, signal, disk full: version 1 does not tell)"

@@ -11,8 +11,11 @@ import msgspec
 
 from core.feedback.delays import GammaDelay
 from core.session.protocol import Protocol, protocol_from
-from studies.lab.config import Block, Break, Consent, Debriefing, Questionnaire, Study, TextPage
+from studies.lab.config import Block, Break, Consent, Debriefing, Practice, Questionnaire, Study, TextPage
 from studies.lab.questions import QuestionList, QuestionsError, read_questions
+
+PRACTICE_SLOWER = 1.5
+"""A practice game is so many times slower than a block's."""
 
 
 class StudyError(ValueError):
@@ -41,6 +44,26 @@ class LoadedStudy:
         if step.games is not None:
             session = msgspec.structs.replace(session, episodes=step.games)
         return msgspec.structs.replace(protocol, name=self.study.name, session=session)
+
+    def practice_protocol(self, step: Practice) -> Protocol:
+        """Return the protocol of a practice: slow, nothing unseen, no wrong presses; it says nothing about a condition."""
+        protocol = next(iter(self.protocols.values()))
+        session, screen = protocol.session, protocol.screen
+        session = msgspec.structs.replace(session, episodes=step.games, unseen_before=0, unseen_between=0)
+        screen = msgspec.structs.replace(
+            screen,
+            tick_ms=min(2000, round(screen.tick_ms * PRACTICE_SLOWER)),
+            speed=max(0.05, screen.speed / PRACTICE_SLOWER),
+            mark_presses=True,
+        )
+        keys = msgspec.structs.replace(protocol.keys, wrong_press_rate=0.0)
+        if protocol.delay_of != "rule":  # nobody is calibrated yet
+            credit = msgspec.structs.replace(protocol.agent.credit, delay=GammaDelay())
+            agent = msgspec.structs.replace(protocol.agent, credit=credit)
+            protocol = msgspec.structs.replace(protocol, agent=agent, delay_of="rule")
+        return msgspec.structs.replace(
+            protocol, name=self.study.name, session=session, screen=screen, keys=keys
+        )
 
     def simulated_protocol(self, condition: str, step: Block) -> Protocol:
         """Return the protocol of a block for a simulated participant, whose own delay is known without a calibration."""
