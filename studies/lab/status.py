@@ -17,7 +17,7 @@ from studies.lab.ledger import read_ledger
 from studies.lab.orders import order_of
 from studies.lab.progress import Participant, progress
 from studies.lab.sealed import SealedFileError
-from studies.lab.sitting_log import QuestionAnswered, read_sitting
+from studies.lab.sitting_log import FileRecorded, QuestionAnswered, read_sitting
 
 FEW_PRESSES_PER_GAME = 0.5
 """Fewer accepted presses per game than this are pointed out."""
@@ -166,6 +166,8 @@ class _Recordings:
         for line in lines:
             if isinstance(line, QuestionAnswered):
                 self.failed_checks += line.passed is False
+            elif isinstance(line, FileRecorded) and not (path.parent / line.file).exists():
+                self.damaged.append(f"{line.file} (it was recorded, and is not there)")
 
     def _read_block(self, session: BlockSoFar) -> None:
         events = session.recording.events
