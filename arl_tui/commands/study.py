@@ -80,6 +80,14 @@ def check(file: Path, pages: bool) -> None:
     click.echo("\nNothing is missing.")
 
 
+@study.command(short_help="Print every key of a study file with what it means.")
+def settings() -> None:
+    """Print every key of a study file and of a questionnaire: what it takes, and what it means (docs/study.md)."""
+    from arl_tui.commands.study_page import page
+
+    click.echo(page(), nl=False)
+
+
 @study.command(short_help="Lead a participant through their next sitting.")
 @study_argument
 @click.option("--participant", "code", help="Code of the participant; a new one is drawn by default.")

@@ -1,19 +1,22 @@
 """Read a study file with all that it names: texts, questionnaires, and the protocol of every condition."""
 
 import hashlib
-import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import msgspec
 
+from core.configuration.reading import ConfigurationError, Problem, read_whole
+from core.configuration.toml_places import places
 from core.feedback.delays import GammaDelay
 from core.session.protocol import Protocol, protocol_from
+from core.session.protocol_file import ProtocolError, located, read_toml
 from studies.lab.config import Block, Break, Consent, Debriefing, Practice, Questionnaire, Study, TextPage
 from studies.lab.questions import QuestionList, QuestionsError, read_questions
 
+HELP = "docs/study.md (`arl study settings`) has every key with what it means."
 PRACTICE_SLOWER = 1.5
 """A practice game is so many times slower than a block's."""
 
@@ -83,22 +86,21 @@ def load_study(path: Path) -> LoadedStudy:
         StudyError: something is missing or wrong; all that is found is named, a line each.
         OSError: the file cannot be read.
     """
-    content = path.read_bytes()
     try:
-        study = msgspec.convert(tomllib.loads(content.decode("utf-8-sig")), Study)
-    except UnicodeDecodeError as error:
-        raise StudyError(
-            f"{path}: not UTF-8 at byte {error.start}: save the file as UTF-8 in your editor"
-        ) from error
-    except (tomllib.TOMLDecodeError, ValueError) as error:
-        raise StudyError(f"{path}: {error}") from error
+        text, plain = read_toml(path, what="a study", advice=HELP)
+        study = read_whole(plain, Study)
+    except ProtocolError as error:
+        raise StudyError(str(error)) from error
+    except ConfigurationError as error:
+        raise StudyError(located(path, text, error.problems, advice=HELP)) from error
     trouble: list[str] = []
     texts = _texts(study, path.parent, trouble)
     questionnaires = _questionnaires(study, path.parent, trouble)
-    protocols = _protocols(study, path, trouble)
+    protocols = _protocols(study, path, text, trouble)
     if trouble:
         raise StudyError("\n".join(trouble))
-    return LoadedStudy(path, study, hashlib.sha256(content).hexdigest(), texts, questionnaires, protocols)
+    sha256 = hashlib.sha256(path.read_bytes()).hexdigest()
+    return LoadedStudy(path, study, sha256, texts, questionnaires, protocols)
 
 
 def combined(base: Mapping[str, Any], differences: Mapping[str, Any]) -> dict[str, Any]:
@@ -145,21 +147,36 @@ def _questionnaires(study: Study, folder: Path, trouble: list[str]) -> dict[str,
     return found
 
 
-def _protocols(study: Study, path: Path, trouble: list[str]) -> dict[str, Protocol]:
+def _protocols(study: Study, path: Path, text: str, trouble: list[str]) -> dict[str, Protocol]:
     base: Mapping[str, Any] = study.protocol
+    base_path, base_text = path, text
+    above: tuple[str, ...] = ("protocol",)
     if study.protocol_file:
-        file = path.parent / study.protocol_file
+        base_path, above = path.parent / study.protocol_file, ()
         try:
-            base = tomllib.loads(file.read_text(encoding="utf-8-sig"))
+            base_text, base = read_toml(base_path)
         except (OSError, ValueError) as error:
-            trouble.append(f"{file}: {_reason(error)}")
+            trouble.append(f"{base_path}: {_reason(error)}" if isinstance(error, OSError) else str(error))
             return {}
     protocols: dict[str, Protocol] = {}
+    in_base: dict[str, tuple[Problem, list[str]]] = {}
+    found = places(text)
     for name, differences in study.conditions.items():
         try:
-            protocols[name] = protocol_from(combined(base, differences))
-        except ValueError as error:
-            trouble.append(f"{path}: condition {name}: {error}")
+            protocols[name] = protocol_from(combined(base, differences), to_run=True)
+        except ConfigurationError as error:
+            for problem in error.problems:
+                here = ("conditions", name, *problem.path)
+                if here in found:
+                    trouble.append(located(path, text, [replace(problem, path=here)], advice=""))
+                else:  # not among the differences: the base says it
+                    in_base.setdefault(str(problem), (replace(problem, path=(*above, *problem.path)), []))[
+                        1
+                    ].append(name)
+    for problem, names in in_base.values():
+        said = "" if len(names) == len(study.conditions) else f" (in the condition {', '.join(names)})"
+        problem = replace(problem, reason=problem.reason + said)
+        trouble.append(located(base_path, base_text, [problem], advice=""))
     games = {protocol.game for protocol in protocols.values()}
     if len(games) > 1:
         trouble.append(f"{path}: the conditions are about different games: {', '.join(sorted(games))}")
