@@ -6,6 +6,7 @@ from pathlib import Path
 from studies.lab.enrolment import NotNow
 from studies.lab.folder import exports_folder, participant_folder
 from studies.lab.ledger import Ledger, Withdrawn
+from studies.lab.notes import forget
 from studies.lab.progress import progress
 from studies.lab.running import NAME, only_sitting
 
@@ -35,6 +36,7 @@ def withdraw(ledger: Ledger, code: str) -> Withdrawn:
         removed = _remove(folder) + _remove(exports_folder(ledger.folder))
     number = 1 + sum(person.withdrawn for person in known.values())
     tombstone = Withdrawn(code=f"withdrawn-{number}", files_removed=removed)
+    forget(ledger.folder, code, tombstone.code)
     ledger.replace_code(code, tombstone.code, last=tombstone)
     return tombstone
 

@@ -16,6 +16,7 @@ from core.session.replay import replay_exactly
 from core.session.session import build_session
 from studies.lab.blocks import BlockSoFar, sessions_in
 from studies.lab.ledger import Enrolled, SittingEnded, Withdrawn, read_ledger
+from studies.lab.notes import read_notes
 from studies.lab.progress import Participant, progress
 from studies.lab.sitting_log import ConsentAnswered, QuestionAnswered, read_sitting
 from tests.e2e.processes import descendants, left_after
@@ -304,3 +305,32 @@ def test_a_sitting_that_runs_already_is_not_begun_twice(lab: Lab) -> None:
             assert second.wait_for_exit() == 1
             assert "a sitting of P1 is running already" in second.text
     assert lab.participant().sittings[0].attempts == 1
+
+
+def test_the_experimenter_follows_a_sitting_and_takes_a_note(lab: Lab) -> None:
+    watching = ("study", "status", str(lab.folder / "study.toml"), "--watch")
+    with Terminal(*watching, cwd=lab.folder) as monitor, lab.run("--participant", "P1") as terminal:
+        monitor.wait_for("Nobody has taken part yet")
+        consent(terminal)
+        terminal.wait_for("Enter  to start, ")
+        monitor.wait_for("P1  day 1: step 3 of 7 (block)")
+        terminal.press("\r")
+        terminal.wait_for("Game 1")
+        terminal.pump(0.5)
+        terminal.press("j")
+        monitor.wait_for("game 1, ")
+        assert "LINEARCONDITION" not in monitor.text
+        assert "presses per minute, lag" in monitor.text
+        terminal.pump(0.3)
+        monitor.press("n")
+        monitor.wait_for("Note, then Enter")
+        monitor.press("P1 was interrupted by a phone\r")
+        monitor.wait_for("Noted at ")
+        terminal.wait_for("Thank you!")
+        kill(terminal)
+        monitor.press("q")
+        assert monitor.wait_for_exit() == 0
+    (note,) = read_notes(lab.data)
+    assert (note.text, note.running) == ("P1 was interrupted by a phone", ("P1",))
+    (found,) = lab.blocks()
+    assert exact(found.recording)
