@@ -24,7 +24,6 @@ from core.numerics.clock import NS_PER_S, ManualClock, wall_time_utc
 from core.numerics.streams import stream
 from core.recording.reader import read_recording
 from core.session.protocol import Protocol
-from studies.demo import simulate_session, summarise
 from studies.lab.config import Block, Calibration, Practice
 from studies.lab.questions import Choice, FreeText, Likert, Number, Question, Scale
 from studies.lab.read import LoadedStudy
@@ -167,6 +166,8 @@ class SimulatedPresenter:
                 assert_never(other)
 
     def _play_games(self, call: BlockCall, protocol: Protocol, source: Mapping[str, str]) -> Played:
+        from studies.demo import simulate_session, summarise  # here: compiled code comes with it
+
         trainer = persons()[self._habits.kind]
         protocol = msgspec.structs.replace(
             protocol, trainer=msgspec.structs.replace(trainer, delay=protocol.trainer.delay)

@@ -67,7 +67,7 @@ def test_every_file_says_that_it_is_simulated(home):
     data = home / "studies" / "small-simulated"
     assert {header.simulated for header, _ in sittings(home)} == {True}
     recordings = sorted(data.rglob("*-step-*.jsonl"))
-    assert len(recordings) == 4
+    assert len(recordings) == 6
     assert {read_recording(path).header.origin for path in recordings} == {"simulated"}
     assert [path for path in (home / "studies").iterdir() if not path.name.endswith("-simulated")] == []
 
