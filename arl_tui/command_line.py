@@ -3,19 +3,110 @@
 import errno
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import Any, TextIO, TypeVar
 
 import click
 
 from arl_tui.home import VARIABLE, recordings_folder
+from core.system.foreign_text import printable_lines
 
 Function = TypeVar("Function", bound=Callable[..., Any])
+
+FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
+
+
+class GameChoice(click.ParamType):  # type: ignore[type-arg] # not generic in click 8.1
+    """The name of a game, looked up when a name is read or help is printed: `arl` alone starts without."""
+
+    name = "game"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        """Return the name; a usage error lists all games, those of other packages too."""
+        from core.plugins import BUILT_IN, game_names
+
+        names = BUILT_IN if value in BUILT_IN else game_names()
+        chosen: str = click.Choice(list(names)).convert(value, param, ctx)
+        return chosen
+
+    def get_metavar(self, param: click.Parameter, ctx: click.Context) -> str | None:
+        """Return the program's own games, as click shows a choice."""
+        from core.plugins import BUILT_IN
+
+        return click.Choice(list(BUILT_IN)).get_metavar(param, ctx)
+
+
+GAMES = GameChoice()
+
+seed_option = click.option(
+    "--seed", type=click.IntRange(0, 2**63 - 1), help="Root seed; a new one by default."
+)
+protocol_option = click.option(
+    "--protocol", type=FILE, help="TOML file with everything that is to be set; defaults without it."
+)
+
+
+def pseudonym(_context: click.Context, _parameter: click.Parameter, value: str) -> str:
+    """Return a participant's code as it is.
+
+    Raises:
+        click.BadParameter: it has other signs than letters, digits, "-" and "_", or more than 32.
+    """
+    from arl_tui.participants import wrong_code
+
+    reason = wrong_code(value)
+    if reason:
+        raise click.BadParameter(reason)
+    return value
+
+
+@dataclass(frozen=True, slots=True)
+class Listed:
+    """A command in the list of `arl --help`; its module is imported when it is asked for."""
+
+    name: str
+    place: str
+    """Module and name of the command there, such as "play:play", below `arl_tui.commands`."""
+    short_help: str
+    """As the command declares it; a test compares."""
+
+    def load(self) -> click.Command:
+        """Import the command."""
+        module, _, attribute = self.place.partition(":")
+        command: click.Command = getattr(import_module(f"arl_tui.commands.{module}"), attribute)
+        return command
 
 
 class Arl(click.Group):
     """The command `arl`: speaks UTF-8, says where recordings are kept, and reports a failed write."""
+
+    def __init__(self, *args: Any, listed: Sequence[Listed] = (), **extra: Any) -> None:
+        """Prepare; see `click.Group`.
+
+        Args:
+            args: of `click.Group`.
+            listed: the commands, none of which is imported before it is used.
+            extra: of `click.Group`.
+        """
+        super().__init__(*args, **extra)
+        self.listed = {each.name: each for each in listed}
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Return the names of all commands."""
+        return sorted(self.listed)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Import a command; None where there is none of this name."""
+        found = self.listed.get(cmd_name)
+        return None if found is None else found.load()
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the list of commands without importing them."""
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, self.listed[name].short_help) for name in self.list_commands(ctx)])
 
     def main(self, *args: Any, **extra: Any) -> Any:
         """Run; see `click.Command.main`."""
@@ -26,6 +117,9 @@ class Arl(click.Group):
         """Run a subcommand; stop with a message where a file or folder cannot be used."""
         try:
             return super().invoke(ctx)
+        except click.ClickException as error:
+            vars(error)["message"] = printable_lines(error.message)  # it may quote a file
+            raise
         except OSError as error:
             if error.errno == errno.EPIPE or error.filename is None:
                 raise
@@ -37,6 +131,19 @@ class Arl(click.Group):
 
         with formatter.section("Recordings and calibrations"):
             formatter.write_text(f"{recordings_folder()} ({why_here()}). Another folder: --recordings DIR.")
+
+
+def say(text: object = "", *, err: bool = False, nl: bool = True, **style: Any) -> None:
+    """Print a text that may hold something from a file: the one way in which commands print.
+
+    Args:
+        text: of one line or several; what a terminal would obey in it is written out (`core.system.foreign_text`).
+        err: print it to the error output.
+        nl: end the line.
+        style: as `click.style` takes it.
+    """
+    shown = printable_lines(str(text), longest=None)
+    click.echo(click.style(shown, **style) if style else shown, err=err, nl=nl)
 
 
 def cannot_use(error: OSError) -> str:

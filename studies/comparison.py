@@ -102,11 +102,6 @@ def paired_effect_size(differences: ArrayLike) -> float:
     return mean / spread
 
 
-def cliffs_delta(treated: ArrayLike, control: ArrayLike) -> float:
-    """Return P(treated > control) - P(treated < control), in [-1, 1] (Cliff 1993)."""
-    return 2.0 * probability_of_improvement(treated, control) - 1.0
-
-
 @dataclass(frozen=True, slots=True)
 class Verdict:
     """One comparison, as a report states it."""

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from core.events import EpisodeEnded, EpisodeStarted, KeyPressed, PressRetracted, UnseenPlayed
 from core.feedback.keys import PressGate
-from core.feedback.source import Seat, SimulatedParticipant
+from core.feedback.source import ParticipantParts, SimulatedParticipant
 from core.feedback.trainers import SimulatedTrainer
 from core.numerics.clock import ManualClock, wall_time_utc
 from core.numerics.streams import stream_seed
@@ -20,7 +20,8 @@ from core.recording.reader import Recording
 from core.recording.recorder import LineWriter
 from core.recording.schema import Header, to_plain
 from core.registry import game_of
-from core.session.protocol import Protocol, protocol_from
+from core.session.protocol import Protocol
+from core.session.protocol_reading import protocol_from
 from core.session.session import build_session
 
 
@@ -49,7 +50,7 @@ def simulate_session(
     session = build_session(protocol, root_seed)
     game, numbers = game_of(protocol), count()
     others = [
-        Seat(
+        ParticipantParts(
             game.oracle(msgspec.structs.replace(protocol, trainer=other)),
             SimulatedTrainer(other, root_seed=stream_seed(root_seed, "person", person)),
             PressGate(protocol.keys, person=person, numbers=numbers),

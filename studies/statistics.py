@@ -1,6 +1,6 @@
 """Statistics of results: arrays in, numbers out. Every resampling takes a named stream."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -85,53 +85,14 @@ def median_interval(
     return _percentile_interval(_sample(values), _medians, level, resamples, rng)
 
 
-def interquartile_mean(values: ArrayLike) -> float:
-    """Return the mean without the lowest and the highest quarter (floor(n / 4) values on each side)."""
-    return float(_interquartile_means(_sample(values)[None, :])[0])
-
-
 def interquartile_mean_interval(
     values: ArrayLike, *, rng: np.random.Generator, level: float = 0.95, resamples: int = 2000
 ) -> Interval:
-    """Return `interquartile_mean` with a bootstrap percentile interval; arguments as in `mean_interval`."""
+    """Return the mean without the lowest and the highest quarter, with a bootstrap percentile interval.
+
+    floor(n / 4) values are left out on each side. Arguments as in `mean_interval`.
+    """
     return _percentile_interval(_sample(values), _interquartile_means, level, resamples, rng)
-
-
-def area_under_curve(x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
-    """Return the mean height of curves over their common x: trapezia, divided by the range of x.
-
-    Args:
-        x: where the curves are known, strictly ascending, shape (n,), n >= 2.
-        y: heights, shape (..., n).
-
-    Returns:
-        One number per curve, in the unit of y, shape (...).
-    """
-    at, heights = _sample(x), np.asarray(y, dtype=np.float64)
-    if len(at) < 2 or (np.diff(at) <= 0).any() or heights.shape[-1:] != at.shape:
-        raise ValueError(f"need ascending x of shape (n,), n >= 2, and y of shape (..., n): {heights.shape}")
-    widths = np.diff(at)
-    area = ((heights[..., 1:] + heights[..., :-1]) / 2 * widths).sum(axis=-1)
-    return np.asarray(area / (at[-1] - at[0]))
-
-
-def stratified_mean_interval(
-    strata: Sequence[ArrayLike], *, rng: np.random.Generator, level: float = 0.95, resamples: int = 2000
-) -> Interval:
-    """Return the mean over strata (tasks, persons) of their means, resampled within each stratum.
-
-    Args:
-        strata: results of each stratum, shape (n_k,), n_k >= 1; at least one stratum.
-        rng: named stream.
-        level: coverage, in (0, 1).
-        resamples: number of bootstrap samples.
-    """
-    if not strata:
-        raise ValueError("need at least one stratum")
-    samples = [_sample(values) for values in strata]
-    means = np.mean([_resampled(sample, resamples, rng).mean(axis=1) for sample in samples], axis=0)
-    estimate = float(np.mean([sample.mean() for sample in samples]))
-    return _interval(estimate, means, level)
 
 
 def paired_ratio(

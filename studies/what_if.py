@@ -21,7 +21,7 @@ from core.recording.joined import read_session
 from core.recording.reader import Recording
 from core.registry import game_of
 from core.session.protocol import Protocol
-from core.session.what_if import WatchedStep, hear, relearn, watched_steps
+from core.session.what_if import WatchedStep, relearn, replay_human_model, watched_steps
 from studies.pools import processes
 from studies.statistics import Interval, mean_interval, paired_difference
 
@@ -241,8 +241,8 @@ def held_out_log_loss(recording: Recording, protocol: Protocol, steps: dict[int,
     """
     presses = _standing_presses(recording)
     training = set(list(presses)[: round(len(presses) * (1 - HELD_OUT))])
-    model = hear(recording, protocol, steps, count=training.__contains__).human
-    credits = hear(recording, protocol, steps, count=presses.__contains__).credits
+    model = replay_human_model(recording, protocol, steps, count=training.__contains__).human
+    credits = replay_human_model(recording, protocol, steps, count=presses.__contains__).credits
     train: list[tuple[float, bool]] = []
     test: list[tuple[float, bool]] = []
     for given in credits:

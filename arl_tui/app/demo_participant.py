@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from core.session.session import Session
 
 
-class Companion:
+class DemoParticipant:
     """Judges each step by an oracle's values, as `protocol.trainer` says."""
 
     def __init__(self, session: "Session", protocol: Protocol, root_seed: int) -> None:

@@ -16,12 +16,9 @@ from typing import Protocol
 
 import msgspec
 
+from core.configuration.open_table import decode_open_table
 from core.events import Input, Output, Record
-from core.keepaway.picture import PitchFrame
-from core.tetris.picture import Snapshot
-
-View = Snapshot | PitchFrame
-"""What is to be seen of a game; msgspec decodes it by its tag."""
+from core.plugins import View
 
 
 class Begin(Record, frozen=True, kw_only=True, tag="begin"):
@@ -29,16 +26,18 @@ class Begin(Record, frozen=True, kw_only=True, tag="begin"):
 
 
 class Preparing(Record, frozen=True, kw_only=True, tag="preparing"):
-    """From the worker: how far the preparation is. Several, before `Ready`."""
+    """From the worker: how far the preparation is. Several, before `Ready` or before unseen episodes."""
 
     compiled: int
     """Kernels that are compiled, or loaded from the cache."""
     needed: int
     """About how many the session needs, >= compiled."""
+    share: float = 0.0
+    """Share of the work that is done, in [0, 1]."""
 
 
 class Ready(Record, frozen=True, kw_only=True, tag="ready"):
-    """From the worker: everything is compiled and has run once."""
+    """From the worker: everything has run once, and the first game can begin."""
 
     warm_up_ns: int
     """How long that took."""
@@ -56,7 +55,7 @@ class Picture(Record, frozen=True, kw_only=True, tag="picture"):
     step: int
     """Watched step that is seen; -1 between episodes."""
     view: View
-    ahead: PitchFrame | None = None
+    ahead: View | None = None
     """The picture after this one, where the screen may show what lies between."""
     lasts_ns: int = 0
     """How long until that one is due, on the screen's clock."""
@@ -107,7 +106,37 @@ FromWorker = Preparing | Ready | Alive | Picture | PressSuggested | TakenFor | C
 
 _encoder = msgspec.msgpack.Encoder()
 _to_worker = msgspec.msgpack.Decoder(ToWorker)
-_from_worker = msgspec.msgpack.Decoder(FromWorker)
+_from_worker = msgspec.msgpack.Decoder(FromWorker, dec_hook=decode_open_table)
+
+
+class LinkError(ValueError):
+    """A message of the other process cannot be understood."""
+
+
+def from_worker(message: bytes) -> FromWorker:
+    """Return what the worker says.
+
+    Raises:
+        LinkError: it is no message of a worker.
+    """
+    try:
+        said: FromWorker = _from_worker.decode(message)
+    except (msgspec.DecodeError, ValueError, RecursionError) as error:
+        raise LinkError(str(error)) from error
+    return said
+
+
+def to_worker(message: bytes) -> ToWorker:
+    """Return what is said to the worker.
+
+    Raises:
+        LinkError: it is no message to a worker.
+    """
+    try:
+        said: ToWorker = _to_worker.decode(message)
+    except (msgspec.DecodeError, ValueError, RecursionError) as error:
+        raise LinkError(str(error)) from error
+    return said
 
 
 class Link(Protocol):
@@ -190,8 +219,8 @@ class WorkerLink:
     def _read_all(self) -> None:
         try:
             while self._loop is not None and self._connection.poll():
-                self._on_message(_from_worker.decode(self._connection.recv_bytes()))
-        except msgspec.ValidationError as error:
+                self._on_message(from_worker(self._connection.recv_bytes()))
+        except LinkError as error:
             self.stop_listening()
             self._on_lost(f"The learner's process sent something that cannot be understood: {error}")
         except (EOFError, OSError):
@@ -228,6 +257,7 @@ class WorkerLine:
 
         Raises:
             EOFError: the screen's process has gone.
+            LinkError: it sent something that is no message.
         """
         messages: list[ToWorker] = []
         left_s = math.inf if timeout_s is None else timeout_s
@@ -237,5 +267,5 @@ class WorkerLine:
                 return messages
             self.send(Alive())
         while self._connection.poll(0.0):
-            messages.append(_to_worker.decode(self._connection.recv_bytes()))
+            messages.append(to_worker(self._connection.recv_bytes()))
         return messages

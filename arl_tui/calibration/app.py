@@ -12,7 +12,6 @@ from textual import constants, events
 from arl_tui.app.driver import FlushClock, stamped_driver
 from arl_tui.app.garbage import GarbageControl
 from arl_tui.app.plain_app import PlainApp
-from arl_tui.app.session_app import key_name
 from arl_tui.calibration.clips import Clip, cycle_ms
 from arl_tui.calibration.fitting import FitOrder, Fitted
 from arl_tui.calibration.helper import HelperError, ask_helper
@@ -25,14 +24,15 @@ from arl_tui.calibration.pages import (
     WelcomePage,
     page_before,
 )
-from arl_tui.calibration.plan import PLANNED, Part, Sitting, new_parts, unfinished
-from arl_tui.calibration.scenes import Scene, tick_ms
+from arl_tui.calibration.plan import PLANNED, CalibrationSetup, Part, new_parts, unfinished
+from arl_tui.calibration.scenes import TrialPosition, tick_ms
 from arl_tui.calibration.trial_screen import SMALLEST, TrialScreen
 from arl_tui.calibration.trial_store import TrialStore
 from arl_tui.calibration.views import BoxView, GameView, PitchView, View
 from arl_tui.palette import palette_for
 from arl_tui.screens.covers import SmallWindowScreen, fits_into
 from arl_tui.screens.page import Page
+from arl_tui.session_app import key_name
 from core.feedback.keys import nanoseconds
 from core.numerics.clock import Clock, MonotonicClock, wall_time_utc
 from studies.reaction_time.protocol import Schedule
@@ -63,7 +63,7 @@ class CalibrationApp(PlainApp[Outcome]):
 
     def __init__(
         self,
-        sitting: Sitting,
+        setup: CalibrationSetup,
         *,
         clock: Clock | None = None,
         helper: Helper = ask_helper,
@@ -72,7 +72,7 @@ class CalibrationApp(PlainApp[Outcome]):
         """Prepare.
 
         Args:
-            sitting: who does what.
+            setup: who does what.
             clock: of trials and frames; keys bring their own time (the monotonic clock's).
             helper: asks another process; see `arl_tui.calibration.helper`.
             timing: limits for keys.
@@ -80,14 +80,16 @@ class CalibrationApp(PlainApp[Outcome]):
         self._clock = clock or MonotonicClock()
         self._flush_clock = FlushClock(self._clock)
         super().__init__(driver_class=stamped_driver(self._flush_clock))
-        self._sitting = sitting
+        self._setup = setup
         self._helper = helper
         self._timing = timing
         self._garbage = GarbageControl()
-        self._store = TrialStore(sitting)
+        self._store = TrialStore(setup)
         self._stamps_without_driver: list[tuple[int, int]] = []
         self._last_flush_ns: int | None = None
         self._stopping = False
+        self._asked: dict[str, asyncio.Future[bytes]] = {}
+        """What another process has begun to prepare while pages are read, by module."""
 
     # --- keys and frames ----------------------------------------------------------------------------------------
 
@@ -104,6 +106,8 @@ class CalibrationApp(PlainApp[Outcome]):
 
     def on_unmount(self) -> None:
         """Leave the process as it was found."""
+        for task in self._asked.values():
+            task.cancel()
         self._garbage.restore()
         self._store.close(finished=False)
 
@@ -134,15 +138,16 @@ class CalibrationApp(PlainApp[Outcome]):
             if shown != ANY_FRAME and isinstance(screen, TrialScreen):
                 screen.flushed(shown, time_ns, interval_ns)
 
-    # --- the sitting --------------------------------------------------------------------------------------------
+    # --- the course ---------------------------------------------------------------------------------------------
 
     async def _conduct(self) -> None:
-        sitting = self._sitting
-        if sitting.hindrances and not await self._ask(HindrancePage(sitting.hindrances)):
+        setup = self._setup
+        if setup.hindrances and not await self._ask(HindrancePage(setup.hindrances)):
             self.exit(Outcome((), False, Fitted()))
             return
         parts, resumed = await self._parts()
-        if not await self._ask(WelcomePage(parts, sitting.participant, resumed=resumed)):
+        self._prepare_games(parts)
+        if not await self._ask(WelcomePage(parts, setup.participant, resumed=resumed)):
             self.exit(Outcome((), False, Fitted()))
             return
         finished = True
@@ -159,16 +164,25 @@ class CalibrationApp(PlainApp[Outcome]):
         await self._ask(SummaryPage(fitted, finished=finished, trouble=trouble))
         self.exit(Outcome(tuple(self._store.files), finished, fitted, trouble))
 
+    def _prepare_games(self, parts: tuple[Part, ...]) -> None:
+        """Let the game of feedback-lag be prepared while the first pages are read."""
+        for part in parts:
+            if part.schedule.config.task == "feedback lag" and not part.complete:
+                module = game_module(part.schedule)
+                self._asked[module] = asyncio.ensure_future(self._helper(module, part.schedule))
+                # Whoever waits for it gets its error; without anybody it is nobody's.
+                self._asked[module].add_done_callback(lambda task: task.cancelled() or task.exception())
+
     async def _ask(self, page: Page) -> bool:
         answer = await self.push_screen_wait(page)
         return bool(answer)
 
     async def _parts(self) -> tuple[tuple[Part, ...], bool]:
-        """Return what is to be done, and whether that goes on with an earlier sitting."""
-        old = unfinished(self._sitting, wall_time_utc())
+        """Return what is to be done, and whether that goes on with an earlier calibration."""
+        old = unfinished(self._setup, wall_time_utc())
         if old is not None and (not old.is_old or await self._ask(OldSittingPage(old))):
             return old.parts, True
-        return new_parts(self._sitting), False
+        return new_parts(self._setup), False
 
     async def _run_part(self, part: Part) -> bool:
         """Run what is left of one task; return whether it went to its end."""
@@ -225,18 +239,16 @@ class CalibrationApp(PlainApp[Outcome]):
             return BoxView()
         is_tetris = schedule.config.game == "tetris"
         answer = await self._wait_for(
-            "arl_tui.calibration.scenes" if is_tetris else "arl_tui.calibration.clips",
+            game_module(schedule),
             schedule,
-            WaitingPage(
-                "Getting ready", "The game is being prepared. The first time this takes a minute or two."
-            ),
+            WaitingPage("Getting ready", "The game is being prepared: some seconds."),
         )
         if answer is None:
             return None
         palette = palette_for("standard", self.console.color_system)
         if is_tetris:
-            scenes = msgspec.json.decode(answer, type=list[Scene])
-            return GameView(scenes, palette, tick_ms(schedule), schedule.config.time_out_s)
+            positions = msgspec.json.decode(answer, type=list[TrialPosition])
+            return GameView(positions, palette, tick_ms(schedule), schedule.config.time_out_s)
         return PitchView(msgspec.json.decode(answer, type=list[Clip]), palette, cycle_ms(schedule))
 
     async def _wait_for(self, module: str, question: object, page: WaitingPage) -> bytes | None:
@@ -245,7 +257,7 @@ class CalibrationApp(PlainApp[Outcome]):
         Raises:
             HelperError: the process failed.
         """
-        task = asyncio.ensure_future(self._helper(module, question))
+        task = self._asked.pop(module, None) or asyncio.ensure_future(self._helper(module, question))
         task.add_done_callback(lambda _: self.call_later(page.leave, True))
         try:
             if not await self._ask(page):
@@ -263,11 +275,11 @@ class CalibrationApp(PlainApp[Outcome]):
             self.size.width, self.size.height, stamps=stamps, frames_per_s=constants.MAX_FPS
         )
         found = facts.software() | terminal
-        found |= timing_facts(self._sitting.recordings, terminal, wall_time_utc())
+        found |= timing_facts(self._setup.recordings, terminal, wall_time_utc())
         name, resolution_ns = facts.clock_facts()
-        found |= {"clock": name, "clock_resolution_ns": str(resolution_ns), PLANNED: self._sitting.planned}
-        if self._sitting.hindrances:
-            found["hindrances"] = " and ".join(self._sitting.hindrances)
+        found |= {"clock": name, "clock_resolution_ns": str(resolution_ns), PLANNED: self._setup.planned}
+        if self._setup.hindrances:
+            found["hindrances"] = " and ".join(self._setup.hindrances)
         return found
 
     def end_by_signal(self, number: signal.Signals) -> None:
@@ -287,8 +299,8 @@ class CalibrationApp(PlainApp[Outcome]):
         if not self._store.complete:
             return Fitted()
         order = FitOrder(
-            recordings=str(self._sitting.recordings),
-            participant=self._sitting.participant,
+            recordings=str(self._setup.recordings),
+            participant=self._setup.participant,
             files=tuple(str(path) for path in self._store.complete),
         )
         page = WaitingPage("That was it", "Your times are being worked out ...")
@@ -299,3 +311,8 @@ class CalibrationApp(PlainApp[Outcome]):
         if answer is None:
             return Fitted(failures={"all": "Nobody waited. The trials are kept: fit them with --refit."})
         return msgspec.json.decode(answer, type=Fitted)
+
+
+def game_module(schedule: Schedule) -> str:
+    """Return the module that prepares the game of a feedback-lag task."""
+    return f"arl_tui.calibration.{'scenes' if schedule.config.game == 'tetris' else 'clips'}"

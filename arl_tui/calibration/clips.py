@@ -12,10 +12,10 @@ from collections.abc import Iterator
 
 import msgspec
 
-from core.keepaway.picture import NOBODY, PitchFrame
-from core.keepaway.pitch import CYCLE_S, ONGOING, KeepawayConfig
+from core.keepaway.picture import PitchFrame
+from core.keepaway.pitch import CYCLE_S, NO_PLAYER, ONGOING, KeepawayConfig
+from core.keepaway.plugin import KEEPAWAY
 from core.numerics.streams import stream, stream_seed
-from core.session.protocol import KEEPAWAY
 from studies.reaction_time.protocol import Schedule
 
 MARK = "NOW"
@@ -50,7 +50,7 @@ def judged(before: PitchFrame, now: PitchFrame) -> str | None:
     """Return what happens between two pictures: "ball kept", "ball lost", or nothing to judge."""
     if now.ended != ONGOING:
         return LOST
-    arrived = before.passing and before.target != NOBODY and now.holder == before.target
+    arrived = before.passing and before.target != NO_PLAYER and now.holder == before.target
     return KEPT if arrived else None
 
 
@@ -99,9 +99,9 @@ def _event_at(frames: list[PitchFrame], wanted: str, n_before: int) -> int | Non
 def _possessions(schedule: Schedule) -> Iterator[list[PitchFrame]]:
     """Yield episodes of one match, each as all its pictures."""
     # Here, not above: compiled code, and the screen's process imports this module.
-    from core.keepaway.viewed_match import Exhibition
+    from core.keepaway.viewed_match import ViewedMatch
 
-    match = Exhibition(KeepawayConfig(), "hand", stream_seed(schedule.root_seed, "feedback-lag match"))
+    match = ViewedMatch(KeepawayConfig(), "hand", stream_seed(schedule.root_seed, "feedback-lag match"))
     for _ in range(MOST_EPISODES):
         frames = [match.frame]
         while match.frame.ended == ONGOING:
@@ -113,7 +113,12 @@ def _possessions(schedule: Schedule) -> Iterator[list[PitchFrame]]:
 
 def main() -> None:
     """Read a schedule from the standard input, write its clips to the standard output, both JSON."""
+    from arl_tui.ahead import is_compiled, match_order
+    from core.numerics.interpreting import start_interpreting
+
     schedule = msgspec.json.decode(sys.stdin.buffer.read(), type=Schedule)
+    if not is_compiled(match_order(KeepawayConfig())):
+        start_interpreting()  # half the time of compiling
     sys.stdout.buffer.write(msgspec.json.encode(make_clips(schedule)))
 
 

@@ -26,16 +26,14 @@ TASKS: dict[str, Task] = {
     "feedback-lag": "feedback lag",
 }
 """Names on the command line, in the order in which they are run."""
-DEFAULT_TASKS = ("simple", "choice", "feedback-lag")
-"""Together about six minutes."""
 JUDGING_S = 3.0
 """Time-out of the feedback-lag task: the paper's density reaches 1.7 s (95 %)."""
 PLANNED = "planned_tasks"
-"""Key in a trial file's facts: all tasks of the sitting."""
+"""Key in a trial file's facts: all tasks of the calibration."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Sitting:
+class CalibrationSetup:
     """Who is measured, how, and where it is written."""
 
     participant: str
@@ -55,7 +53,7 @@ class Sitting:
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """One task of a sitting, and what of it is done."""
+    """One task of a calibration, and what of it is done."""
 
     schedule: Schedule
     path: Path | None = None
@@ -71,7 +69,7 @@ class Part:
 
 @dataclass(frozen=True, slots=True)
 class Unfinished:
-    """A sitting that stopped before its end."""
+    """A calibration that stopped before its end."""
 
     parts: tuple[Part, ...]
     root_seed: int
@@ -142,9 +140,9 @@ def slug(config: TaskConfig) -> str:
     return f"{name}-{config.game}" if config.game != "tetris" else name
 
 
-def new_parts(sitting: Sitting) -> tuple[Part, ...]:
-    """Return the parts of a sitting that begins now."""
-    return tuple(Part(make_schedule(config, sitting.root_seed)) for config in sitting.configs)
+def new_parts(setup: CalibrationSetup) -> tuple[Part, ...]:
+    """Return the parts of a calibration that begins now."""
+    return tuple(Part(make_schedule(config, setup.root_seed)) for config in setup.configs)
 
 
 def minutes_left(parts: Sequence[Part]) -> float:
@@ -154,21 +152,21 @@ def minutes_left(parts: Sequence[Part]) -> float:
     )
 
 
-def unfinished(sitting: Sitting, now_utc: str) -> Unfinished | None:
-    """Return the participant's newest sitting if it had the same tasks and is not finished.
+def unfinished(setup: CalibrationSetup, now_utc: str) -> Unfinished | None:
+    """Return the participant's newest calibration if it had the same tasks and is not finished.
 
     Raises:
         TrialFileError: one of the participant's trial files is damaged.
     """
     files = [
         (path, file)
-        for path in sorted((sitting.recordings / CALIBRATION_FOLDER).glob(f"{sitting.participant}-*.jsonl"))
-        if (file := read_trials(path)).header.participant == sitting.participant
+        for path in sorted((setup.recordings / CALIBRATION_FOLDER).glob(f"{setup.participant}-*.jsonl"))
+        if (file := read_trials(path)).header.participant == setup.participant
     ]
     if not files:
         return None
     newest = max((file for _, file in files), key=lambda file: file.header.created_utc).header
-    if newest.facts.get(PLANNED) != sitting.planned:
+    if newest.facts.get(PLANNED) != setup.planned:
         return None
     seed = newest.schedule.root_seed
     begun = {
@@ -176,7 +174,7 @@ def unfinished(sitting: Sitting, now_utc: str) -> Unfinished | None:
         for path, file in files
         if file.header.schedule.root_seed == seed
     }
-    parts = tuple(begun.get(config.task) or Part(make_schedule(config, seed)) for config in sitting.configs)
+    parts = tuple(begun.get(config.task) or Part(make_schedule(config, seed)) for config in setup.configs)
     if all(part.complete for part in parts):
         return None
     age = datetime.fromisoformat(now_utc) - datetime.fromisoformat(newest.created_utc)

@@ -13,10 +13,10 @@ import msgspec
 import numpy as np
 
 from core.numerics.streams import stream, stream_seed
-from core.session.protocol import TETRIS
 from core.tetris.config import TetrisConfig
 from core.tetris.game import FallingPiece, landing_row, reachable_placements
 from core.tetris.picture import Counts, Snapshot, Wall, animate, snapshot
+from core.tetris.plugin import TETRIS
 from studies.reaction_time.protocol import Schedule
 
 PIECES_BEFORE = 15
@@ -25,7 +25,7 @@ N_WORST = 3
 """A bad placement is one of this many worst ones."""
 
 
-class Scene(msgspec.Struct, frozen=True, kw_only=True):
+class TrialPosition(msgspec.Struct, frozen=True, kw_only=True):
     """One trial's game: pictures of a session, each shown for a tick."""
 
     waiting: Snapshot
@@ -47,7 +47,7 @@ def tick_ms(schedule: Schedule) -> int:
     return round(schedule.config.picture_ms or TETRIS.screen.tick_ms)
 
 
-def make_scenes(schedule: Schedule) -> list[Scene]:
+def make_positions(schedule: Schedule) -> list[TrialPosition]:
     """Return the scene of each trial, in order: they follow from the schedule alone."""
     # Here, not above: compiled code, and the screen's process imports this module.
     from core.tetris.afterstate import Tetris
@@ -57,7 +57,7 @@ def make_scenes(schedule: Schedule) -> list[Scene]:
     domain, oracle = Tetris(config), TetrisOracle(config)
     state = domain.initial(stream_seed(schedule.root_seed, "feedback-lag game"))
     wall = Wall(config.rows, config.columns)
-    scenes: list[Scene] = []
+    positions: list[TrialPosition] = []
     for number in range(PIECES_BEFORE + len(schedule.trials)):
         order = np.argsort(oracle(state), kind="stable")
         best = int(order[-1])
@@ -71,16 +71,18 @@ def make_scenes(schedule: Schedule) -> list[Scene]:
             place = domain.placement(state, action)
             counts = Counts(lines=state.lines, pieces=state.pieces, next_piece=domain.piece(state, ahead=1))
             note = f"piece {place.piece}, orientation {place.orientation}, column {place.column}, rank {rank} of {len(order)}"
-            scenes.append(scene_of(wall, place.piece, (place.orientation, place.column), counts, note))
+            positions.append(position_of(wall, place.piece, (place.orientation, place.column), counts, note))
         place = domain.placement(state, best)
         filled = wall.with_piece(_resting(wall, place.piece, place.orientation, place.column))
         wall = filled.without(_full_rows(filled))
         state = domain.transition(state, best).next_state
         assert wall.board == state.columns, "the picture and the game show the same wall"
-    return scenes
+    return positions
 
 
-def scene_of(wall: Wall, piece: int, placement: tuple[int, int], counts: Counts, note: str) -> Scene:
+def position_of(
+    wall: Wall, piece: int, placement: tuple[int, int], counts: Counts, note: str
+) -> TrialPosition:
     """Return a placement as a session draws it, cut where the drop begins.
 
     Args:
@@ -94,7 +96,7 @@ def scene_of(wall: Wall, piece: int, placement: tuple[int, int], counts: Counts,
     # A picture per move; the last primitive of a plan is the drop.
     pictures = animate(wall, piece, placement, plan, counts=counts).frames
     moves = len(plan)
-    return Scene(
+    return TrialPosition(
         waiting=snapshot(wall, counts=counts), before=pictures[:moves], event=pictures[moves:], note=note
     )
 
@@ -109,8 +111,11 @@ def _full_rows(wall: Wall) -> tuple[int, ...]:
 
 def main() -> None:
     """Read a schedule from the standard input, write its scenes to the standard output, both JSON."""
+    from core.numerics.interpreting import start_interpreting
+
     schedule = msgspec.json.decode(sys.stdin.buffer.read(), type=Schedule)
-    sys.stdout.buffer.write(msgspec.json.encode(make_scenes(schedule)))
+    start_interpreting()  # faster than compiling, and all compiled code is still to be loaded
+    sys.stdout.buffer.write(msgspec.json.encode(make_positions(schedule)))
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import msgspec
 
-from arl_tui.calibration.plan import Part, Sitting, slug
+from arl_tui.calibration.plan import CalibrationSetup, Part, slug
 from arl_tui.recordings import CALIBRATION_FOLDER, create_new
 from core.numerics.clock import wall_time_utc
 from studies.reaction_time.protocol import TrialRecord
@@ -12,16 +12,16 @@ from studies.reaction_time.trial_log import TrialHeader, TrialWriter
 
 
 class TrialStore:
-    """The files of a sitting."""
+    """The files of a calibration."""
 
-    def __init__(self, sitting: Sitting) -> None:
+    def __init__(self, setup: CalibrationSetup) -> None:
         self.files: list[Path] = []
         """Files that have been written to."""
         self.complete: list[Path] = []
-        """Files of tasks that went to their end, now or in an earlier part of the sitting."""
+        """Files of tasks that went to their end, now or in an earlier part of the calibration."""
         self.trouble: str | None = None
         """Why nothing can be kept any more."""
-        self._sitting = sitting
+        self._setup = setup
         self._writer: TrialWriter | None = None
         self._comment = ""
 
@@ -45,11 +45,11 @@ class TrialStore:
             self._writer, _ = TrialWriter.resume(part.path, despite_age=True)
             self._comment = f"resumed ({facts['connection']}, {facts.get('hindrances', 'no hindrance')})"
         else:
-            folder = self._sitting.recordings / CALIBRATION_FOLDER
+            folder = self._setup.recordings / CALIBRATION_FOLDER
             created_utc = wall_time_utc()
-            name = f"{self._sitting.participant}-{slug(part.schedule.config)}"
+            name = f"{self._setup.participant}-{slug(part.schedule.config)}"
             header = TrialHeader(
-                participant=self._sitting.participant,
+                participant=self._setup.participant,
                 created_utc=created_utc,
                 schedule=part.schedule,
                 facts=facts,

@@ -6,7 +6,7 @@ from typing import Protocol
 from textual.widget import Widget
 
 from arl_tui.calibration.clips import MARK, Clip
-from arl_tui.calibration.scenes import Scene
+from arl_tui.calibration.scenes import TrialPosition
 from arl_tui.calibration.stimulus import StimulusBox
 from arl_tui.palette import Palette
 from arl_tui.widgets.board import TetrisBoard
@@ -120,20 +120,22 @@ class BoxView:
 class GameView:
     """The real board: a piece enters, is moved and drops, picture by picture as in a session."""
 
-    def __init__(self, scenes: Sequence[Scene], palette: Palette, tick_ms: int, time_out_s: float) -> None:
+    def __init__(
+        self, positions: Sequence[TrialPosition], palette: Palette, tick_ms: int, time_out_s: float
+    ) -> None:
         """Show the first trial's board.
 
         Args:
-            scenes: of all trials.
+            positions: of all trials.
             palette: colours.
             tick_ms: how long a picture is shown.
             time_out_s: of the task: in a catch trial no piece drops before it.
         """
-        first = scenes[0].waiting
+        first = positions[0].waiting
         self.board = TetrisBoard(first.rows, first.columns, palette=palette)
         self.tick_ns: int | None = tick_ms * NS_PER_MS
-        self._given = (scenes, palette, tick_ms, time_out_s)
-        self._scenes = scenes
+        self._given = (positions, palette, tick_ms, time_out_s)
+        self._positions = positions
         self._tick_ms = tick_ms
         self._time_out_s = time_out_s
         self._dropped = -1
@@ -160,23 +162,23 @@ class GameView:
         self._dropped = -1
         waited_s = plan.foreperiod_s + (self._time_out_s if plan.catch else 0.0)
         ticks = int(1000 * waited_s / self._tick_ms + 1e-9) + (1 if plan.catch else 0)
-        self.board.show(self._scenes[plan.index].at(max(1, ticks - tick)))
+        self.board.show(self._positions[plan.index].at(max(1, ticks - tick)))
 
     def present(self, plan: TrialPlan) -> None:
         """Begin the drop."""
         self._dropped = plan.index
-        self.board.show(self._scenes[plan.index].event[0], plan.index)
+        self.board.show(self._positions[plan.index].event[0], plan.index)
 
     def follow(self, plan: TrialPlan, tick: int) -> None:
         """Let the piece fall and settle."""
-        event = self._scenes[plan.index].event
+        event = self._positions[plan.index].event
         if tick > 0:
             self.board.show(event[min(tick, len(event) - 1)])
 
     def rest(self) -> None:
         """Show the settled board where a piece has dropped."""
         if self._dropped >= 0:
-            self.board.show(self._scenes[self._dropped].event[-1])
+            self.board.show(self._positions[self._dropped].event[-1])
             self._dropped = -1
 
     def take_drawn(self) -> int:
@@ -185,7 +187,7 @@ class GameView:
 
     def note(self, plan: TrialPlan) -> str:
         """Return where the piece went."""
-        return self._scenes[plan.index].note
+        return self._positions[plan.index].note
 
 
 class PitchView:

@@ -6,49 +6,47 @@ import sys
 from pathlib import Path
 
 import click
-import msgspec
 
 from arl_tui.app import facts
+from arl_tui.command_line import GAMES, recordings_option, say, seed_option
 from arl_tui.commands.exact import read_or_stop, run_again
 from arl_tui.commands.play import run_live
+from arl_tui.games.registry import screens_called, words_of
 from arl_tui.recordings import create_new
-from arl_tui.words import words_of
 from core.feedback.config import TrainerConfig
 from core.feedback.simulated_participants import person
 from core.numerics.clock import wall_time_utc
-from core.session.protocol import KEEPAWAY, Protocol, ScreenConfig, SessionConfig
+from core.session.protocol import Protocol
 
 PARTICIPANT = "demo"
+
+
+@click.command(short_help="See the whole path in a minute: watch, press, record, replay.")
+@click.argument("game", type=GAMES, default="tetris")
+@click.option(
+    "--person",
+    metavar="NAME",
+    help="Who presses: expert (the default), lay, myopic, hesitant, noisy, useless, adversary, instructed, bursty, hasty, "
+    "slow, tiring or leaves.",
+)
+@seed_option
+@recordings_option(to_write=True)
+def demo(game: str, person: str | None, seed: int | None, recordings: Path) -> None:
+    """Show the whole path in about a minute: watch, press, record, replay, summary.
+
+    A simulated participant presses keys; you may press, too. Without a terminal the same happens unseen.
+    """
+    run_demo(game, somebody=person, seed=seed, recordings=recordings)
 
 
 def demo_protocol(game: str, somebody: TrainerConfig | None = None) -> Protocol:
     """Return a session of about a minute with a participant who presses often; faster than real ones.
 
     Args:
-        game: tetris or keepaway.
+        game: its name.
         somebody: who presses; by default whoever the game's own protocol has.
     """
-    if game == "keepaway":
-        return msgspec.structs.replace(
-            KEEPAWAY,
-            name="demo",
-            screen=ScreenConfig(speed=1.0, count_down_s=1),
-            session=SessionConfig(episodes=5, unseen_between=100, watched_steps=300, unseen_steps=3000),
-            trainer=msgspec.structs.replace(
-                somebody or KEEPAWAY.trainer,
-                press_probability=0.8,
-                max_presses=KEEPAWAY.trainer.max_presses,
-                mean_presses=KEEPAWAY.trainer.mean_presses,
-            ),
-        )
-    return Protocol(
-        name="demo",
-        session=SessionConfig(episodes=3, unseen_between=500, watched_steps=15),
-        screen=ScreenConfig(tick_ms=110, pause_between_episodes_s=2.0, count_down_s=1),
-        trainer=msgspec.structs.replace(
-            somebody or TrainerConfig(), press_probability=0.35, mean_presses=None
-        ),
-    )
+    return screens_called(game).demo(somebody)
 
 
 def run_demo(game: str, *, somebody: str | None, seed: int | None, recordings: Path) -> None:
@@ -70,14 +68,14 @@ def run_demo(game: str, *, somebody: str | None, seed: int | None, recordings: P
     else:
         from studies.demo import simulate_session
 
-        click.echo(f"Playing {protocol.session.episodes} games of {game} with a simulated participant ...")
+        say(f"Playing {protocol.session.episodes} games of {game} with a simulated participant ...")
         software = facts.software()
 
         def create(new: Path) -> Path:
             return simulate_session(protocol, root_seed, new, software=software)
 
         path = create_new(recordings, PARTICIPANT, wall_time_utc(), create)
-    click.echo(f"Recording: {path}")
+    say(f"Recording: {path}")
     recording = read_or_stop(path, allow_truncated=True)
     run_again(recording)
     tell_summary(path)
@@ -91,20 +89,20 @@ def tell_summary(path: Path) -> None:
     words = words_of(summary.game)
     performances = ", ".join(f"{value:.4g}" for value in summary.performances)
     unseen = ", ".join(f"{value:.1f}" for value in summary.unseen_means)
-    click.echo(
+    say(
         f"Games watched: {summary.episodes}; {words.performance[0].lower()}{words.performance[1:]}: {performances}"
     )
-    click.echo(
+    say(
         f"Games practised unseen: {summary.unseen_episodes}; {words.units[1]} per game in each block: {unseen or '-'}"
     )
-    click.echo(
+    say(
         f"Presses that counted: {summary.accepted}, {summary.praised} of them praise; other keys and presses: "
         f"{summary.other_presses}"
     )
-    click.echo(
+    say(
         f"Weight of the human in the last game: {summary.weight:.2f}; trust in the human after it: {summary.trust:.2f}"
     )
-    click.echo(
+    say(
         f"What would another credit rule have learned? arl replay {shlex.quote(str(path))} --credit previous "
         "--credit gamma"
     )

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import click
 
+from arl_tui.command_line import FILE, ToWrite, recordings_option
 from arl_tui.commands.fit_request import say
 
 
@@ -106,3 +107,65 @@ def _command_of(name: str) -> click.Command:
         import_with(name, source, out or recordings / "imported" / source.stem, pairs(settings, "--set"))
 
     return run
+
+
+@click.group(name="import", cls=ImportGroup, short_help="Turn other programs' logs into recordings.")
+def import_group() -> None:
+    """Turn other programs' logs into recordings. Other packages may add importers: docs/importers.md."""
+
+
+@import_group.command(name="tamer-log")
+@click.argument("log", type=FILE)
+@click.option(
+    "--out",
+    type=ToWrite(made=True),
+    help="The recording; beside the log's name in the recordings folder by default.",
+)
+@recordings_option(to_write=True)
+def import_tamer_log(log: Path, out: Path | None, recordings: Path) -> None:
+    """Import LOG, a log of TAMER's Tetris (Knox)."""
+    import_log(log, out=out or recordings / "imported" / f"{log.stem}.jsonl")
+
+
+@import_group.command(name="evaluations")
+@click.argument("table", type=FILE)
+@click.option(
+    "--column",
+    multiple=True,
+    metavar="WHAT=NAME",
+    help="Which column holds what: participant=NAME (participant_id), time=NAME (time_s), value=NAME (value), "
+    "delay=NAME (delay_s, if there is one).",
+)
+@click.option(
+    "--by", multiple=True, metavar="COLUMN", help="Make a recording of each value (a task, a session)."
+)
+@click.option(
+    "--unit",
+    type=click.Choice(["s", "ms", "us", "ns"]),
+    help="Unit of the times, unless their columns' names end in one. Never guessed.",
+)
+@click.option("--encoding", metavar="NAME", help="Code page of the table, as in `arl fit`.")
+@click.option(
+    "--out",
+    type=ToWrite(folder=True),
+    help="Folder for the recordings; in the recordings folder by default.",
+)
+@recordings_option(to_write=True)
+def import_evaluations(
+    table: Path,
+    column: tuple[str, ...],
+    by: tuple[str, ...],
+    unit: str | None,
+    encoding: str | None,
+    out: Path | None,
+    recordings: Path,
+) -> None:
+    """Import TABLE, evaluations of an agent: who pressed when, what value, how long after the event judged.
+
+    The recordings give delays (`arl fit`), bursts and reports (`arl presses`); without states they cannot be replayed.
+    """
+    settings = pairs(column, "--column")
+    for name, value in (("by", ",".join(by)), ("unit", unit), ("encoding", encoding)):
+        if value:
+            settings[name] = value
+    import_with("evaluations", table, out or recordings / "imported" / table.stem, settings)

@@ -11,14 +11,67 @@ from typing import TYPE_CHECKING
 import click
 import msgspec
 
-from core.session.protocol import Protocol, load_protocol
+from arl_tui.command_line import GAMES, protocol_option, pseudonym, recordings_option, say, seed_option
+from arl_tui.drawing_rate import FRAMES_PER_S
+from arl_tui.signing import NoKey, signer_in_use
+from core.session.protocol import Protocol
+from core.session.protocol_reading import load_protocol
 
 if TYPE_CHECKING:
-    from arl_tui.app.session_app import ArlApp, Outcome
+    from arl_tui.app.outcome import Outcome
+    from arl_tui.session_app import ArlApp
     from core.recording.joined import FinishedPart
 
-FRAMES_PER_S = "30"
-"""Upper bound of Textual's drawing rate; read when Textual is imported."""
+
+@click.command(short_help="Watch an agent learn a game and judge it by key presses.")
+@click.argument("game", type=GAMES, default="tetris")
+@protocol_option
+@click.option(
+    "--participant", callback=pseudonym, default="P00", show_default=True, help="Code of the participant."
+)
+@seed_option
+@click.option("--episodes", type=click.IntRange(1), help="How many games are watched.")
+@click.option(
+    "--credit",
+    metavar="RULE",
+    help="How presses are shared out among steps: the participant's own delay (participant, feedback-lag, simple, "
+    "pooled; see `arl calibrate`), paper, or a rule as in `arl replay`. By default the protocol's choice (delay_of), the "
+    "same for every participant; without a file that is a rule: previous in Tetris, gamma:2.5,0.3 in Keepaway.",
+)
+@click.option(
+    "--resume",
+    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    help="Go on with a session that broke off, after its last finished game. All settings are those of the file; the "
+    "rest of the session is recorded beside it.",
+)
+@recordings_option(to_write=True)
+@click.pass_context
+def play(
+    context: click.Context,
+    game: str,
+    protocol: Path | None,
+    participant: str,
+    seed: int | None,
+    episodes: int | None,
+    credit: str | None,
+    resume: Path | None,
+    recordings: Path,
+) -> None:
+    """Watch an agent learn GAME, and tell it by key presses what you think of it."""
+    if resume is not None:
+        from arl_tui.commands.resume import resume_session
+
+        resume_session(context, resume)
+        return
+    play_session(
+        game,
+        protocol=protocol,
+        participant=participant,
+        seed=seed,
+        episodes=episodes,
+        recordings=recordings,
+        credit=credit,
+    )
 
 
 def play_session(
@@ -107,7 +160,7 @@ def run_live(
     )
     if app.ended_by is not None:
         if outcome is not None and outcome.recording is not None:
-            click.echo(f"Recording: {outcome.recording}")
+            say(f"Recording: {outcome.recording}")
         raise SystemExit(128 + app.ended_by)
     if outcome is None:
         raise click.ClickException("the app ended without a result; see the message above")
@@ -141,17 +194,21 @@ def live_app(
         practice: nothing counts.
         on_gone: called where the window is closed and this process is about to end.
     """
+    try:
+        signer_in_use()
+    except NoKey as error:
+        raise click.ClickException(str(error)) from error
     os.environ.setdefault("TEXTUAL_FPS", FRAMES_PER_S)
     root_seed = secrets.randbits(63) if seed is None else seed
     gc.disable()  # start-up leaves nothing to collect; `GarbageControl` takes over with the app
-    from arl_tui.app.session_app import Sitting, build_app
-    from arl_tui.app.worker import start_worker
+    from arl_tui.session_app import SessionSetup, build_app
+    from arl_tui.worker import start_worker
 
     # Before the app runs, because no process can be started from inside it; but after everything is imported: on two
     # hardware threads of one core a worker that compiles slows the first picture down by a third.
     link = start_worker(protocol, root_seed, simulated=simulated, kept=kept)
     try:
-        sitting = Sitting(
+        setup = SessionSetup(
             protocol=protocol,
             root_seed=root_seed,
             participant=participant,
@@ -162,7 +219,7 @@ def live_app(
             kept=kept,
             practice=practice,
         )
-        app = build_app(sitting, link)
+        app = build_app(setup, link)
         app.before_leaving = on_gone
         return app, app.run_in_terminal()
     finally:
@@ -172,8 +229,8 @@ def live_app(
 def tell(outcome: "Outcome") -> None:
     """Print where the recording is; leave with status 1 where something failed."""
     if outcome.recording is not None:
-        click.echo(f"Recording: {outcome.recording}")
+        say(f"Recording: {outcome.recording}")
     if outcome.warning:
-        click.echo(f"Beware: {outcome.warning}", err=True)
+        say(f"Beware: {outcome.warning}", err=True)
     if outcome.trouble is not None:
         raise click.ClickException(outcome.trouble)

@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING
 
 import click
 
+from arl_tui.command_line import FILE, ToWrite, protocol_option, say, seed_option
 from arl_tui.commands.credit import what_if_delays
 from arl_tui.commands.exact import GETTING_READY, need_outputs, protocol_of, read_or_stop, run_again
 from arl_tui.commands.play import read_protocol
 from arl_tui.commands.what_if_table import table, write_csv
-from arl_tui.words import words_of
+from arl_tui.games.registry import words_of
 from core.feedback.delays import describe
 from core.recording.reader import RecordingError
 from core.session.effects import idle
@@ -23,6 +24,77 @@ if TYPE_CHECKING:
     from studies.what_if import WhatIfRow
 
 OFF_POLICY = "Steps and presses are as recorded (off-policy): another agent would have shown, and been told, something else."
+
+
+@click.command(short_help="Replay a recording exactly, or under other learning rules.")
+@click.argument("recording", type=FILE)
+@click.option(
+    "--credit",
+    "credits",
+    multiple=True,
+    metavar="RULE",
+    help="What-if: how presses are shared out among steps: gamma:2.5,0.3 uniform:0.2,0.8 previous current, or participant (its own delay, see `arl calibrate`). May be given several times.",
+)
+@click.option(
+    "--scheme",
+    "schemes",
+    multiple=True,
+    metavar="NAME",
+    help="What-if: how both rewards are combined, such as linear or annealed:episode (its weight falls per episode; else per "
+    "watched-game). May be given several times.",
+)
+@click.option(
+    "--games",
+    type=click.IntRange(1),
+    default=100,
+    show_default=True,
+    help="What-if: games that each resulting policy plays.",
+)
+@protocol_option
+@seed_option
+@click.option(
+    "--workers",
+    type=click.IntRange(1),
+    help="Processes; one per core by default. The result does not depend on it.",
+)
+@click.option("--csv", "csv_path", type=ToWrite(), help="Write the table to a file.")
+@click.option(
+    "--plot",
+    "plot_path",
+    type=ToWrite(),
+    help="Draw the table (PNG, SVG or PDF).",
+)
+@click.option(
+    "--allow-truncated/--complete-only",
+    default=True,
+    show_default=True,
+    help="Take a recording that was cut off for what it holds.",
+)
+def replay(
+    recording: Path,
+    credits: tuple[str, ...],
+    schemes: tuple[str, ...],
+    protocol: Path | None,
+    games: int,
+    seed: int | None,
+    workers: int | None,
+    csv_path: Path | None,
+    plot_path: Path | None,
+    allow_truncated: bool,
+) -> None:
+    """Run RECORDING again: exactly (status 1 and the first difference if it differs), or as a what-if."""
+    replay_recording(
+        recording,
+        credits=credits,
+        schemes=schemes,
+        protocol=protocol,
+        games=games,
+        seed=seed,
+        workers=workers,
+        csv_path=csv_path,
+        plot_path=plot_path,
+        allow_truncated=allow_truncated,
+    )
 
 
 def replay_recording(
@@ -43,14 +115,14 @@ def replay_recording(
     if not credits and not schemes:
         if csv_path or plot_path:
             raise click.UsageError("--csv and --plot write what --credit and --scheme compare: name a rule")
-        click.echo(GETTING_READY, err=True)
+        say(GETTING_READY, err=True)
         run_again(recording)
         return
     need_outputs(recording)
     chosen = protocol_of(recording) if protocol is None else read_protocol(protocol)
     if protocol is not None:
         for each in idle(chosen, DEFAULTS[chosen.game], ["what-if"]):
-            click.echo(f"Beware: {each}.", err=True)
+            say(f"Beware: {each}.", err=True)
     delays = what_if_delays(credits or [chosen.delay_of], recording, chosen)
     rows = compare(
         recording.path,
@@ -62,21 +134,21 @@ def replay_recording(
         workers=workers,
     )
     units = words_of(chosen.game).units[1]
-    click.echo("\n".join(table(rows, units)))
-    click.echo(OFF_POLICY)
+    say("\n".join(table(rows, units)))
+    say(OFF_POLICY)
     from studies.statistics import few_trials_note
 
     few = few_trials_note(games, "games")
     if few is not None:
-        click.echo(few)
+        say(few)
     if csv_path is not None:
         write_csv(csv_path, rows, {describe(delay): source for delay, source in delays.items()}, units)
-        click.echo(f"Table: {csv_path}")
+        say(f"Table: {csv_path}")
     if plot_path is not None:
         from arl_tui.commands.what_if_figure import draw
 
         draw(rows, plot_path, units)
-        click.echo(f"Figure: {plot_path}")
+        say(f"Figure: {plot_path}")
 
 
 def compare(

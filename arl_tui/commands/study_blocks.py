@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, assert_never
 
 import click
 
+from arl_tui.games.registry import words_of
 from arl_tui.study.calibrations import calibration_configs
 from arl_tui.study.presenter import BlockCall, How, Played
-from arl_tui.words import words_of
 from core.recording.reader import RecordingError
 from core.session.protocol import Protocol
 from studies.lab.config import Block, Calibration, Practice
@@ -157,22 +157,22 @@ def _calibrate(loaded: LoadedStudy, call: BlockCall, step: Calibration) -> Playe
         hindrances,
         refuse_where_times_mean_nothing,
     )
-    from arl_tui.commands.play import FRAMES_PER_S
+    from arl_tui.drawing_rate import FRAMES_PER_S
 
     refuse_where_times_mean_nothing()
     os.environ.setdefault("TEXTUAL_FPS", FRAMES_PER_S)
     from arl_tui.calibration.app import CalibrationApp
-    from arl_tui.calibration.plan import Sitting
+    from arl_tui.calibration.plan import CalibrationSetup
 
     check_files(call.folder, call.code)
-    sitting = Sitting(
+    setup = CalibrationSetup(
         participant=call.code,
         configs=calibration_configs(loaded, step),
         root_seed=call.seed,
         recordings=call.folder,
         hindrances=tuple(HINDRANCES[name] for name in hindrances()),
     )
-    app = CalibrationApp(sitting)
+    app = CalibrationApp(setup)
     app.before_leaving = call.on_gone
     outcome = app.run_in_terminal()
     if outcome is None or app.ended_by is not None:

@@ -3,9 +3,8 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from core.numerics.arrays import Floats
 
 EIGHTHS = " ▏▎▍▌▋▊▉█"
 MARKS = "○●◆"
@@ -15,7 +14,7 @@ _DOTS = np.array([[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]])
 """Bits of the dots of a braille cell, shape (4 rows, 2 columns)."""
 
 
-def histogram_edges(times_s: Array, most: int = 18) -> Array:
+def histogram_edges(times_s: Floats, most: int = 18) -> Floats:
     """Return edges of bins of a round width (1, 2 or 5 times a power of ten), at most `most` bins, seconds."""
     low, high = float(times_s.min()), float(times_s.max())
     wanted = max((high - low) / most, 1e-6)
@@ -31,7 +30,9 @@ def _n_bins(low: float, high: float, width: float) -> int:
     return int(np.floor(high / width) - np.floor(low / width)) + 1
 
 
-def histogram(edges: Array, heights: Array, densities: Mapping[str, Array], *, width: int = 60) -> list[str]:
+def histogram(
+    edges: Floats, heights: Floats, densities: Mapping[str, Floats], *, width: int = 60
+) -> list[str]:
     """Return a histogram lying on its side: one line per bin, a bar for what was seen, a mark per density.
 
     Args:
@@ -60,7 +61,7 @@ def bar(share: float, width: int) -> str:
     return ("█" * full + (EIGHTHS[rest] if rest else "")).ljust(width)
 
 
-def scatter(x: Array, y: Array, *, columns: int = 34, rows: int = 13) -> list[str]:
+def scatter(x: Floats, y: Floats, *, columns: int = 34, rows: int = 13) -> list[str]:
     """Return points over the square from the smallest to the largest value of both, with its diagonal.
 
     Args:

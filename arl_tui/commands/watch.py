@@ -1,19 +1,23 @@
 """`arl watch`: look at any policy of Keepaway."""
 
+import atexit
 import os
 import re
 import secrets
 import sys
+import threading
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from arl_tui.command_line import say
+
 if TYPE_CHECKING:
     from arl_tui.screens.watch import WatchApp
     from core.keepaway.pitch import KeepawayConfig
     from core.keepaway.policy_file import SavedPolicy
-    from core.keepaway.viewed_match import Exhibition
+    from core.keepaway.viewed_match import ViewedMatch
 
 BENCHMARKS = {"hand": "hand-coded", "random": "random", "hold": "always hold"}
 VISIONS = ("exact", "360", "90")
@@ -85,7 +89,8 @@ def watch(
     detail: str | None,
 ) -> None:
     """Look at a policy playing Keepaway, as fast or slowly as you like. Nothing is recorded."""
-    from arl_tui.commands.play import FRAMES_PER_S, need_terminal
+    from arl_tui.commands.play import need_terminal
+    from arl_tui.drawing_rate import FRAMES_PER_S
 
     need_terminal("arl watch", instead="arl train keepaway --help")
     os.environ.setdefault("TEXTUAL_FPS", FRAMES_PER_S)
@@ -95,12 +100,11 @@ def watch(
     from arl_tui.screens.watch import WatchApp, WatchScreen
     from arl_tui.widgets.pitch_ink import DETAILS
 
-    def prepare() -> "Exhibition":
-        from core.keepaway.viewed_match import Exhibition
+    def prepare() -> "ViewedMatch":
+        get_ready(config)
+        from core.keepaway.viewed_match import ViewedMatch
 
-        match = Exhibition(config, policy if saved is None else saved.sarsa(), root_seed, "watch")
-        rehearse(match)
-        return Exhibition(config, policy if saved is None else saved.sarsa(), root_seed, "watch")
+        return ViewedMatch(config, policy if saved is None else saved.sarsa(), root_seed, "watch")
 
     screen = WatchScreen(
         heading(policy, saved, config, root_seed),
@@ -122,18 +126,37 @@ def run(app: "WatchApp") -> None:
     if app.trouble is not None:
         raise click.ClickException(str(app.trouble))
     if told is not None:
-        click.echo(told)
+        say(told)
     if app.thread.is_alive():
         # Somebody left before everything was compiled: nothing is lost by not waiting for that.
         sys.stdout.flush()
         os._exit(0)
 
 
-def rehearse(match: "Exhibition") -> None:
-    """Play until somebody has decided: what is compiled by then is all there is."""
-    for _ in range(100):
-        if match.step().decider >= 0:
-            return
+def get_ready(config: "KeepawayConfig") -> None:
+    """Load all that matches of this task need; where it is not compiled, let Python play until it is."""
+    from arl_tui.ahead import Ahead, fill, is_compiled, match_order
+    from core.numerics.interpreting import (
+        CAN_INTERPRET,
+        load_interpreted,
+        start_interpreting,
+        stop_interpreting,
+    )
+
+    order = match_order(config)
+    if is_compiled(order) or not CAN_INTERPRET:
+        fill(order)
+        return
+    start_interpreting()
+    ahead = Ahead(order)
+    atexit.register(ahead.close)
+
+    def change_over() -> None:
+        ahead.wait()
+        load_interpreted()
+        stop_interpreting()
+
+    threading.Thread(target=change_over, name="change over", daemon=True).start()
 
 
 def read_policy(path: Path) -> "SavedPolicy":
@@ -192,6 +215,8 @@ def heading(policy: str, saved: "SavedPolicy | None", config: "KeepawayConfig", 
     """Return what is watched, in lines of at most 34 characters, in markup."""
     from rich.markup import escape
 
+    from core.system.foreign_text import printable
+
     lines = [
         f"[b]Keepaway {config.n_keepers} against {config.n_takers}[/], {config.length_m:g} m x {config.width_m:g} m"
     ]
@@ -200,7 +225,7 @@ def heading(policy: str, saved: "SavedPolicy | None", config: "KeepawayConfig", 
     else:
         header = saved.header
         lines += [
-            f"Policy   {escape(Path(policy).name[:25])}",
+            f"Policy   {escape(printable(Path(policy).name)[:25])}",
             f"         {header.hours:.3g} h Sarsa, {header.episodes:,} episodes"[:34],
         ]
     lines.append(f"Players  see {sight(config)}")

@@ -1,18 +1,16 @@
 """The last screen: thanks, what happened, and where the recording is; or what went wrong."""
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, ClassVar, cast
+from typing import ClassVar, cast
 
 from rich.text import Text
 from textual.binding import Binding, BindingType
 from textual.widget import Widget
 from textual.widgets import Static
 
+from arl_tui.app.outcome import Outcome, SessionControls
 from arl_tui.screens.page import Page
 from arl_tui.words import Words
-
-if TYPE_CHECKING:
-    from arl_tui.app.session_app import ArlApp, Outcome
 
 
 class ClosingScreen(Page):
@@ -28,7 +26,7 @@ class ClosingScreen(Page):
 
     def __init__(
         self,
-        outcome: "Outcome",
+        outcome: Outcome,
         words: Words,
         *,
         show_weight: bool = False,
@@ -68,8 +66,8 @@ class ClosingScreen(Page):
 
             yield Static(f"\nIn practice, {self._words.units[1]} per game, block by block:")
             yield LearningCurve(outcome.tally.practised)
-        if outcome.recording is not None and self._show_file:
-            yield Static(Text(where_recorded(outcome)), classes="path")
+        if outcome.recording is not None:
+            yield Static(Text(how_much_recorded(outcome)), classes="path")
         yield Static("Press [reverse] Enter [/] to leave", classes="call")
 
     def _what_happened(self) -> str:
@@ -97,16 +95,19 @@ class ClosingScreen(Page):
 
     def action_leave(self) -> None:
         """Close the program."""
-        cast("ArlApp", self.app).exit(self.outcome)
+        cast(SessionControls, self.app).exit(self.outcome)
 
 
-def where_recorded(outcome: "Outcome") -> str:
-    """Return where the recording is and how much of it is known to be on the disk, in words."""
+def how_much_recorded(outcome: Outcome) -> str:
+    """Return how much of the session is recorded and known to be on the disk, in words.
+
+    The terminal names the file afterwards: names of files and folders may tell the condition.
+    """
     kept = outcome.kept
     what = "The session" if outcome.trouble is None else "Everything up to this moment"
     if kept is not None and kept.written < kept.recorded:
         what = "What could be written"
-    told = f"{what} is recorded in\n{outcome.recording}"
+    told = f"{what} is recorded."
     if kept is None:
         return told
     if kept.synced >= kept.recorded:

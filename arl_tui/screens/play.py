@@ -1,7 +1,7 @@
 """The game on screen: its picture, feedback, figures, and the keys that steer the session."""
 
 from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING, ClassVar, cast
+from typing import ClassVar, cast
 
 from textual import events
 from textual.app import ComposeResult
@@ -11,16 +11,17 @@ from textual.screen import Screen
 from textual.widgets import Static
 
 from arl_tui.app.gaps import length_s
-from arl_tui.app.link import Picture, TakenFor
+from arl_tui.app.link import Picture, Preparing, TakenFor
 from arl_tui.app.live_session import Cover, LiveSession, Occurrence
+from arl_tui.app.outcome import SessionControls
 from arl_tui.app.tally import weight_in_use
-from arl_tui.games.panel import Progress, scene_of
+from arl_tui.games.panel import Progress
+from arl_tui.games.registry import screens_of, words_of
 from arl_tui.palette import Palette
 from arl_tui.screens.count_down import CountDown
 from arl_tui.screens.covers import HelpScreen, PauseScreen, SmallWindowScreen, StopScreen, fits_into
 from arl_tui.screens.page import Page, session_keys
 from arl_tui.widgets.feedback_bar import FeedbackBar
-from arl_tui.words import words_of
 from core.events import (
     EpisodeEnded,
     EpisodeStarted,
@@ -34,15 +35,22 @@ from core.events import (
 )
 from core.session.protocol import Protocol
 
-if TYPE_CHECKING:
-    from arl_tui.app.session_app import ArlApp
-
 COMMANDS: dict[str, tuple[str, str]] = {
     # action: (letter, keys that are there even if the letter is a feedback key)
     "pause": ("p", "space"),
     "guide": ("h", "f1"),
     "leave": ("q", "ctrl+q,ctrl+c"),
 }
+
+
+BAR_WIDTH = 20
+"""Cells."""
+
+
+def bar(share: float) -> str:
+    """Return a bar for a share in [0, 1], and the share in per cent."""
+    done = round(share * BAR_WIDTH)
+    return f"{'━' * done}[dim]{'─' * (BAR_WIDTH - done)}[/] {share:.0%}"
 
 
 class PlayScreen(Screen[None], inherit_bindings=False):
@@ -64,7 +72,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
             palette: colours of the game.
         """
         super().__init__()
-        self.scene = scene_of(protocol, palette)
+        self.scene = screens_of(protocol).panel(protocol, palette)
         self.add_class(f"-{protocol.game}")
         self.feedback = FeedbackBar(protocol.keys)
         self._status = Static(id="status")
@@ -120,6 +128,8 @@ class PlayScreen(Screen[None], inherit_bindings=False):
                 self._begin_episode(occurrence)
             case EpisodeEnded():
                 self._end_episode(occurrence)
+            case Preparing(share=share) if self._live.phase == "running":
+                self._say(f"One moment, this first time:\n{bar(share)}")
             case TimeGap():
                 self._lay_over(PauseScreen(gap_s=length_s(occurrence)), "gap")
             case StopAsked() | SessionEnded():
@@ -262,4 +272,4 @@ class PlayScreen(Screen[None], inherit_bindings=False):
 
     def _stop_if(self, stop: bool | None) -> None:
         if stop:
-            cast("ArlApp", self.app).ask_to_stop()
+            cast(SessionControls, self.app).ask_to_stop()

@@ -1,7 +1,7 @@
 """The first screen: what will happen, in plain words, and which keys there are."""
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, ClassVar, cast
+from typing import ClassVar, cast
 
 from rich.text import Text
 from textual.binding import Binding, BindingType
@@ -9,15 +9,12 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from arl_tui.app.link import Preparing, Ready
-from arl_tui.app.pace import pace_warning
+from arl_tui.app.outcome import SessionControls
+from arl_tui.games.pace import pace_warning
+from arl_tui.games.registry import words_of
 from arl_tui.screens.page import Page, feedback_keys
-from arl_tui.words import words_of
 from core.numerics.clock import NS_PER_S, Clock, MonotonicClock
 from core.session.protocol import Protocol
-
-if TYPE_CHECKING:
-    from arl_tui.app.session_app import ArlApp
-
 
 AT_SCREEN_S = 10.0
 """Whoever pressed the start key at most this long ago is taken to look at the screen still."""
@@ -121,7 +118,7 @@ class WelcomeScreen(Page):
         self._worker_ready = ready
         waited = self._asked_ns is not None
         if waited and self._clock.now_ns() - (self._asked_ns or 0) <= AT_SCREEN_S * NS_PER_S:
-            cast("ArlApp", self.app).begin()
+            cast(SessionControls, self.app).begin()
             return
         if waited:
             self.app.bell()
@@ -156,11 +153,11 @@ class WelcomeScreen(Page):
     def action_start(self) -> None:
         """Start, or as soon as the worker is ready."""
         if self._worker_ready is not None:
-            cast("ArlApp", self.app).begin()
+            cast(SessionControls, self.app).begin()
             return
         self._asked_ns = self._clock.now_ns()
         self._tell()
 
     def action_leave(self) -> None:
         """Leave: nothing has been recorded."""
-        cast("ArlApp", self.app).leave()
+        cast(SessionControls, self.app).leave()

@@ -5,7 +5,15 @@ from pathlib import Path
 import numpy as np
 
 from arl_tui.calibration.fitting import FitOrder, fit_files
-from arl_tui.calibration.plan import PLANNED, GameName, Sitting, configure, new_parts, slug, task_names
+from arl_tui.calibration.plan import (
+    PLANNED,
+    CalibrationSetup,
+    GameName,
+    configure,
+    new_parts,
+    slug,
+    task_names,
+)
 from arl_tui.recordings import CALIBRATION_FOLDER, new_path
 from core.feedback.delays import Density
 from core.feedback.trainers import draw_delay_s
@@ -42,11 +50,11 @@ def simulated_calibration(
         Names of the files in the participant's folder.
     """
     delay = next(iter(loaded.protocols.values())).trainer.delay
-    sitting = Sitting(
+    setup = CalibrationSetup(
         participant=code, configs=calibration_configs(loaded, step), root_seed=seed, recordings=folder
     )
     paths = []
-    for part in new_parts(sitting):
+    for part in new_parts(setup):
         config = part.schedule.config
         created_utc = wall_time_utc()
         header = TrialHeader(
@@ -54,7 +62,7 @@ def simulated_calibration(
             created_utc=created_utc,
             schedule=part.schedule,
             clock="simulated",
-            facts=software | {PLANNED: sitting.planned, "origin": "simulated"},
+            facts=software | {PLANNED: setup.planned, "origin": "simulated"},
         )
         name = f"{code}-{slug(config)}"
         path = new_path(folder / CALIBRATION_FOLDER, name, created_utc)

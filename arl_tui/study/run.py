@@ -7,6 +7,7 @@ from typing import Literal, assert_never
 
 from textual.screen import Screen
 
+from arl_tui.games.registry import words_of
 from arl_tui.study import words
 from arl_tui.study.page_app import Results
 from arl_tui.study.pages import BreakPage, ConsentPage, NoticePage, TextPage
@@ -21,7 +22,6 @@ from arl_tui.study.presenter import (
     ignore_result,
 )
 from arl_tui.study.question_pages import Answered, QuestionPage
-from arl_tui.words import words_of
 from core.numerics.clock import Clock, MonotonicClock, wall_time_utc
 from core.recording.reader import RecordingError
 from studies.lab.blocks import BlockSoFar, block_so_far

@@ -12,13 +12,13 @@ import msgspec
 import numpy as np
 from textual.pilot import Pilot
 
+from arl_tui.games.registry import words_of
 from arl_tui.recordings import new_path
 from arl_tui.study.calibrations import simulated_calibration
 from arl_tui.study.page_app import PageApp, Results
 from arl_tui.study.pages import BreakPage, ConsentPage, StopPage, StudyPage
 from arl_tui.study.presenter import BlockCall, OnResult, Pages, Played, do_nothing, ignore_result
 from arl_tui.study.question_pages import QuestionPage
-from arl_tui.words import words_of
 from core.feedback.simulated_participants import persons
 from core.numerics.clock import NS_PER_S, ManualClock, wall_time_utc
 from core.numerics.streams import stream

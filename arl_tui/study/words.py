@@ -9,7 +9,6 @@ CONSENT_NEEDED = "You can take part only if you agree to the statements marked w
 CONSENT_OPEN = "Please answer every statement."
 DECLINE_HEADING = "You do not want to take part"
 DECLINE = "That is fine. Nothing about you is kept.\n\nPress [reverse] Enter [/] to leave, [reverse] B [/] to go back."
-DECLINED = "Thank you for your time. Nothing about you was kept. Please tell the experimenter."
 STOP_HEADING = "Stop here?"
 STOP_TEXT = (
     "You can stop at any time, without giving a reason. What you have done so far is kept. If you want it to be deleted, "

@@ -24,7 +24,7 @@ from typing import Self
 import msgspec
 
 from arl_tui.app.facts import REPOSITORY
-from arl_tui.commands.play import FRAMES_PER_S
+from arl_tui.drawing_rate import FRAMES_PER_S
 from arl_tui.timing.plan import ANSWER_KEY, MARKER, START_UP_S, Plan, Seen
 
 COLUMNS, LINES = 80, 30

@@ -11,12 +11,13 @@ import numpy as np
 
 from core.combination.config import Coach
 from core.combination.preference import best_action, fill_logits
-from core.combination.sides import EpisodeEnd, EpisodeStart, Floats, HumanPreference, StartedPolicy
+from core.combination.sides import EpisodeEnd, EpisodeStart, HumanPreference, StartedPolicy
 from core.combination.window import Values
 from core.domain import Choices
 from core.events import CreditGiven
 from core.learners.contract import Actor
 from core.learners.kinds import LearnerKind
+from core.numerics.arrays import Floats
 from core.numerics.counters import uniform_at
 from core.numerics.softmax import drawn, softmax
 

@@ -10,12 +10,13 @@ import numpy as np
 from core.combination.climbing import Climbing, Coached
 from core.combination.config import Coach, Scheme, check_learner
 from core.combination.preference import best_action
-from core.combination.sides import EpisodeEnd, EpisodeStart, Floats, HumanPreference, StartedPolicy
+from core.combination.sides import EpisodeEnd, EpisodeStart, HumanPreference, StartedPolicy
 from core.combination.window import Values
 from core.domain import Choices
 from core.events import CreditGiven
 from core.learners.contract import Actor, EnvironmentLearner, StepwiseLearner
 from core.learners.kinds import LearnerKind
+from core.numerics.arrays import Floats
 
 
 class EnvironmentSide(Protocol):

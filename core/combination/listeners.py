@@ -10,7 +10,6 @@ import dataclasses
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.combination.agreement import Agreement
 from core.combination.bootstrap_learning import BootstrapLearning
@@ -20,11 +19,10 @@ from core.combination.preference import best_action, worst_action
 from core.combination.ranking import EpisodeReport, RankedPolicy, draw_policy
 from core.combination.trust.measures import selection_probabilities
 from core.combination.window import DecisionWindow, Values
-from core.domain import Choices
+from core.domain import Choices, Features
 from core.events import CreditGiven
 from core.feedback.samples import MassAccount, Sample
-
-Floats = NDArray[np.float64]
+from core.numerics.arrays import Floats
 
 
 class Listeners:
@@ -118,7 +116,7 @@ class Listeners:
             preferred.append((best, worst))
         return tuple(preferred)
 
-    def step_shown(self, step: int, features: Floats, time_ns: int) -> None:
+    def step_shown(self, step: int, features: Features, time_ns: int) -> None:
         """Note that a step came on screen: all participants see it."""
         for learner in self.learners:
             learner.step_shown(step, features, time_ns)

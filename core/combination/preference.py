@@ -7,23 +7,18 @@ order of the actions, so that plain Python gives the same bits. Values must be f
 import math
 from typing import Final, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from core.combination.episode_weights import ADVISE, EXPONENTIAL, LINEAR, LINEAR_RAW
+from core.numerics.arrays import Bools, Floats
 from core.numerics.compiled import inner_kernel, kernel
 from core.numerics.counters import uniform_at
 from core.numerics.softmax import exponential
-
-Values = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 LEAST_CHANCE: Final = 1e-300
 """A chance of being right below this counts as this: its logarithm is finite."""
 
 
 @kernel
-def best_action(values: Values, ruled_out: Mask, n: int) -> int:
+def best_action(values: Floats, ruled_out: Bools, n: int) -> int:
     """Return the first action with the highest value; 0 when all are ruled out."""
     best = -1
     for action in range(n):
@@ -33,7 +28,7 @@ def best_action(values: Values, ruled_out: Mask, n: int) -> int:
 
 
 @kernel
-def worst_action(values: Values, ruled_out: Mask, n: int) -> int:
+def worst_action(values: Floats, ruled_out: Bools, n: int) -> int:
     """Return the first action with the lowest value; 0 when all are ruled out."""
     worst = -1
     for action in range(n):
@@ -43,7 +38,7 @@ def worst_action(values: Values, ruled_out: Mask, n: int) -> int:
 
 
 @kernel
-def mean_and_sd(values: Values, ruled_out: Mask, n: int) -> tuple[float, float]:
+def mean_and_sd(values: Floats, ruled_out: Bools, n: int) -> tuple[float, float]:
     """Mean and population sd over the actions not ruled out; sd 0 exactly for a constant row."""
     count = 0
     total = 0.0
@@ -94,9 +89,9 @@ class Terms(NamedTuple):
 
 @inner_kernel
 def terms_of(
-    env_values: Values,
-    human_values: Values,
-    ruled_out: Mask,
+    env_values: Floats,
+    human_values: Floats,
+    ruled_out: Bools,
     n: int,
     form: int,
     w_r: float,
@@ -153,7 +148,7 @@ def score(env_value: float, human_value: float, terms: Terms) -> tuple[float, fl
 
 @kernel
 def choose(
-    env_values: Values, human_values: Values, ruled_out: Mask, n: int, form: int, w_r: float, w_h: float
+    env_values: Floats, human_values: Floats, ruled_out: Bools, n: int, form: int, w_r: float, w_h: float
 ) -> int:
     """Return argmax f(R, H) over the actions that are not ruled out (Eq. 2); the lowest index wins ties.
 
@@ -186,15 +181,15 @@ def choose(
 
 @kernel
 def fill_logits(
-    env_values: Values,
-    human_values: Values,
-    ruled_out: Mask,
+    env_values: Floats,
+    human_values: Floats,
+    ruled_out: Bools,
     n: int,
     form: int,
     w_r: float,
     w_h: float,
-    logits: Values,
-    gains: Values,
+    logits: Floats,
+    gains: Floats,
 ) -> int:
     """Write f(R, H) of each action as logits, and their derivative by the action's R.
 

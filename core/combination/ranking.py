@@ -3,11 +3,15 @@
 import math
 import struct
 from dataclasses import dataclass
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING
 
 from core.combination.agreement import Agreement
+
+if TYPE_CHECKING:
+    # Not at run time: a protocol is read without arrays.
+    import numpy as np
+
+    from core.numerics.arrays import Floats
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -15,12 +19,12 @@ class EpisodeReport:
     """What bootstrap learning has to know of an episode."""
 
     policy_id: int
-    theta: NDArray[np.float64]
+    theta: "Floats"
     """Weights of the environment policy, shape (F,)."""
     performance: float
-    """Performance measure of the episode, >= 0."""
+    """Performance measure of the episode, of either sign."""
     truncated: bool
-    """The episode was stopped, so its performance is a lower bound."""
+    """The episode was stopped: its performance is that of a part."""
     agreement: Agreement | None
     """Of this policy with the human policy; None where there was no human policy."""
     consistency: float = 0.0
@@ -32,7 +36,7 @@ class RankedPolicy:
     """One of the top N policies."""
 
     policy_id: int
-    theta: NDArray[np.float64]
+    theta: "Floats"
     total_performance: float
     terminated_episodes: int
     agreement: Agreement | None
@@ -73,12 +77,10 @@ class Ranking:
         """Add an episode to its policy.
 
         Raises:
-            ValueError: the performance is negative or not finite.
+            ValueError: the performance is not finite.
         """
-        if not (math.isfinite(report.performance) and report.performance >= 0):
-            raise ValueError(
-                f"policy {report.policy_id}: performance is finite and >= 0: {report.performance}"
-            )
+        if not math.isfinite(report.performance):
+            raise ValueError(f"policy {report.policy_id}: performance is finite: {report.performance}")
         known = next((p for p in self.policies if p.policy_id == report.policy_id), None)
         if known is None:
             known = RankedPolicy(report.policy_id, report.theta, 0.0, 0, None)
@@ -96,7 +98,7 @@ class Ranking:
 
 
 def draw_policy(
-    ranked: list[RankedPolicy], probabilities: list[float], *, rng: np.random.Generator
+    ranked: list[RankedPolicy], probabilities: list[float], *, rng: "np.random.Generator"
 ) -> RankedPolicy:
     """Return one of the ranked policies (there must be one), drawn with these probabilities."""
     point = float(rng.random())

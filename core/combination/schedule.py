@@ -28,17 +28,6 @@ class EpisodesSoFar:
         """Return the counts after one more episode, which was watched or not."""
         return type(self)(self.episodes + 1, self.watched + watched)
 
-    @classmethod
-    def before_watched_game(cls, game: int, *, unseen_before: int, unseen_between: int) -> Self:
-        """Return the counts when a session's watched game number `game` (from 0) begins.
-
-        Args:
-            game: >= 0.
-            unseen_before: unseen episodes before the first watched game, >= 0.
-            unseen_between: unseen episodes between two watched games, >= 0.
-        """
-        return cls(unseen_before + game * (1 + unseen_between), game)
-
 
 @dataclass(frozen=True, slots=True)
 class NextEpisode:

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from core.combination.agreement import Agreement
 from core.combination.config import EpisodeWeights
+from core.numerics.arrays import Floats
 
-Floats = NDArray[np.float64]
 Drawn = Callable[[], tuple[int, Floats]]
 """Draws one of the policies that have been ranked: its number and theta."""
 

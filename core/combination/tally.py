@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.combination.agreement import Agreement
-from core.combination.preference import Mask, Values, best_action, worst_action
+from core.combination.preference import best_action, worst_action
+from core.numerics.arrays import Bools, Floats
 from core.numerics.compiled import inner_kernel
 
 Tally = NDArray[np.int64]
@@ -41,7 +42,7 @@ def count_decision(tally: Tally, environment_action: int, human_action: int, hum
 
 
 @inner_kernel
-def compare_choices(env_values: Values, human_values: Values, ruled_out: Mask, n: int, tally: Tally) -> int:
+def compare_choices(env_values: Floats, human_values: Floats, ruled_out: Bools, n: int, tally: Tally) -> int:
     """Count one decision by the values R and H of its n actions; return the human policy's best action."""
     human_best = best_action(human_values, ruled_out, n)
     human_worst = worst_action(human_values, ruled_out, n)

@@ -6,15 +6,10 @@ The shares agree with those of `credit` to rounding (the incomplete gamma functi
 import math
 from typing import Final, NamedTuple, assert_never
 
-import numpy as np
-from numpy.typing import NDArray
-
 from core.feedback.delays import CurrentStep, Delay, GammaDelay, PreviousStep, UniformDelay
+from core.numerics.arrays import Floats, Ints
 from core.numerics.clock import NS_PER_S
 from core.numerics.compiled import kernel
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 GAMMA: Final = 0
 UNIFORM: Final = 1

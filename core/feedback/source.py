@@ -25,7 +25,7 @@ Oracle = Callable[[State], NDArray[np.float64]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Seat(Generic[State]):
+class ParticipantParts(Generic[State]):
     """One more person before the same screen."""
 
     oracle: Oracle[State]
@@ -56,7 +56,7 @@ class SimulatedParticipant(Generic[State]):
         clock: ManualClock,
         viewing: Viewing,
         *,
-        others: Sequence[Seat[State]] = (),
+        others: Sequence[ParticipantParts[State]] = (),
     ) -> None:
         """Sit down.
 
@@ -70,7 +70,7 @@ class SimulatedParticipant(Generic[State]):
             others: further people who watch and press.
         """
         self._domain = domain
-        self._seats = (Seat(oracle, trainer, gate), *others)
+        self._participants = (ParticipantParts(oracle, trainer, gate), *others)
         self._clock = clock
         self._viewing = viewing
         self._state: State | None = None
@@ -91,9 +91,9 @@ class SimulatedParticipant(Generic[State]):
         match output:
             case EpisodeStarted(episode=episode, episode_seed=episode_seed):
                 self._state = self._domain.initial(episode_seed)
-                for seat in self._seats:
-                    seat.trainer.begin_episode(episode)
-                    seat.gate.episode_started()
+                for parts in self._participants:
+                    parts.trainer.begin_episode(episode)
+                    parts.gate.episode_started()
                 opening_ns = self._viewing.opening_ns(self._state)
                 if opening_ns > 0:
                     self._show(-1)
@@ -110,8 +110,8 @@ class SimulatedParticipant(Generic[State]):
 
     def _show(self, step: int) -> None:
         self._frame += 1
-        for seat in self._seats:
-            seat.gate.frame, seat.gate.step = self._frame, step
+        for parts in self._participants:
+            parts.gate.frame, parts.gate.step = self._frame, step
         self._arrived.append(FrameShown(frame=self._frame, step=step, flushed_ns=self._clock.now_ns()))
 
     def _plan(self, step: int, action: int) -> int:
@@ -120,17 +120,17 @@ class SimulatedParticipant(Generic[State]):
         now_ns = self._clock.now_ns()
         following = self._domain.transition(self._state, action).next_state
         seen = self._viewing.watched(self._state, action, following)
-        for seat in self._seats:
-            presses = seat.trainer.watch(
+        for parts in self._participants:
+            presses = parts.trainer.watch(
                 step,
-                seat.oracle(self._state),
+                parts.oracle(self._state),
                 action,
                 shown_ns=now_ns,
                 hidden_ns=now_ns + seen.judged_after_ns,
                 attention=seen.attention,
             )
             for press in presses:
-                heapq.heappush(self._due, (press.time_ns, self._planned, press, seat.gate))
+                heapq.heappush(self._due, (press.time_ns, self._planned, press, parts.gate))
                 self._planned += 1
         self._state = following
         return seen.duration_ns

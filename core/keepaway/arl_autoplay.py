@@ -43,10 +43,9 @@ from core.keepaway.arl_cycles import (
     play,
 )
 from core.keepaway.autoplay import keepaway_tiles
-from core.keepaway.decisions import CYCLE_LIMIT
-from core.keepaway.participant import Watcher, new_watcher, watch_episode, with_more_draws
+from core.keepaway.participant import Judge, new_judge, watch_episode, with_more_draws
 from core.keepaway.participant_config import KeepawayPersonConfig
-from core.keepaway.pitch import CYCLE_NS, CYCLE_S, OUT, KeepawayConfig
+from core.keepaway.pitch import CYCLE_NS, CYCLE_S, OUT, SESSION_CYCLE_LIMIT, KeepawayConfig
 from core.keepaway.presses import LOST, MADE, begin_episode, new_presses
 from core.keepaway.simulator.match import CYCLE, END, new_match, open_streams
 from core.learners.human_config import TileModel
@@ -59,7 +58,7 @@ from core.numerics.streams import stream_seed
 KEEPAWAY_AGENT = AgentConfig(credit=CreditConfig(delay=GammaDelay()), human_model=TileModel())
 """Eq. 3, Eq. 4, credit by the paper's density, and a human model over tiles."""
 
-NOBODY = KeepawayPersonConfig(trainer=TrainerConfig(press_probability=0.0, max_presses=0))
+NO_PRESSES = KeepawayPersonConfig(trainer=TrainerConfig(press_probability=0.0, max_presses=0))
 """A participant who never presses a key."""
 NO_WEIGHTS: tuple[float, ...] = (0.0, 0.0, 0.0)
 """w_h of the sets of learners side by side while nothing is known, and where there is one set."""
@@ -202,13 +201,13 @@ class ArlAutoplay:
         self._rule = credit_rule(delay)
         places = (math.ceil(self._rule.horizon_s / CYCLE_S) + 3) * task.n_keepers
         self._timeline = new_timeline(places, len(coder.low), task.n_actions)
-        person = config.person or NOBODY
+        person = config.person or NO_PRESSES
         self._trainer = SimulatedTrainer(person.trainer, root_seed=self._seed)
-        self._watcher = new_watcher(person, self.match)
+        self._judge = new_judge(person, self.match)
         self._presses = new_presses(config.keys, _room(config))
         self._so_far = EpisodesSoFar()
         self._start_ns = 0
-        self._play = specialised(play, *self._arguments(self._mix(), self._watcher, False))
+        self._play = specialised(play, *self._arguments(self._mix(), self._judge, False))
 
     @property
     def trust(self) -> float:
@@ -228,15 +227,15 @@ class ArlAutoplay:
 
     def play_episode(self) -> ArlEpisode:
         """Play the next episode and the pause after it."""
-        mix, trust, watcher, start_ns = self._mix(), self.trust, self._watch(), self._start_ns
+        mix, trust, judge, start_ns = self._mix(), self.trust, self._watch(), self._start_ns
         counts, status = self._timeline.counts, self.match.status
         counts[EPISODE_STEPS] = 0
         self._timeline.tally[:] = 0
         anew = bool(status[CYCLE] > 0)
-        reason = self._play(*self._arguments(mix, watcher, anew))
+        reason = self._play(*self._arguments(mix, judge, anew))
         while reason == NEEDS_DRAWS:
-            watcher = with_more_draws(watcher, self._trainer)
-            reason = self._play(*self._arguments(mix, watcher, False))
+            judge = with_more_draws(judge, self._trainer)
+            reason = self._play(*self._arguments(mix, judge, False))
         if self._presses.counts[LOST]:
             raise ValueError(f"too many presses wait at once: shorten the delay of {self.config.person}")
         episode = ArlEpisode(
@@ -273,7 +272,7 @@ class ArlAutoplay:
     def _pause_ns(self) -> int:
         return round(self.config.pause_s * NS_PER_S)
 
-    def _arguments(self, mix: Mix, watcher: Watcher, anew: bool) -> tuple[Any, ...]:
+    def _arguments(self, mix: Mix, judge: Judge, anew: bool) -> tuple[Any, ...]:
         """Return the arguments of `play`."""
         return (
             self.match,
@@ -281,7 +280,7 @@ class ArlAutoplay:
             self.sarsa,
             self.human,
             mix,
-            watcher,
+            judge,
             self._presses,
             self._rule,
             self._timeline,
@@ -289,7 +288,7 @@ class ArlAutoplay:
             anew,
             self._start_ns,
             self._pause_ns,
-            CYCLE_LIMIT,
+            SESSION_CYCLE_LIMIT,
         )
 
     @property
@@ -318,14 +317,14 @@ class ArlAutoplay:
             w_h_of=w_h_of,
         )
 
-    def _watch(self) -> Watcher:
+    def _watch(self) -> Judge:
         """Let the participant begin an episode."""
         begin_episode(self._presses)
         if self.config.person is None:
-            return self._watcher
+            return self._judge
         self._trainer.begin_episode(self._next.number)
         return watch_episode(
-            self._watcher, self.config.person, self._trainer, root_seed=self._seed, episode=self._next.number
+            self._judge, self.config.person, self._trainer, root_seed=self._seed, episode=self._next.number
         )
 
     def _made(self) -> tuple[MadePress, ...]:
@@ -358,7 +357,7 @@ class ArlAutoplay:
 
 def _room(config: ArlKeepawayConfig) -> int:
     """Return how many presses can wait, or be made in one episode: those of all episodes within a delay's reach."""
-    person = config.person or NOBODY
+    person = config.person or NO_PRESSES
     trainer = person.trainer
     most = trainer.max_presses * trainer.burst_presses
     reach_s = trainer.delay.horizon_s + trainer.burst_presses * trainer.burst_interval_s

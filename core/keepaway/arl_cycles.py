@@ -7,12 +7,11 @@ one by any keeper or the end of the episode; presses reach back over all of them
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.combination.preference import choose, takes_control
 from core.combination.tally import Tally, compare_choices, new_tally
 from core.feedback.compiled_credit import CreditRule, share_out
-from core.keepaway.participant import Watcher, watch_step, would_choose
+from core.keepaway.participant import Judge, watch_step, would_choose
 from core.keepaway.pitch import CYCLE_NS, Rules
 from core.keepaway.presses import MADE, NEVER_NS, Presses, is_due, make
 from core.keepaway.simulator.game import begin_cycle, finish_cycle
@@ -29,12 +28,9 @@ from core.learners.sarsa import (
     learn_beside,
     take_action,
 )
+from core.numerics.arrays import Bools, Floats, Ints
 from core.numerics.compiled import inner_kernel, kernel
 from core.numerics.tile_coding import find_windows
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 # What `play` returns.
 ENDED: Final = 0
@@ -126,7 +122,7 @@ def play(
     sarsa: Sarsa,
     human: HumanSet,
     mix: Mix,
-    watcher: Watcher,
+    judge: Judge,
     presses: Presses,
     rule: CreditRule,
     timeline: Timeline,
@@ -144,7 +140,7 @@ def play(
         sarsa: the keepers' learners, in place.
         human: the keepers' human models, in place.
         mix: how the two are combined.
-        watcher: who watches.
+        judge: the simulated participant.
         presses: of the person, in place.
         rule: how presses are credited.
         timeline: the steps, in place.
@@ -161,7 +157,7 @@ def play(
         start_episode(match, rules, streams.placement)
     counts = timeline.counts
     while True:
-        if counts[EPISODE_STEPS] + rules.n_keepers > len(watcher.draws) and len(watcher.delays_ns) > 0:
+        if counts[EPISODE_STEPS] + rules.n_keepers > len(judge.draws) and len(judge.delays_ns) > 0:
             return NEEDS_DRAWS
         now_ns = start_ns + match.status[CYCLE] * CYCLE_NS
         while is_due(presses, now_ns):
@@ -171,9 +167,9 @@ def play(
                 if match.deciding[i]:
                     _decide(match, sarsa, human, mix, timeline, i, streams.policy)
                     _show(match, timeline, i, now_ns)
-                    wanted = would_choose(watcher, match, rules, i)
+                    wanted = would_choose(judge, match, rules, i)
                     watch_step(
-                        watcher,
+                        judge,
                         presses,
                         wanted,
                         match.actions[i],

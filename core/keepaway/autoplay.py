@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from core.keepaway.pitch import CYCLES_PER_S, OUT, KeepawayConfig, Rules
+from core.keepaway.pitch import AUTOPLAY_CYCLE_LIMIT, CYCLES_PER_S, OUT, KeepawayConfig, Rules
 from core.keepaway.simulator.game import begin_cycle, finish_cycle, step_cycle
 from core.keepaway.simulator.match import (
     CYCLE,
@@ -23,13 +23,9 @@ from core.keepaway.simulator.match import (
 from core.keepaway.simulator.policies import POLICIES
 from core.keepaway.simulator.variables import state_variables
 from core.learners.sarsa import Sarsa, decide, end_episode
+from core.numerics.arrays import Floats, Ints
 from core.numerics.compiled import inner_kernel, kernel
 from core.numerics.tile_coding import Range, TileCoder, find_windows, tile_coder
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-CYCLE_LIMIT = 1_000_000
-"""Longest episode in cycles (28 hours): a ball that is never lost would never end."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -85,7 +81,7 @@ def _learn_episodes(
         if match.status[CYCLE] > 0:
             start_episode(match, rules, streams.placement)
         while not learn_cycle(match, rules, sarsa, windows, streams):
-            if match.status[CYCLE] >= CYCLE_LIMIT:
+            if match.status[CYCLE] >= AUTOPLAY_CYCLE_LIMIT:
                 end_episode(sarsa, match.status[CYCLE])
                 break
         cycles[e] = match.status[CYCLE]
@@ -99,7 +95,7 @@ def _play_episodes(
     for e in range(len(cycles)):
         if match.status[CYCLE] > 0:
             start_episode(match, rules, streams.placement)
-        while not step_cycle(match, rules, policy, streams) and match.status[CYCLE] < CYCLE_LIMIT:
+        while not step_cycle(match, rules, policy, streams) and match.status[CYCLE] < AUTOPLAY_CYCLE_LIMIT:
             pass
         cycles[e] = match.status[CYCLE]
         ends[e] = match.status[END]

@@ -7,14 +7,11 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from core.keepaway.pitch import KeepawayConfig, Rules
+from core.keepaway.pitch import NO_PLAYER, SESSION_CYCLE_LIMIT, KeepawayConfig, Rules
 from core.keepaway.simulator.game import begin_cycle, finish_cycle
 from core.keepaway.simulator.match import CYCLE, END, Match, Streams, new_match, open_streams
 from core.numerics.compiled import kernel
-
-NOBODY: Final = -1
-CYCLE_LIMIT: Final = 36_000
-"""Longest episode in cycles (an hour): a ball that is never lost would never end."""
+from core.numerics.streams import resumed
 
 # What `play_to_decision` comes back with.
 DECIDING: Final = 0
@@ -43,7 +40,7 @@ def play_to_decision(match: Match, rules: Rules, streams: Streams, most: int, de
         if not decided and begin_cycle(match, rules, streams):
             return DECIDING
         decided = False
-        if finish_cycle(match, rules, streams) or match.status[CYCLE] >= CYCLE_LIMIT:
+        if finish_cycle(match, rules, streams) or match.status[CYCLE] >= SESSION_CYCLE_LIMIT:
             return OVER
     return FINISHED
 
@@ -69,8 +66,18 @@ class DecisionPlay:
         self.rules = config.rules()
         self.streams = open_streams(episode_seed)
         self.match = new_match(config, self.streams)
-        self.keeper = NOBODY
-        """Who has to decide; NOBODY when the episode is over (and before `begin`)."""
+        self.keeper = NO_PLAYER
+        """Who has to decide; NO_PLAYER when the episode is over (and before `begin`)."""
+
+    @classmethod
+    def resumed(cls, config: KeepawayConfig, saved: Saved) -> "DecisionPlay":
+        """Return an episode that goes on where `saved` stood, with arrays and streams of its own."""
+        play = cls.__new__(cls)
+        play.rules = config.rules()
+        play.streams = Streams(*map(resumed, saved.streams))
+        play.match = Match._make(array.copy() for array in saved.match)
+        play.keeper = saved.keeper
+        return play
 
     @property
     def cycle(self) -> int:
@@ -99,7 +106,7 @@ class DecisionPlay:
             action: 0 holds, k passes to the k-th nearest keeper.
             on_cycle: called at the end of each cycle that is played, in order.
         """
-        if self.keeper == NOBODY:
+        if self.keeper == NO_PLAYER:
             raise ValueError("the episode is over: nobody has to decide")
         self.match.actions[self.keeper] = action
         later = np.flatnonzero(self.match.deciding[self.keeper + 1 :])
@@ -113,16 +120,8 @@ class DecisionPlay:
         states = tuple(dict(rng.bit_generator.state) for rng in self.streams)
         return Saved(Match._make(array.copy() for array in self.match), states, self.keeper)
 
-    def restore(self, saved: Saved) -> None:
-        """Go back, or ahead, to where a match of the same size stood."""
-        for array, before in zip(self.match, saved.match, strict=True):
-            array[...] = before
-        for rng, state in zip(self.streams, saved.streams, strict=True):
-            rng.bit_generator.state = state
-        self.keeper = saved.keeper
-
     def _go_on(self, decided: bool, on_cycle: OnCycle | None) -> None:
-        most = 1 if on_cycle else CYCLE_LIMIT
+        most = 1 if on_cycle else SESSION_CYCLE_LIMIT
         outcome = FINISHED
         while outcome == FINISHED:
             before = self.cycle
@@ -130,4 +129,4 @@ class DecisionPlay:
             decided = False
             if on_cycle and self.cycle > before:
                 on_cycle(self.match)
-        self.keeper = int(np.flatnonzero(self.match.deciding)[0]) if outcome == DECIDING else NOBODY
+        self.keeper = int(np.flatnonzero(self.match.deciding)[0]) if outcome == DECIDING else NO_PLAYER

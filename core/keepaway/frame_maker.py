@@ -5,15 +5,15 @@ from typing import Final
 
 import numpy as np
 
-from core.keepaway.picture import NOBODY, PitchFrame, Place, PlayerView
-from core.keepaway.pitch import BODY, CYCLE_S, KICK_DISTANCE, KeepawayConfig, X, Y
+from core.keepaway.picture import PitchFrame, Place, PlayerView
+from core.keepaway.pitch import BODY, CYCLE_S, KICK_DISTANCE, NO_PLAYER, KeepawayConfig, X, Y
 from core.keepaway.simulator.match import ACTION, CYCLE, END, EPISODE, TARGET, Match
 
 TRAIL_CYCLES: Final = 5
 """How many earlier places of the ball a picture shows."""
 
 
-class Camera:
+class FrameMaker:
     """Follows one match: it knows the ball's last places and whose option is on screen.
 
     An option is on screen from its decision until any keeper decides again, or the episode ends.
@@ -22,8 +22,8 @@ class Camera:
     def __init__(self, config: KeepawayConfig) -> None:
         self.config = config
         self._trail: deque[Place] = deque(maxlen=TRAIL_CYCLES + 1)
-        self._at = (NOBODY, NOBODY)
-        self._decision = (NOBODY, NOBODY)
+        self._at = (NO_PLAYER, NO_PLAYER)
+        self._decision = (NO_PLAYER, NO_PLAYER)
 
     def look(self, match: Match) -> PitchFrame:
         """Return the picture of a match that has just been set up or has just finished a cycle."""
@@ -33,7 +33,7 @@ class Camera:
         if (episode, cycle) != self._at:
             if episode != self._at[0]:
                 self._trail.clear()
-                self._decision = (NOBODY, NOBODY)
+                self._decision = (NO_PLAYER, NO_PLAYER)
             self._at = (episode, cycle)
             self._trail.append(ball)
             self._note_decision(match)
@@ -62,7 +62,7 @@ class Camera:
         if len(deciding):
             keeper = int(min(deciding, key=lambda i: _distance(match, int(i))))
             row = match.options[keeper]
-            self._decision = (keeper, int(row[TARGET]) if row[ACTION] > 0 else NOBODY)
+            self._decision = (keeper, int(row[TARGET]) if row[ACTION] > 0 else NO_PLAYER)
 
 
 def _distance(match: Match, player: int) -> float:
@@ -74,4 +74,4 @@ def _holder(match: Match) -> int:
     """Return the nearest player that can kick the ball, or nobody."""
     distances = np.hypot(match.players[:, X] - match.ball[X], match.players[:, Y] - match.ball[Y])
     nearest = int(distances.argmin())
-    return nearest if distances[nearest] < KICK_DISTANCE else NOBODY
+    return nearest if distances[nearest] < KICK_DISTANCE else NO_PLAYER

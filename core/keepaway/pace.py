@@ -9,16 +9,20 @@ from collections.abc import Iterator
 from core.feedback.viewing import Viewing, Watched
 from core.keepaway.domain import Keepaway
 from core.keepaway.simulator.policies import hand_coded
+from core.numerics.interpreting import is_interpreting
 from core.numerics.streams import stream
 
 EPISODES = 12
+EPISODES_IN_PYTHON = 2
+"""While kernels are not compiled yet: an episode then takes seconds."""
 MOST_OPTIONS = 150
 """Of one episode: the hand-coded policy may keep the ball for minutes."""
 
 
 def options_on_screen(domain: Keepaway, viewing: Viewing) -> tuple[Watched, ...]:
-    """Return how the options of 12 episodes are seen, in order; the same at every call."""
-    return tuple(watched for seed in range(EPISODES) for watched in _one_episode(domain, viewing, seed))
+    """Return how the options of 12 episodes are seen, in order; of the first 2 while Python stands in for kernels."""
+    episodes = EPISODES_IN_PYTHON if is_interpreting() else EPISODES
+    return tuple(watched for seed in range(episodes) for watched in _one_episode(domain, viewing, seed))
 
 
 def _one_episode(domain: Keepaway, viewing: Viewing, seed: int) -> Iterator[Watched]:

@@ -8,7 +8,6 @@ Generator for each judgement would take longer than the step.
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.feedback.config import TrainerConfig
 from core.feedback.trainers import SimulatedTrainer, draw_delay_s, judgement
@@ -18,12 +17,10 @@ from core.keepaway.presses import JUDGED, Presses, plan
 from core.keepaway.simulator.match import Match
 from core.keepaway.simulator.policies import hand_coded
 from core.keepaway.simulator.variables import observe
+from core.numerics.arrays import Floats, Ints
 from core.numerics.clock import NS_PER_S
 from core.numerics.compiled import inner_kernel
 from core.numerics.streams import stream
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 LAY_DANGER_M: Final = 4.0
 """A lay person passes when a taker is nearer than this."""
@@ -31,7 +28,7 @@ N_DRAWS: Final = 6
 """Draws about a step."""
 
 
-class Watcher(NamedTuple):
+class Judge(NamedTuple):
     """A participant during one episode, as kernels see it."""
 
     lay: bool
@@ -62,10 +59,10 @@ class Watcher(NamedTuple):
     """Scratch, shape (n,)."""
 
 
-def new_watcher(config: KeepawayPersonConfig, match: Match) -> Watcher:
+def new_judge(config: KeepawayPersonConfig, match: Match) -> Judge:
     """Return a participant who sees nothing yet; `watch_episode` lets an episode begin."""
     trainer, n_options = config.trainer, len(match.deciding)
-    return Watcher(
+    return Judge(
         lay=trainer.knowledge == "lay",
         exact=config.sees == "everything",
         pass_chance=0.0,
@@ -86,12 +83,12 @@ def new_watcher(config: KeepawayPersonConfig, match: Match) -> Watcher:
 
 
 def watch_episode(
-    watcher: Watcher, config: KeepawayPersonConfig, trainer: SimulatedTrainer, *, root_seed: int, episode: int
-) -> Watcher:
+    judge: Judge, config: KeepawayPersonConfig, trainer: SimulatedTrainer, *, root_seed: int, episode: int
+) -> Judge:
     """Return the participant at the beginning of an episode, which `trainer` has begun, too.
 
     Args:
-        watcher: before.
+        judge: before.
         config: what kind of participant.
         trainer: gives chances, budget and the draws about steps.
         root_seed: of the session; stream "trainer delays".
@@ -100,7 +97,7 @@ def watch_episode(
     rng = stream(root_seed, "trainer delays", episode)
     delays_s = [draw_delay_s(config.trainer.delay, rng=rng) for _ in range(trainer.judgements_left)]
     probability = trainer.press_probability
-    return watcher._replace(
+    return judge._replace(
         pass_chance=float(probability),
         hold_chance=float(probability * noticed_per_cycle(config.holds_noticed_per_s)),
         delays_ns=np.array([round(delay_s * NS_PER_S) for delay_s in delays_s], np.int64),
@@ -108,9 +105,9 @@ def watch_episode(
     )
 
 
-def with_more_draws(watcher: Watcher, trainer: SimulatedTrainer) -> Watcher:
+def with_more_draws(judge: Judge, trainer: SimulatedTrainer) -> Judge:
     """Return the participant with the draws about some more steps."""
-    return watcher._replace(draws=np.concatenate([watcher.draws, trainer.draws(len(watcher.draws))]))
+    return judge._replace(draws=np.concatenate([judge.draws, trainer.draws(len(judge.draws))]))
 
 
 def _opinion(trainer: TrainerConfig, n_options: int, option: int) -> float:
@@ -133,20 +130,20 @@ def noticed_per_cycle(per_s: float) -> float:
 
 
 @inner_kernel
-def would_choose(watcher: Watcher, match: Match, rules: Rules, i: int) -> int:
+def would_choose(judge: Judge, match: Match, rules: Rules, i: int) -> int:
     """Return the option the participant would have chosen in place of keeper i, which decides."""
     variables = match.variables[i]
-    if watcher.exact:
-        observe(i, match.players, rules.n_keepers, watcher.order, watcher.variables)
-        variables = watcher.variables
-    if watcher.lay:
+    if judge.exact:
+        observe(i, match.players, rules.n_keepers, judge.order, judge.variables)
+        variables = judge.variables
+    if judge.lay:
         wanted = lay_choice(variables, rules.n_keepers, rules.n_takers)
     else:
         wanted = hand_coded(variables, rules.n_keepers, rules.n_takers)
-    if watcher.exact and wanted > 0:
+    if judge.exact and wanted > 0:
         # Options count mates by the keeper's own order, which may differ from the true one.
         for option in range(1, rules.n_keepers):
-            if match.order[i, option] == watcher.order[wanted]:
+            if match.order[i, option] == judge.order[wanted]:
                 return option
     return wanted
 
@@ -166,7 +163,7 @@ def lay_choice(variables: Floats, n_keepers: int, n_takers: int) -> int:
 
 @inner_kernel
 def watch_step(
-    watcher: Watcher,
+    judge: Judge,
     presses: Presses,
     wanted: int,
     option: int,
@@ -177,7 +174,7 @@ def watch_step(
     """Let the participant see a step, and plan to press keys if it has something to say.
 
     Args:
-        watcher: the participant.
+        judge: the participant.
         presses: where plans are put.
         wanted: the option it would have chosen.
         option: the one chosen.
@@ -186,21 +183,21 @@ def watch_step(
         shown_ns: when it came on screen. What was chosen is seen one cycle later.
     """
     judged = presses.counts[JUDGED]
-    if judged >= len(watcher.delays_ns):
+    if judged >= len(judge.delays_ns):
         return
-    draws = watcher.draws[episode_step]
-    if draws[0] >= (watcher.pass_chance if option > 0 else watcher.hold_chance):
+    draws = judge.draws[episode_step]
+    if draws[0] >= (judge.pass_chance if option > 0 else judge.hold_chance):
         return
-    value = watcher.if_wanted if option == wanted else watcher.if_not
+    value = judge.if_wanted if option == wanted else judge.if_not
     if value == 0.0:
         return
-    deliberate = draws[2] < watcher.deliberate_rate
-    if deliberate or draws[1] < watcher.mistake_rate:
+    deliberate = draws[2] < judge.deliberate_rate
+    if deliberate or draws[1] < judge.mistake_rate:
         value = -value
-    if draws[3] < watcher.anticipation_rate:
+    if draws[3] < judge.anticipation_rate:
         first_ns = shown_ns + int(np.rint(draws[5] * CYCLE_NS))
     else:
-        first_ns = shown_ns + CYCLE_NS + watcher.delays_ns[judged]
+        first_ns = shown_ns + CYCLE_NS + judge.delays_ns[judged]
     presses.counts[JUDGED] += 1
-    for k in range(watcher.burst_presses if draws[4] < watcher.burst_rate else 1):
-        plan(presses, first_ns + k * watcher.burst_interval_ns, value, step, deliberate)
+    for k in range(judge.burst_presses if draws[4] < judge.burst_rate else 1):
+        plan(presses, first_ns + k * judge.burst_interval_ns, value, step, deliberate)

@@ -9,11 +9,11 @@ import math
 
 import msgspec
 
-from core.keepaway.pitch import BALL_SPEED_MAX, CYCLE_S, END_REASONS, ONGOING, PLAYER_SPEED_MAX
+from core.keepaway.pitch import BALL_SPEED_MAX, CYCLE_S, END_REASONS, NO_PLAYER, ONGOING, PLAYER_SPEED_MAX
+from core.plugins import View
 
 Place = tuple[float, float]
 """x and y in metres."""
-NOBODY = -1
 SLACK = 2.0
 """Whoever moves further than this many times the top speed in a cycle has been put elsewhere, and does not slide."""
 
@@ -27,7 +27,7 @@ class PlayerView(msgspec.Struct, frozen=True, array_like=True):
     """In (-180, 180]."""
 
 
-class PitchFrame(msgspec.Struct, frozen=True, kw_only=True, array_like=True, tag="keepaway"):
+class PitchFrame(msgspec.Struct, View, frozen=True, kw_only=True, array_like=True, tag="keepaway"):
     """One picture of a game, at the end of a cycle or between two."""
 
     length_m: float
@@ -46,11 +46,11 @@ class PitchFrame(msgspec.Struct, frozen=True, kw_only=True, array_like=True, tag
     """Whole cycles since the episode started."""
     time_s: float = 0.0
     """Simulated time since the episode started, however fast it is shown."""
-    holder: int = NOBODY
+    holder: int = NO_PLAYER
     """The player who can kick the ball, the nearest one where several can."""
-    decider: int = NOBODY
+    decider: int = NO_PLAYER
     """The keeper whose option is on screen; nobody before the first decision."""
-    target: int = NOBODY
+    target: int = NO_PLAYER
     """The keeper it passes to; nobody while it holds the ball."""
     ended: int = ONGOING
     """ONGOING, OUT or TAKEN (`core.keepaway.pitch`)."""
@@ -73,7 +73,7 @@ class PitchFrame(msgspec.Struct, frozen=True, kw_only=True, array_like=True, tag
     @property
     def passing(self) -> bool:
         """Whether a pass is being played and no taker has the ball."""
-        return self.target != NOBODY and self.ended == ONGOING and not self.taken
+        return self.target != NO_PLAYER and self.ended == ONGOING and not self.taken
 
     def caption(self) -> str:
         """Say in a few words what is going on."""
@@ -81,7 +81,7 @@ class PitchFrame(msgspec.Struct, frozen=True, kw_only=True, array_like=True, tag
             return f"Ball {END_REASONS[self.ended]} after {self.time_s:.1f} s"
         if self.passing:
             return f"{self.name(self.decider)} passes to {self.name(self.target)}"
-        if self.holder == NOBODY:
+        if self.holder == NO_PLAYER:
             return "Ball is free"
         return f"{self.name(self.holder)} has the ball"
 

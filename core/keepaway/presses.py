@@ -7,14 +7,10 @@ time. Its rule for held keys has nothing to act on here: judgements and the pres
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.feedback.keys import NS_PER_MS, KeyConfig
+from core.numerics.arrays import Bools, Floats, Ints
 from core.numerics.compiled import inner_kernel, kernel
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 NEVER_NS: Final = (1 << 63) - 1
 """Later than any press."""

@@ -8,12 +8,12 @@ from core.events import EpisodeEnded, SessionEnded, UnseenPlayed
 from core.keepaway.pitch import KeepawayConfig
 from core.keepaway.policy_file import N_LAST, PolicyFileError, PolicyHeader, SavedPolicy
 from core.learners.sarsa_config import SarsaConfig
+from core.numerics.clock import S_PER_HOUR
 from core.numerics.tile_coding import from_runs
 from core.recording.joined import read_session
 from core.recording.reader import Recording, RecordingError
-from core.session.protocol import protocol_from
+from core.session.protocol_reading import protocol_from
 
-SECONDS_PER_HOUR = 3600.0
 N_TILINGS = 32
 """Tilings per variable in sessions (`core.keepaway.domain.Keepaway`)."""
 
@@ -44,7 +44,7 @@ def recorded_policy(path: Path) -> SavedPolicy:
         learner=learner,
         n_tilings=N_TILINGS,
         root_seed=recording.header.root_seed,
-        hours=sum(durations) / SECONDS_PER_HOUR,
+        hours=sum(durations) / S_PER_HOUR,
         episodes=len(durations),
         duration_s=float(np.mean(durations[-N_LAST:])) if durations else 0.0,
         created_utc=recording.header.created_utc,

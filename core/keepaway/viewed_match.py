@@ -4,20 +4,19 @@ The cycles, streams and choices are those of `core.keepaway.autoplay`: for the s
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.keepaway.autoplay import decide_all, keepaway_tiles
-from core.keepaway.frame_maker import Camera
-from core.keepaway.picture import NOBODY, PitchFrame
-from core.keepaway.pitch import ONGOING, KeepawayConfig, Rules
+from core.keepaway.frame_maker import FrameMaker
+from core.keepaway.picture import PitchFrame
+from core.keepaway.pitch import NO_PLAYER, ONGOING, KeepawayConfig, Rules
 from core.keepaway.simulator.game import begin_cycle, choose_all, finish_cycle, next_episode
 from core.keepaway.simulator.match import CYCLE, Match, Streams, n_variables, new_match, open_streams
 from core.keepaway.simulator.policies import POLICIES
 from core.learners.sarsa import Sarsa, end_episode, frozen, new_sarsa
 from core.learners.sarsa_config import SarsaConfig
+from core.numerics.arrays import Ints
 from core.numerics.compiled import kernel
 
-Ints = NDArray[np.int64]
 Policy = str | Sarsa
 """Name of a benchmark policy ("random", "hold", "hand"), or learners that act and no longer learn."""
 
@@ -26,9 +25,9 @@ Policy = str | Sarsa
 def _play_cycle(
     match: Match, rules: Rules, policy: int, sarsa: Sarsa, windows: Ints, streams: Streams
 ) -> None:
-    """Play one cycle with a benchmark policy, or with learners where `policy` is NOBODY."""
+    """Play one cycle with a benchmark policy, or with learners where `policy` is NO_PLAYER."""
     if begin_cycle(match, rules, streams):
-        if policy == NOBODY:
+        if policy == NO_PLAYER:
             decide_all(match, sarsa, windows, streams.policy)
         else:
             choose_all(match, rules, policy, streams.policy)
@@ -36,7 +35,7 @@ def _play_cycle(
         end_episode(sarsa, match.status[CYCLE])
 
 
-class Exhibition:
+class ViewedMatch:
     """One policy plays, a cycle at a time."""
 
     def __init__(self, config: KeepawayConfig, policy: Policy, root_seed: int, *path: str | int) -> None:
@@ -58,13 +57,13 @@ class Exhibition:
         self._rules = config.rules()
         self._streams = open_streams(root_seed, *path)
         self._match = new_match(config, self._streams)
-        self._benchmark = POLICIES[policy] if isinstance(policy, str) else NOBODY
+        self._benchmark = POLICIES[policy] if isinstance(policy, str) else NO_PLAYER
         # Learners that never decide keep the code in one piece.
         blank = new_sarsa(SarsaConfig(), keepaway_tiles(config), config.n_keepers, config.n_actions)
         self._sarsa = blank if isinstance(policy, str) else frozen(policy)
         self._windows = np.zeros(self._match.variables.shape[1], np.int64)
-        self._camera = Camera(config)
-        self.frame: PitchFrame = self._camera.look(self._match)
+        self._frame_maker = FrameMaker(config)
+        self.frame: PitchFrame = self._frame_maker.look(self._match)
         """The newest picture."""
 
     def step(self) -> PitchFrame:
@@ -72,14 +71,14 @@ class Exhibition:
         if self.frame.ended != ONGOING:
             return self.next_episode()
         _play_cycle(self._match, self._rules, self._benchmark, self._sarsa, self._windows, self._streams)
-        self.frame = self._camera.look(self._match)
+        self.frame = self._frame_maker.look(self._match)
         return self.frame
 
     def next_episode(self) -> PitchFrame:
         """Set up the next episode, whether or not this one has ended."""
         next_episode(self._match, self._rules, self._streams)
         end_episode(self._sarsa, 0)
-        self.frame = self._camera.look(self._match)
+        self.frame = self._frame_maker.look(self._match)
         return self.frame
 
     def values(self) -> tuple[tuple[str, float], ...]:
@@ -88,7 +87,7 @@ class Exhibition:
         Empty for benchmark policies and before the first decision.
         """
         keeper = self.frame.decider
-        if self._benchmark != NOBODY or keeper == NOBODY:
+        if self._benchmark != NO_PLAYER or keeper == NO_PLAYER:
             return ()
         order = self._match.order[keeper]
         names = ["Hold", *(self.frame.name(int(order[k])) for k in range(1, self.config.n_actions))]

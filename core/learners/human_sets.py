@@ -7,15 +7,12 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.learners.human_config import TileModel
 from core.learners.human_tiles import move_tiles
+from core.numerics.arrays import Floats, Ints
 from core.numerics.compiled import inner_kernel
 from core.numerics.tile_coding import TileCoder, window_sum
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 class HumanSet(NamedTuple):

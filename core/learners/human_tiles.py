@@ -5,13 +5,13 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
+from core.domain import Features
 from core.feedback.samples import Sample
 from core.learners.human_config import HumanModelConfig, TileModel
 from core.learners.human_reward import HumanRewardModel
+from core.numerics.arrays import Floats
 from core.numerics.compiled import inner_kernel
 from core.numerics.tile_coding import Tiling, add_to_windows, row_values, runs
-
-Floats = NDArray[np.float64]
 
 
 @inner_kernel
@@ -45,11 +45,6 @@ class HumanTileModel:
         self._weights = np.zeros(tiling.n_weights)
         self._n_samples = 0
         self._export: Floats | None = None
-
-    @property
-    def n_samples(self) -> int:
-        """How many samples the model has seen."""
-        return self._n_samples
 
     @property
     def knows_something(self) -> bool:
@@ -86,9 +81,9 @@ class HumanTileModel:
         for sample in samples:
             self.add(sample)
 
-    def predict(self, rows: Floats) -> Floats:
+    def predict(self, rows: Features) -> Floats:
         """Return H of each row of window starts, (n, v) -> (n,), in units of a press."""
-        return row_values(np.ascontiguousarray(rows, np.float64), self._weights, self.tiling.n_tilings)
+        return row_values(np.ascontiguousarray(rows, np.int64), self._weights, self.tiling.n_tilings)
 
     def state_bytes(self) -> bytes:
         """Return all that the model has learned, for fingerprints."""

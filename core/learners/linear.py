@@ -6,16 +6,13 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from core.numerics.arrays import Floats
 from core.numerics.compiled import kernel
-
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
 
 
 @kernel
-def action_values(rows: Matrix, weights: Vector) -> Vector:
+def action_values(rows: Floats, weights: Floats) -> Floats:
     """Return the value of each action: rows (n, F) times weights (F,), shape (n,)."""
     n, n_features = rows.shape
     out = np.empty(n)
@@ -29,7 +26,7 @@ def action_values(rows: Matrix, weights: Vector) -> Vector:
 
 @kernel
 def add_to_moments(
-    x: Vector, label: float, weight: float, centred: bool, totals: Vector, means: Vector, scatter: Matrix
+    x: Floats, label: float, weight: float, centred: bool, totals: Floats, means: Floats, scatter: Floats
 ) -> None:
     """Take one weighted sample into running moments (Welford's update; exact zeros for constant inputs).
 
@@ -62,7 +59,7 @@ def add_to_moments(
 
 
 @kernel
-def solve_ridge(total: float, scatter: Matrix, l2: float, standardise: bool, out: Vector) -> None:
+def solve_ridge(total: float, scatter: Floats, l2: float, standardise: bool, out: Floats) -> None:
     """Fill `out` with the ridge weights in the inputs' own units, by Cholesky's decomposition.
 
     Args:
@@ -73,7 +70,7 @@ def solve_ridge(total: float, scatter: Matrix, l2: float, standardise: bool, out
         out: shape (G,). Inputs that never varied get 0.
     """
     n = out.shape[0]
-    scale: Vector = np.ones(n)
+    scale: Floats = np.ones(n)
     for i in range(n):
         if scatter[i, i] <= 0.0:
             scale[i] = 0.0  # leaves the input out
@@ -108,7 +105,7 @@ def solve_ridge(total: float, scatter: Matrix, l2: float, standardise: bool, out
 
 @kernel
 def gradient_step(
-    x: Vector, label: float, weight: float, step_size: float, intercept: bool, weights: Vector
+    x: Floats, label: float, weight: float, step_size: float, intercept: bool, weights: Floats
 ) -> None:
     """Move `weights` by one step of the weighted squared error's gradient.
 
@@ -133,7 +130,7 @@ def gradient_step(
 
 
 @kernel
-def standardised(x: Vector, total: float, means: Vector, scatter: Matrix) -> Vector:
+def standardised(x: Floats, total: float, means: Floats, scatter: Floats) -> Floats:
     """Return (x - mean) / sd by running moments, shape (G,); 0 for inputs that never varied."""
     out = np.zeros(x.shape[0])
     for i in range(x.shape[0]):

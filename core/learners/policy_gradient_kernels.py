@@ -4,11 +4,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from core.numerics.arrays import Floats
 from core.numerics.compiled import inner_kernel, kernel
-
-Floats = NDArray[np.float64]
 
 BASELINE, STEPS = range(2)
 """Places in `Memory.numbers`: running mean reward; decisions of the episode so far."""

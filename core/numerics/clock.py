@@ -5,6 +5,7 @@ from datetime import UTC, datetime
 from typing import Protocol
 
 NS_PER_S = 1_000_000_000
+S_PER_HOUR = 3600.0
 
 
 class Clock(Protocol):

@@ -43,21 +43,15 @@ def fixed_point_shifts(rows: NDArray[np.float64]) -> NDArray[np.int32]:
     return np.asarray(shifts, dtype=np.int32)
 
 
-def fixed_point(weights: ArrayLike) -> NDArray[np.int64]:
-    """Return the weights times 2**`fixed_point_shift(weights)`, rounded (half to even), at most 2**40.
+def exact_weights(weights: ArrayLike) -> NDArray[np.float64]:
+    """Return the weights rounded to multiples of 2**-`fixed_point_shift(weights)`, half to even.
 
     The factor is a power of two, so integers below 2**40 and sums of few binary fractions stay exact, and with
-    them the ties between actions.
+    them the ties between actions. A second rounding changes nothing.
 
     Args:
         weights: any shape, finite.
     """
-    values = np.asarray(weights, dtype=np.float64)
-    return np.rint(np.ldexp(values, fixed_point_shift(values))).astype(np.int64)
-
-
-def exact_weights(weights: ArrayLike) -> NDArray[np.float64]:
-    """Return the weights rounded to the grid of `fixed_point`; a second rounding changes nothing."""
     values = np.asarray(weights, dtype=np.float64)
     shift = fixed_point_shift(values)
     return np.ldexp(np.rint(np.ldexp(values, shift)), -shift)

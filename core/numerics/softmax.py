@@ -3,12 +3,9 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from core.numerics.arrays import Bools, Floats
 from core.numerics.compiled import inner_kernel, kernel
-
-Floats = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 _LN2_HIGH = 6.93147180369123816490e-01
 _LN2_LOW = 1.90821492927058770002e-10
@@ -29,7 +26,7 @@ def exponential(x: float) -> float:
 
 
 @kernel
-def softmax(logits: Floats, ruled_out: Mask, n: int, out: Floats) -> None:
+def softmax(logits: Floats, ruled_out: Bools, n: int, out: Floats) -> None:
     """Write the probabilities of n actions, shape (>= n,): 0 where ruled out; if all are, action 0 is certain."""
     highest = -math.inf
     for action in range(n):
@@ -49,7 +46,7 @@ def softmax(logits: Floats, ruled_out: Mask, n: int, out: Floats) -> None:
 
 @inner_kernel
 def _exponentials(
-    logits: Floats, ruled_out: Mask, highest: float, n: int, out: Floats, rests: Floats
+    logits: Floats, ruled_out: Bools, highest: float, n: int, out: Floats, rests: Floats
 ) -> None:
     """Write `exponential(logit - highest)` of each action that is not ruled out, 0 of the others.
 

@@ -5,11 +5,15 @@ experiment meets the same pieces, and trials pair by seed.
 """
 
 import zlib
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
+if TYPE_CHECKING:
+    # At run time only where a stream is opened: a protocol is read without arrays.
+    import numpy as np
 
 
-def stream(root_seed: int, *path: str | int) -> np.random.Generator:
+def stream(root_seed: int, *path: str | int) -> "np.random.Generator":
     """Return the Generator named by `path`.
 
     Args:
@@ -19,11 +23,28 @@ def stream(root_seed: int, *path: str | int) -> np.random.Generator:
     Returns:
         A PCG64DXSM Generator; equal arguments give equal streams, on any machine and in any process.
     """
+    import numpy as np
+
     return np.random.Generator(np.random.PCG64DXSM(np.random.SeedSequence(root_seed, spawn_key=_key(path))))
+
+
+def resumed(state: Mapping[str, Any]) -> "np.random.Generator":
+    """Return a Generator that goes on where a stream stood.
+
+    Args:
+        state: of its bit generator (`rng.bit_generator.state`).
+    """
+    import numpy as np
+
+    rng = np.random.Generator(np.random.PCG64DXSM(0))
+    rng.bit_generator.state = state
+    return rng
 
 
 def stream_seed(root_seed: int, *path: str | int) -> int:
     """Return a 63-bit seed for a counter-based stream (see `core.tetris.pieces`)."""
+    import numpy as np
+
     state = np.random.SeedSequence(root_seed, spawn_key=_key(path)).generate_state(1, np.uint64)
     return int(state[0]) >> 1
 

@@ -12,7 +12,7 @@ import msgspec
 from core.recording.joined import older_path
 from core.recording.reader import CHAIN_MARK, Recording, read_recording
 from core.recording.recorder import CHAIN_DIGITS, Chain
-from core.recording.schema import Resumes
+from core.recording.schema import End, Resumes, encode
 from core.recording.undo import as_recorded
 
 REMOVED = "(date removed)"
@@ -39,6 +39,9 @@ def publish_copy(recording: Recording, target: Path, *, resumes: Resumes | None 
     n_lines = 1 + len(recording.events) + recording.complete
     payloads = [line.rpartition(CHAIN_MARK)[0] + b"}" for line in lines[:n_lines]]
     payloads[0] = _without_dates(payloads[0], resumes)
+    if recording.signature:
+        # It was about the lines with their dates.
+        payloads[-1] = encode(End(events=len(recording.events)))
     chain = Chain()
     target.parent.mkdir(parents=True, exist_ok=True)
     with target.open("xb") as file:
@@ -87,7 +90,7 @@ def publish_folder(paths: list[Path], into: Path) -> list[tuple[Path, Path]]:
     copies = []
     published: dict[Path, tuple[str, str]] = {}
     for recording in recordings:
-        code = re.sub(r"[^\w-]", "_", recording.header.participant)
+        code = re.sub(r"[^\w-]", "_", recording.header.participant)[:40]
         numbers[code] = numbers.get(code, 0) + 1
         target = into / f"{code}-{numbers[code]}.jsonl"
         resumes = recording.header.resumes

@@ -15,6 +15,8 @@ from core.events import Event, Record
 FORMAT: Literal["arl-recording"] = "arl-recording"
 VERSION = 2
 """Version that is written. 1 is read, too (`core.recording.version_1`)."""
+FIRST_GAME = "tetris"
+"""The game of protocols that name none: recordings made before there was a second game do not."""
 
 
 class Resumes(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -71,6 +73,8 @@ class Header(Record, frozen=True, kw_only=True, omit_defaults=False, tag="header
             raise ValueError(
                 f"version {self.version} of the format; this program reads versions 1 to {VERSION}"
             )
+        if self.root_seed < 0:
+            raise ValueError(f"root_seed is >= 0, got {self.root_seed}")
 
 
 class End(Record, frozen=True, kw_only=True, tag="end"):
@@ -78,6 +82,8 @@ class End(Record, frozen=True, kw_only=True, tag="end"):
 
     events: int
     """Number of lines between the header and this one."""
+    signature: str = ""
+    """Ed25519 signature of all lines before, hex (`core.recording.signature`); "" where there is none."""
 
 
 Line = Header | Event | End

@@ -17,7 +17,7 @@ from core.events import (
     TimeGap,
 )
 from core.recording.reader import Recording
-from core.recording.schema import Header
+from core.recording.schema import FIRST_GAME, Header
 
 HAS_REASONS = 2
 """First version that tells a closed window, a signal and a full disk from a participant's stop."""
@@ -145,7 +145,7 @@ def summarise_recording(recording: Recording) -> RecordingSummary:
         games_finished=_finished(recording),
         games_begun=_count(recording, EpisodeStarted),
         games_planned=None if imported else _planned(protocol),
-        steps=_count(recording, StepTaken),
+        steps=_count(recording, StepTaken) + recording.steps_left_out,
         presses_counted=len(counted),
         presses_simulated=sum(press.source == "simulated" for press in counted),
         presses_taken_back=len(taken_back & presses.keys()),
@@ -170,7 +170,7 @@ def _count(recording: Recording, kind: type) -> int:
 def _game(protocol: Mapping[str, Any]) -> str:
     domain = protocol.get("domain")
     # Recordings made before there was a second game do not name theirs.
-    return str(domain.get("type", "tetris")) if isinstance(domain, Mapping) else "tetris"
+    return str(domain.get("type", FIRST_GAME)) if isinstance(domain, Mapping) else FIRST_GAME
 
 
 def _planned(protocol: Mapping[str, Any]) -> int | None:

@@ -1,13 +1,13 @@
 """In which sessions a setting has an effect: the one place where this is known.
 
-`USES` names every setting that has an effect in some sessions only; all others have one wherever their table
-is used. A setting without effect is refused when a protocol is read, or named before a session starts
+`uses` yields every setting that has an effect in some sessions only; all others have one wherever their table
+is used. What is particular to a game is said by its plugin (`core.plugins`). A setting without effect is refused when a protocol is read, or named before a session starts
 (`Use.refused`).
 """
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import msgspec
 
@@ -22,14 +22,12 @@ from core.combination.config import (
 from core.configuration.catalogue import settings_of
 from core.configuration.reading import Path, Problem, shown_path
 from core.feedback.delays import Delay, GammaDelay, UniformDelay
-from core.keepaway.pitch import KeepawayConfig
 from core.learners.cross_entropy_config import CrossEntropyConfig
 from core.learners.human_config import SgdModel
 from core.learners.policy_gradient_config import PolicyGradientConfig
 from core.learners.sarsa_config import SarsaConfig
-
-if TYPE_CHECKING:
-    from core.session.protocol import Protocol
+from core.plugins import GamePlugin, plugin_of, plugins
+from core.session.protocol import Protocol
 
 Mode = Literal["live", "simulated", "what-if"]
 """With a participant (`arl play`), simulated, or learned again from a recording (`arl replay`)."""
@@ -48,79 +46,81 @@ class Use:
     """Dotted paths; a table stands for all that is in it."""
     where: str
     """In which sessions, in words, after "has an effect"."""
-    when: "Callable[[Protocol, Mode], bool]"
+    when: Callable[[Protocol, Mode], bool]
     refused: bool = True
     """Without effect in all modes it is refused when a protocol is read; else named before the start."""
 
 
-def _live(protocol: "Protocol", mode: Mode) -> bool:
+def _live(protocol: Protocol, mode: Mode) -> bool:
     return mode == "live"
 
 
-def _simulated(protocol: "Protocol", mode: Mode) -> bool:
+def _simulated(protocol: Protocol, mode: Mode) -> bool:
     return mode == "simulated"
 
 
-def _on_screen(protocol: "Protocol", mode: Mode) -> bool:
+def _on_screen(protocol: Protocol, mode: Mode) -> bool:
     return mode != "what-if"
 
 
-def _draws_top_policies(protocol: "Protocol") -> bool:
+def _draws_top_policies(protocol: Protocol) -> bool:
     """Return whether what is watched is drawn from the top policies."""
     return protocol.session.watched == "top" and not isinstance(protocol.learner, SarsaConfig)
 
 
-def _trust_is_used(protocol: "Protocol") -> bool:
+def _trust_is_used(protocol: Protocol) -> bool:
     """Return whether w_h of bootstrap learning decides anything: a choice, or which policy is watched."""
     by_trust = isinstance(protocol.agent.scheme, Linear | Exponential)
     return by_trust or (protocol.agent.bootstrap.symmetric and _draws_top_policies(protocol))
 
 
-def _looks_back(protocol: "Protocol") -> bool:
+def _looks_back(protocol: Protocol) -> bool:
     return protocol.agent.bootstrap.trust.needs.window
 
 
-def _learner_counts(protocol: "Protocol") -> bool:
+def learner_counts(protocol: Protocol) -> bool:
     """Return whether the environment's learner has any say."""
     return not isinstance(protocol.agent.scheme, HumanOnly)
 
 
-def _chance_counts(protocol: "Protocol") -> bool:
+def _chance_counts(protocol: Protocol) -> bool:
     trust = protocol.agent.bootstrap.trust
     return isinstance(trust, Equation4) and trust.match == "chance-corrected"
 
 
-def _with_traces(protocol: "Protocol") -> bool:
+def _with_traces(protocol: Protocol) -> bool:
     return isinstance(protocol.learner, SarsaConfig) and protocol.learner.trace_decay > 0
 
 
-def _natural(protocol: "Protocol") -> bool:
+def _natural(protocol: Protocol) -> bool:
     return isinstance(protocol.learner, PolicyGradientConfig) and protocol.learner.natural
 
 
-def _environment_teaches(protocol: "Protocol") -> bool:
+def _environment_teaches(protocol: Protocol) -> bool:
     return not isinstance(protocol.agent.scheme, Coach) or protocol.agent.scheme.environment_too
 
 
-def _noisy_sight(protocol: "Protocol") -> bool:
-    return isinstance(protocol.domain, KeepawayConfig) and not protocol.domain.exact_state
-
-
-def _plays_unseen(protocol: "Protocol") -> bool:
+def _plays_unseen(protocol: Protocol) -> bool:
     session = protocol.session
     return session.unseen_before > 0 or (session.unseen_between > 0 and session.episodes > 1)
 
 
-USES: tuple[Use, ...] = (
-    Use(("screen.tick_ms",), "in Tetris only", lambda p, m: p.game == "tetris" and _on_screen(p, m)),
-    Use(("screen.speed",), "in Keepaway only", lambda p, m: p.game == "keepaway" and _on_screen(p, m)),
+FORMER_DEFAULTS: dict[str, object] = {"screen.tick_ms": 80}
+"""Defaults of version 0.1: its `arl protocol` wrote every setting, so files of that time hold them."""
+
+_IN_ANY_GAME: tuple[Use, ...] = (
     Use(
         ("screen.pause_between_episodes_s",),
         "where a session is shown or simulated",
         _on_screen,
         refused=False,
     ),
-    Use(("screen.palette",), "on a screen: in live sessions only", _live, refused=False),
+    Use(
+        ("screen.palette", "screen.count_down_s", "screen.mark_presses", "screen.show_weight"),
+        "on a screen: in live sessions only",
+        _live,
+        refused=False,
+    ),
     Use(
         ("keys.wrong_press_rate",),
         "in live sessions only (a simulated participant has trainer.deliberate_rate)",
@@ -184,18 +184,13 @@ USES: tuple[Use, ...] = (
     ),
     Use(
         ("agent.bootstrap.symmetric",),
-        'in Tetris with session.watched = "top": elsewhere no policy is drawn',
+        'with session.watched = "top" and a learner other than Sarsa: elsewhere no policy is drawn',
         lambda p, m: _draws_top_policies(p),
     ),
     Use(
         ("agent.bootstrap.window_decisions",),
         'with others, or a trust that looks back (measured = "window"; a chance-corrected match without chance)',
         lambda p, m: _looks_back(p) or bool(p.others),
-    ),
-    Use(
-        ("session.watched",),
-        "in Tetris only: the learner of Keepaway changes at every step, and no policy of it comes back",
-        lambda p, m: p.game == "tetris",
     ),
     Use(
         ("session.unseen_steps",),
@@ -211,16 +206,6 @@ USES: tuple[Use, ...] = (
     ),
     Use(("session.watched_steps",), "where a session is shown or simulated", _on_screen, refused=False),
     Use(
-        ("domain.clear_on_overflow", "domain.terminal_value"),
-        'with game_over = "overflow" only',
-        lambda p, m: getattr(p.domain, "game_over", "") == "overflow",
-    ),
-    Use(
-        ("domain.view_angle_deg", "domain.quantise", "domain.see_phases"),
-        "with exact_state = false only",
-        lambda p, m: _noisy_sight(p),
-    ),
-    Use(
         ("learner.replacing_traces", "learner.least_trace"),
         "with trace_decay > 0 only",
         lambda p, m: _with_traces(p),
@@ -229,9 +214,9 @@ USES: tuple[Use, ...] = (
         ("learner.fisher_rate", "learner.fisher_ridge"), "with natural = true only", lambda p, m: _natural(p)
     ),
     Use(
-        ("learner", "domain.features"),
+        ("learner",),
         "on what is done with every scheme but human-only, where the environment has no say",
-        lambda p, m: _learner_counts(p),
+        lambda p, m: learner_counts(p),
         refused=False,
     ),
     Use(
@@ -246,6 +231,30 @@ USES: tuple[Use, ...] = (
         lambda p, m: _environment_teaches(p),
     ),
 )
+
+
+def uses() -> Iterator[Use]:
+    """Yield every entry: those that go by the game, those of any game, those of each game's own table."""
+    games = tuple(plugins())
+    for path in dict.fromkeys(path for game in games for path in game.idle):
+        yield _by_game(path, games)
+    yield from _IN_ANY_GAME
+    for game in games:
+        own: tuple[Use, ...] = game.uses
+        yield from own
+
+
+def _by_game(path: str, games: Sequence[GamePlugin]) -> Use:
+    """Return the entry of a setting that has no effect in some games."""
+    having = [game.title for game in games if path not in game.idle]
+    where = f"in {' and '.join(having)} only" if having else "in no game"
+    reasons = [reason for game in games if (reason := game.idle.get(path))]
+    on_screen = path.startswith("screen.")
+    return Use(
+        (path,),
+        ": ".join([where, "; ".join(reasons)]) if reasons else where,
+        lambda p, m: path not in plugin_of(p).idle and (_on_screen(p, m) or not on_screen),
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -271,13 +280,13 @@ class Idle:
 
 def uses_of(path: str) -> Iterator[Use]:
     """Yield the entries that speak of a setting, or of a table that it is in."""
-    for use in USES:
+    for use in uses():
         if any(path == setting or path.startswith(f"{setting}.") for setting in use.settings):
             yield use
 
 
-def idle(protocol: "Protocol", default: "Protocol", modes: Sequence[Mode] = MODES) -> list[Idle]:
-    """Return the settings that differ from the defaults and have an effect in none of these modes.
+def idle(protocol: Protocol, default: Protocol, modes: Sequence[Mode] = MODES) -> list[Idle]:
+    """Return the settings that differ from the defaults, present and former, and have an effect in none of these modes.
 
     Args:
         protocol: any.
@@ -286,7 +295,10 @@ def idle(protocol: "Protocol", default: "Protocol", modes: Sequence[Mode] = MODE
     """
     found = []
     for path, value in changed(protocol, default):
-        for use in uses_of(".".join(map(str, path))):
+        name = ".".join(map(str, path))
+        if FORMER_DEFAULTS.get(name) == value:
+            continue
+        for use in uses_of(name):
             if not any(use.when(protocol, mode) for mode in modes):
                 found.append(Idle(path, value, use))
                 break
@@ -313,7 +325,7 @@ def changed(
             yield (*path, key), value
 
 
-def contradictions(protocol: "Protocol") -> Iterator[Problem]:
+def contradictions(protocol: Protocol) -> Iterator[Problem]:
     """Yield what nobody means though each value is in its range: for protocols that are about to be run."""
     agent, session = protocol.agent, protocol.session
     delays: list[tuple[Path, Delay]] = [
@@ -341,14 +353,7 @@ def contradictions(protocol: "Protocol") -> Iterator[Problem]:
             "infinity; make it smaller, or set standardise = true",
             model.step_size,
         )
-    for number, trainer in enumerate((protocol.trainer, *protocol.others)):
-        if trainer.knowledge == "myopic" and protocol.game == "keepaway":
-            where: Path = ("others", number - 1) if number else ("trainer",)
-            yield Problem(
-                (*where, "knowledge"),
-                "no participant of Keepaway is myopic (an option has no immediate effect): expert or lay",
-                "myopic",
-            )
+    yield from plugin_of(protocol).contradictions(protocol)
     low_ms, high_ms = protocol.keys.repeat_delay_ms
     if low_ms > high_ms:
         yield Problem(
@@ -375,7 +380,7 @@ def wrong_delay(delay: Delay) -> str:
     )
 
 
-def warnings_of(protocol: "Protocol") -> Iterator[str]:
+def warnings_of(protocol: Protocol) -> Iterator[str]:
     """Yield what an experimenter may not have meant, in sentences, for the start of a session."""
     session = protocol.session
     never_proposes = session.watched == "top" and session.unseen_between == 0 and session.episodes > 1

@@ -53,28 +53,6 @@ class DelayDistribution(Interface):
         ...
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class MeasuredDelays:
-    """The distribution of delays that were measured."""
-
-    delays_s: NDArray[np.float64]
-    """In seconds, each > 0, shape (n,) with n >= 1."""
-
-    def __post_init__(self) -> None:
-        if self.delays_s.ndim != 1 or len(self.delays_s) == 0 or not np.all(self.delays_s > 0):
-            raise ValueError("need at least one measured delay, each > 0 seconds")
-
-    def cdf(self, delay_s: ArrayLike) -> NDArray[np.float64]:
-        """Return the fraction of delays of at most `delay_s` seconds, element by element."""
-        ranks = np.searchsorted(np.sort(self.delays_s), np.asarray(delay_s, np.float64), side="right")
-        return np.asarray(ranks / len(self.delays_s), dtype=np.float64)
-
-    @property
-    def horizon_s(self) -> float:
-        """The longest delay, in seconds."""
-        return float(self.delays_s.max())
-
-
 @dataclass(frozen=True, slots=True)
 class Reach:
     """How well a session's pace suits a participant."""

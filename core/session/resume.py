@@ -1,6 +1,6 @@
 """A session that broke off goes on: what was recorded is run again and compared, then it goes on live."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 from core.events import CreditGiven, Input, Output
 from core.numerics.clock import Clock
@@ -21,8 +21,7 @@ class ResumedSession:
             session: a new one, built from the recording's protocol and root seed.
             kept: what the recording holds of it, at least one finished game.
         """
-        self.domain = session.domain
-        self.agent = session.agent
+        self._session = session
         self._kept = kept
         self._joint = _Joint(kept.inputs)
         self._outputs = session.run(self._joint, self._joint)
@@ -40,7 +39,13 @@ class ResumedSession:
                 self._joint.taken_before_next_output = len(self._kept.inputs)
             else:
                 self._joint.taken_before_next_output, self._joint.time_ns = timed.inputs, timed.time_ns
-            now = next(self._outputs, None)
+            try:
+                now = next(self._outputs, None)
+            except (ValueError, LookupError, ArithmeticError) as error:
+                raise ResumeError(
+                    f"{self._kept.path}: no session can go on from what was recorded: {type(error).__name__}: {error}. "
+                    "The file was changed after it was recorded, or another program wrote it"
+                ) from error
             if now is not None:
                 now = as_far_as_recorded(before, now)
             if now != before:
@@ -49,6 +54,15 @@ class ResumedSession:
                     f"{first_difference(number, before, now)}. Go on with the program that recorded it "
                     f"({self._kept.header.software.get('commit', 'its header names no commit')}), or begin anew"
                 )
+
+    @property
+    def before_unseen(self) -> Callable[[], None]:
+        """Called before each block of unseen episodes (`core.session.session.Session`)."""
+        return self._session.before_unseen
+
+    @before_unseen.setter
+    def before_unseen(self, call: Callable[[], None]) -> None:
+        self._session.before_unseen = call
 
     def run(self, feedback: FeedbackSource, clock: Clock) -> Iterator[Output]:
         """Yield the outputs after the recorded ones; to be called after `catch_up`."""
@@ -70,10 +84,12 @@ class _Joint(Recorded):
         self.taken_before_next_output = self._n_recorded
         self._live = feedback, clock
 
-    def during(self, step: int) -> Iterable[Input]:
-        """Return the inputs that are taken in now (`core.session.rollout.FeedbackSource`)."""
-        recorded = super().during(step)
-        return recorded if self._live is None else [*recorded, *self._live[0].during(step)]
+    def during(self, step: int) -> Iterator[Input]:
+        """Yield the inputs that are taken in now (`core.session.rollout.FeedbackSource`)."""
+        live = self._live
+        yield from super().during(step)
+        if live is not None:
+            yield from live[0].during(step)
 
     def now_ns(self) -> int:
         """Return the recorded time, or the live one (`core.numerics.clock.Clock`)."""

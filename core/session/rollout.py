@@ -4,13 +4,10 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
 from core.combination.agreement import Agreement
 from core.combination.sides import EpisodePolicy
 from core.combination.tally import AGREED, AGREED_WORST, Compared, EpisodeTally
-from core.domain import Choices, Domain
+from core.domain import Choices, Domain, Features
 from core.events import (
     CreditGiven,
     EpisodeEnded,
@@ -42,7 +39,7 @@ class Played:
     """What came of one episode: the agent learns from this, whether it was watched or not."""
 
     performance: float
-    """The domain's performance measure, >= 0."""
+    """The domain's performance measure (`Domain.performance`)."""
     steps: int
     agreed: int
     """Steps at which environment and human policy chose the same action."""
@@ -72,7 +69,7 @@ class FeedbackSource(Protocol):
 class Listener(Protocol):
     """What hears a participant: the part of an agent that inputs reach."""
 
-    def step_shown(self, step: int, features: NDArray[np.float64], time_ns: int) -> None:
+    def step_shown(self, step: int, features: Features, time_ns: int) -> None:
         """Note that a watched step with these feedback features, shape (G,), came on screen."""
         ...
 
@@ -135,7 +132,7 @@ class Agent(Listener, Protocol):
         ...
 
 
-class Audience:
+class FeedbackIntake:
     """Brings the inputs to whoever learns from them: which step was on screen when, and what the participant said of it.
 
     Keeps the feedback features of watched steps from when they are decided until their frame has been shown.
@@ -147,10 +144,10 @@ class Audience:
         self.stop_asked: StopAsked | None = None
         self._listener = listener
         self._feedback = feedback
-        self._features: dict[int, NDArray[np.float64]] = {}
+        self._features: dict[int, Features] = {}
         self._on_screen = -1
 
-    def expect(self, step: int, features: NDArray[np.float64]) -> None:
+    def expect(self, step: int, features: Features) -> None:
         """Announce a watched step whose frames may come; earlier ones than the last two are forgotten."""
         self._features[step] = features
         for old in [known for known in self._features if known < step - 1]:
@@ -172,7 +169,8 @@ class Audience:
                 self._listener.interrupted(last_ns)
                 self._on_screen = -1
             case KeyPressed(verdict="accepted", press=press, time_ns=time_ns, value=value, person=person):
-                assert value is not None, "an accepted press means something"
+                if value is None:
+                    raise ValueError(f"press {press} was accepted, and means nothing: its value is null")
                 yield self._listener.learn_from_press(press, time_ns, value, person)
             case PressRetracted(press=press):
                 self._listener.retract(press)
@@ -187,6 +185,8 @@ class Audience:
         if self._on_screen >= 0:
             self._listener.step_hidden(time_ns)
         if step >= 0:
+            if step not in self._features:
+                raise ValueError(f"step {step} is shown, which is none of the last two steps taken")
             self._listener.step_shown(step, self._features[step], time_ns)
         self._on_screen = step
 
@@ -206,7 +206,7 @@ class EpisodePlan:
 def play_episode(
     domain: Domain[Any],
     agent: Agent,
-    audience: Audience,
+    intake: FeedbackIntake,
     clock: Clock,
     plan: EpisodePlan,
 ) -> Iterator[Output]:
@@ -219,7 +219,7 @@ def play_episode(
     yield EpisodeStarted(
         episode=plan.policy.episode,
         time_ns=clock.now_ns(),
-        inputs=audience.inputs,
+        inputs=intake.inputs,
         episode_seed=plan.episode_seed,
         policy=plan.policy.policy_id,
         form=weights.form,
@@ -234,13 +234,13 @@ def play_episode(
     count = _Count()
     for step in _steps(domain, agent, plan.policy, state, first_watched=plan.first_step):
         number, decision = plan.first_step + count.steps, step.decision
-        audience.expect(number, step.choices.feedback_features[decision.action])
+        intake.expect(number, step.choices.feedback_features[decision.action])
         count.add(decision)
         yield StepTaken(
             episode=plan.policy.episode,
             step=number,
             time_ns=clock.now_ns(),
-            inputs=audience.inputs,
+            inputs=intake.inputs,
             action=decision.action,
             environment_action=decision.environment_action,
             human_action=decision.human_action,
@@ -248,16 +248,16 @@ def play_episode(
             reward=step.reward,
             state=domain.recorded_state(step.state),
         )
-        yield from audience.attend(number)
+        yield from intake.attend(number)
         state = step.following
-        if count.steps == plan.max_steps or audience.stop_asked is not None:
+        if count.steps == plan.max_steps or intake.stop_asked is not None:
             break
     played = count.played(domain, state)
     agent.learn_from_domain(plan.policy, played)
     yield EpisodeEnded(
         episode=plan.policy.episode,
         time_ns=clock.now_ns(),
-        inputs=audience.inputs,
+        inputs=intake.inputs,
         performance=played.performance,
         steps=played.steps,
         ended=played.ended,
@@ -265,9 +265,10 @@ def play_episode(
         agreed_worst=played.agreed_worst,
         trust=agent.trust,
         digest=agent.digest(),
+        time=played.time,
     )
     # Late presses on the last steps, made while the final picture was shown.
-    yield from audience.attend(-1)
+    yield from intake.attend(-1)
 
 
 def play_unseen(

@@ -3,7 +3,7 @@
 Everything that is not in its inputs follows from the protocol and the root seed, so a recording replays exactly.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 from core.combination.agent import ArlAgent, EpisodePolicy
@@ -13,11 +13,11 @@ from core.numerics.clock import Clock
 from core.numerics.streams import stream_seed
 from core.registry import Player, game_of
 from core.session.protocol import Protocol, SessionConfig
-from core.session.rollout import Agent, Audience, EpisodePlan, FeedbackSource, Played, play_episode
+from core.session.rollout import Agent, EpisodePlan, FeedbackIntake, FeedbackSource, Played, play_episode
 
 
 class Session:
-    """Runs the episodes of one sitting; a generator of outputs, fed through a `FeedbackSource`."""
+    """Runs the episodes of one session; a generator of outputs, fed through a `FeedbackSource`."""
 
     def __init__(
         self, domain: Domain[Any], agent: Agent, player: Player, config: SessionConfig, *, root_seed: int
@@ -28,6 +28,8 @@ class Session:
         self._player = player
         self._root_seed = root_seed
         self._next_step = 0
+        self.before_unseen: Callable[[], None] = lambda: None
+        """Called before each block of unseen episodes: whoever runs the session may wait there for compiled code."""
 
     def run(self, feedback: FeedbackSource, clock: Clock) -> Iterator[Output]:
         """Yield the session's outputs.
@@ -35,27 +37,27 @@ class Session:
         The consumer sets the pace: after a `StepTaken` it shows the step, after an `EpisodeEnded` the final
         board, and comes back for more when that has been on screen for long enough.
         """
-        audience = Audience(self.agent, feedback)
+        intake = FeedbackIntake(self.agent, feedback)
         for watched in range(self.config.episodes):
             unseen = self.config.unseen_between if watched else self.config.unseen_before
             if unseen:
-                yield self._play_unseen(unseen, audience, clock)
-                yield from audience.attend(-1)
-            if audience.stop_asked is None:
-                yield from self._play_watched(audience, clock)
-            if audience.stop_asked is not None:
+                yield self._play_unseen(unseen, intake, clock)
+                yield from intake.attend(-1)
+            if intake.stop_asked is None:
+                yield from self._play_watched(intake, clock)
+            if intake.stop_asked is not None:
                 break
         now_ns = clock.now_ns()
         self.agent.finish(now_ns)
         yield SessionEnded(
             time_ns=now_ns,
-            inputs=audience.inputs,
-            reason="finished" if audience.stop_asked is None else audience.stop_asked.reason,
+            inputs=intake.inputs,
+            reason="finished" if intake.stop_asked is None else intake.stop_asked.reason,
             weights=self.agent.export(),
             digest=self.agent.digest(),
         )
 
-    def _play_watched(self, audience: Audience, clock: Clock) -> Iterator[Output]:
+    def _play_watched(self, intake: FeedbackIntake, clock: Clock) -> Iterator[Output]:
         policy = self.agent.begin_episode(exploring=self.config.watched == "proposed", watched=True)
         plan = EpisodePlan(
             episode_seed=stream_seed(self._root_seed, "episode", policy.episode),
@@ -63,12 +65,13 @@ class Session:
             first_step=self._next_step,
             max_steps=self.config.watched_steps,
         )
-        for output in play_episode(self.domain, self.agent, audience, clock, plan):
+        for output in play_episode(self.domain, self.agent, intake, clock, plan):
             if isinstance(output, StepTaken):
                 self._next_step = output.step + 1
             yield output
 
-    def _play_unseen(self, count: int, audience: Audience, clock: Clock) -> UnseenPlayed:
+    def _play_unseen(self, count: int, intake: FeedbackIntake, clock: Clock) -> UnseenPlayed:
+        self.before_unseen()
         policies: list[EpisodePolicy] = []
         outcomes: list[Played] = []
         for _ in range(count):
@@ -81,7 +84,7 @@ class Session:
         return UnseenPlayed(
             first_episode=policies[0].episode,
             time_ns=clock.now_ns(),
-            inputs=audience.inputs,
+            inputs=intake.inputs,
             policies=[policy.policy_id for policy in policies],
             performances=[played.performance for played in outcomes],
             steps=[played.steps for played in outcomes],

@@ -10,13 +10,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import msgspec
-import numpy as np
-from numpy.typing import NDArray
 
 from core.combination.agent import ArlAgent, EpisodePolicy
 from core.combination.human_learner import HumanLearner
 from core.combination.tally import AGREED, AGREED_WORST, EpisodeTally
-from core.domain import Choices, Domain
+from core.domain import Choices, Domain, Features
 from core.events import (
     CreditGiven,
     EpisodeEnded,
@@ -32,9 +30,11 @@ from core.events import (
 from core.numerics.streams import stream_seed
 from core.recording.reader import Recording, RecordingError
 from core.registry import Player, game_of
-from core.session.protocol import Protocol, protocol_from
-from core.session.replay import Recorded
-from core.session.rollout import Audience, Played
+from core.session.inputs import check_inputs
+from core.session.protocol import Protocol
+from core.session.protocol_reading import protocol_from
+from core.session.replay import Recorded, naming_the_input
+from core.session.rollout import FeedbackIntake, Played
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,12 +43,12 @@ class WatchedStep:
 
     step: int
     choices: Choices
-    taken: NDArray[np.float64]
+    taken: Features
     """psi(s, a) of the action that was taken, shape (G,); NaN where the recording does not tell."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Heard:
+class HumanModelReplay:
     """What a human model has learned from a recording, without any environment."""
 
     human: HumanLearner
@@ -71,10 +71,15 @@ def watched_steps(recording: Recording, protocol: Protocol) -> dict[int, Watched
     """Return every watched step by its number, with the features that `protocol` asks for.
 
     Raises:
-        RecordingError: the protocol is about another game; or a step's state was not recorded, and the game plays
-            otherwise now than it did then.
+        RecordingError: the protocol is about another game; a step's state was not recorded, and the game plays
+            otherwise now than it did then; or an input cannot have happened where it stands.
     """
-    recorded = protocol_from(recording.header.protocol).game
+    try:
+        own = protocol_from(recording.header.protocol)
+    except ValueError as error:
+        raise RecordingError(f"{recording.path}:1: the protocol cannot be used: {error}") from error
+    check_inputs(recording, own.keys)
+    recorded = own.game
     if recorded != protocol.game:
         raise RecordingError(
             f"{recording.path}: a recording of {recorded}, and the protocol is about {protocol.game}"
@@ -103,16 +108,16 @@ def watched_steps(recording: Recording, protocol: Protocol) -> dict[int, Watched
             case StepTaken():
                 try:
                     steps[output.step] = WatchedStep(output.step, *game.recorded(domain, output))
-                except ValueError as error:
+                except (ValueError, LookupError, ArithmeticError) as error:
                     raise RecordingError(
-                        f"{recording.path}: {error}: is the protocol's game of another size?"
+                        f"{recording.path}: step {output.step}: {error}: is the protocol's game of another size?"
                     ) from error
     return steps
 
 
 def _could_be(taken: StepTaken, choices: Choices, domain: Domain[Any], state: Any) -> bool:
     """Return whether a recorded step can be one of these choices in this state."""
-    return taken.action < len(choices.ruled_out) and domain.detail(state, taken.action) == taken.detail
+    return 0 <= taken.action < len(choices.ruled_out) and domain.detail(state, taken.action) == taken.detail
 
 
 def relearn(
@@ -134,37 +139,38 @@ def relearn(
     agent = game.agent(protocol, root_seed)
     play = game.player(protocol, agent)
     source = Recorded(recording.inputs)
-    audience = Audience(agent, source)
+    intake = FeedbackIntake(agent, source)
     relearned = Relearned(agent)
     watched = _Watched(steps, game.time_at_end)
     imported = recording.header.origin == "imported"
     session = protocol.session
-    for output in recording.outputs:
-        if not isinstance(output, CreditGiven):
-            source.taken_before_next_output = output.inputs
-            relearned.credits.extend(audience.attend(-1))
-        match output:
-            case EpisodeStarted():
-                if imported:
-                    count = session.unseen_between if relearned.trust else session.unseen_before
-                    _play_unseen(agent, play, protocol, root_seed, count)
-                watched.begin(agent.begin_episode(exploring=session.watched == "proposed", watched=True))
-            case StepTaken():
-                watched.take(agent, audience, output)
-            case EpisodeEnded():
-                agent.learn_from_domain(watched.policy, watched.played(output))
-                relearned.trust.append(agent.trust)
-            case SessionEnded():
-                agent.finish(output.time_ns)
-            case UnseenPlayed():
-                _play_unseen(agent, play, protocol, root_seed, len(output.policies))
-    relearned.credits.extend(_attend_rest(audience, source, recording))
+    with naming_the_input(recording, source):
+        for output in recording.outputs:
+            if not isinstance(output, CreditGiven):
+                source.taken_before_next_output = output.inputs
+                relearned.credits.extend(intake.attend(-1))
+            match output:
+                case EpisodeStarted():
+                    if imported:
+                        count = session.unseen_between if relearned.trust else session.unseen_before
+                        _play_unseen(agent, play, protocol, root_seed, count)
+                    watched.begin(agent.begin_episode(exploring=session.watched == "proposed", watched=True))
+                case StepTaken():
+                    watched.take(agent, intake, output)
+                case EpisodeEnded():
+                    agent.learn_from_domain(watched.policy, watched.played(output))
+                    relearned.trust.append(agent.trust)
+                case SessionEnded():
+                    agent.finish(output.time_ns)
+                case UnseenPlayed():
+                    _play_unseen(agent, play, protocol, root_seed, len(output.policies))
+        relearned.credits.extend(_attend_rest(intake, source, recording))
     return relearned
 
 
-def hear(
+def replay_human_model(
     recording: Recording, protocol: Protocol, steps: dict[int, WatchedStep], *, count: Callable[[int], bool]
-) -> Heard:
+) -> HumanModelReplay:
     """Let only a human model live through a recording.
 
     Args:
@@ -176,18 +182,19 @@ def hear(
     human = game_of(protocol).listener(protocol)
     inputs = tuple(_countable(recording.inputs, count))
     source = Recorded(inputs)
-    audience = Audience(human, source)
+    intake = FeedbackIntake(human, source)
     credits: list[CreditGiven] = []
-    for output in recording.outputs:
-        if not isinstance(output, CreditGiven):
-            source.taken_before_next_output = output.inputs
-            credits.extend(audience.attend(-1))
-        if isinstance(output, StepTaken):
-            audience.expect(output.step, steps[output.step].taken)
-        elif isinstance(output, SessionEnded):
-            human.finish(output.time_ns)
-    credits.extend(_attend_rest(audience, source, recording))
-    return Heard(human, credits)
+    with naming_the_input(recording, source):
+        for output in recording.outputs:
+            if not isinstance(output, CreditGiven):
+                source.taken_before_next_output = output.inputs
+                credits.extend(intake.attend(-1))
+            if isinstance(output, StepTaken):
+                intake.expect(output.step, steps[output.step].taken)
+            elif isinstance(output, SessionEnded):
+                human.finish(output.time_ns)
+        credits.extend(_attend_rest(intake, source, recording))
+    return HumanModelReplay(human, credits)
 
 
 class _Watched:
@@ -202,7 +209,8 @@ class _Watched:
 
     @property
     def policy(self) -> EpisodePolicy:
-        assert self._policy is not None, "an episode ends after it has started"
+        if self._policy is None:
+            raise ValueError("a step or an end of an episode that has not started")
         return self._policy
 
     def begin(self, policy: EpisodePolicy) -> None:
@@ -210,11 +218,11 @@ class _Watched:
         self._taken = 0
         self._tally = EpisodeTally()
 
-    def take(self, agent: ArlAgent, audience: Audience, output: StepTaken) -> None:
+    def take(self, agent: ArlAgent, intake: FeedbackIntake, output: StepTaken) -> None:
         watched = self._steps[output.step]
         self._tally.add(agent.choose(watched.choices, self.policy, step=self._taken))
         agent.learn_from_step(watched.choices, output.action, output.reward, watched_step=output.step)
-        audience.expect(output.step, watched.taken)
+        intake.expect(output.step, watched.taken)
         self._taken += 1
 
     def played(self, output: EpisodeEnded) -> Played:
@@ -224,7 +232,7 @@ class _Watched:
             int(self._tally.counts[AGREED]),
             int(self._tally.counts[AGREED_WORST]),
             output.ended,
-            self._time_at_end(output),
+            output.time if output.time is not None else self._time_at_end(output),
             self._tally.agreement,
             self._tally.with_each,
         )
@@ -248,9 +256,9 @@ def _play_unseen(agent: ArlAgent, play: Player, protocol: Protocol, root_seed: i
         agent.learn_from_domain(policy, play(policy, seed, protocol.session.unseen_steps))
 
 
-def _attend_rest(audience: Audience, source: Recorded, recording: Recording) -> Iterator[CreditGiven]:
+def _attend_rest(intake: FeedbackIntake, source: Recorded, recording: Recording) -> Iterator[CreditGiven]:
     """Take in what came after the last output of a session that was cut off; a closed one has heard everything."""
     if recording.outputs and isinstance(recording.outputs[-1], SessionEnded):
         return
     source.taken_before_next_output = len(recording.inputs)
-    yield from audience.attend(-1)
+    yield from intake.attend(-1)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.combination.preference import best_action
+from core.numerics.arrays import Floats, Ints
 from core.numerics.compiled import kernel
 from core.tetris.board import (
     COLUMNS,
@@ -16,7 +17,6 @@ from core.tetris.board import (
     OVERFLOW,
     ROWS,
     SEVEN_BAG,
-    Ints,
     fill_heights,
     mark_ruled_out,
     new_work,
@@ -29,7 +29,6 @@ from core.tetris.board import (
 )
 from core.tetris.config import MAX_COLUMNS, TetrisConfig
 from core.tetris.evaluation import (
-    Floats,
     empty_policy,
     fill_sums,
     fill_values_21,
@@ -105,15 +104,6 @@ class GreedyGames:
             self.boards,
             self._counters,
         )
-
-
-def play_greedy(
-    weights: NDArray[np.float64], seeds: ArrayLike, config: TetrisConfig, piece_cap: ArrayLike = PIECE_LIMIT
-) -> GreedyGames:
-    """Play games to their end or to `piece_cap` pieces; arguments as in `GreedyGames`."""
-    games = GreedyGames(weights, seeds, config)
-    games.advance(piece_cap)
-    return games
 
 
 @kernel

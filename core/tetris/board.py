@@ -8,9 +8,9 @@ All kernels run as plain Python too: no product here exceeds 63 bits.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
-from core.numerics.compiled import JIT_DISABLED, kernel
+from core.numerics.arrays import Bools, Ints
+from core.numerics.compiled import kernel, kernel_with_twin
 from core.tetris.config import TetrisConfig
 from core.tetris.pieces import (
     FIRST_SHAPE,
@@ -24,9 +24,6 @@ from core.tetris.pieces import (
     SHAPE_WIDTHS,
     splitmix64,
 )
-
-Ints = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 MAX_PLACEMENTS = 64
 """No piece has more placements on 16 columns (J, L, T: 58)."""
@@ -90,7 +87,7 @@ def _splitmix64_high_in_python(seed: int, k: int) -> int:
 
 
 # uint64 arithmetic wraps when compiled, but warns as numpy scalars: plain Python takes the plain function.
-draw_32 = _splitmix64_high_in_python if JIT_DISABLED else kernel(_splitmix64_high)
+draw_32 = kernel_with_twin(_splitmix64_high, _splitmix64_high_in_python)
 
 
 @kernel
@@ -273,7 +270,7 @@ def eroded_cells(shape: int, row: int, full: int) -> int:
 
 
 @kernel
-def mark_above(work: Ints, rules: Ints, n: int, above: Mask) -> int:
+def mark_above(work: Ints, rules: Ints, n: int, above: Bools) -> int:
     """Mark the placements that end above the top; return how many there are.
 
     Where a piece must fit that is before full rows are removed (the placement is not allowed), else after (the
@@ -291,7 +288,7 @@ def mark_above(work: Ints, rules: Ints, n: int, above: Mask) -> int:
 
 
 @kernel
-def allow_all(ruled_out: Mask, n: int) -> int:
+def allow_all(ruled_out: Bools, n: int) -> int:
     """Rule out none of the first n placements; return n."""
     for action in range(n):
         ruled_out[action] = False
@@ -299,7 +296,7 @@ def allow_all(ruled_out: Mask, n: int) -> int:
 
 
 @kernel
-def mark_ruled_out(work: Ints, rules: Ints, n: int, ruled_out: Mask) -> int:
+def mark_ruled_out(work: Ints, rules: Ints, n: int, ruled_out: Bools) -> int:
     """Mark the placements that are not allowed or have a value of minus infinity; return how many remain."""
     if rules[TERMINAL_BY_FEATURES] != 0:
         return allow_all(ruled_out, n)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from core.combination.config import ENVIRONMENT_WEIGHTS, EpisodeWeights
 from core.combination.preference import best_action, choose, takes_control, worst_action
 from core.combination.tally import Tally, count_decision
+from core.numerics.arrays import Floats, Ints
 from core.numerics.compiled import kernel
 from core.tetris.autoplay import best_of, worst_of
 from core.tetris.board import (
@@ -18,7 +19,6 @@ from core.tetris.board import (
     OVERFLOW,
     ROWS,
     SEVEN_BAG,
-    Ints,
     allow_all,
     fill_heights,
     mark_ruled_out,
@@ -30,7 +30,6 @@ from core.tetris.board import (
 )
 from core.tetris.config import MAX_COLUMNS, TetrisConfig
 from core.tetris.evaluation import (
-    Floats,
     fill_sums,
     fill_values_21,
     fill_values_any,

@@ -68,11 +68,6 @@ class Evaluation:
             )
         return float(self.lines.sum() / ended)
 
-    @property
-    def standard_error(self) -> float:
-        """Standard error of `mean_lines` for exponential lengths: mean / sqrt(games that ended)."""
-        return self.mean_lines / float(np.sqrt(self.finished.sum()))
-
 
 def run_iteration(
     search: CrossEntropy,

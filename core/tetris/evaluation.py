@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from core.numerics.arrays import Floats, Ints
 from core.numerics.compiled import kernel
 from core.numerics.fixed_point import fixed_point_shifts
 from core.tetris.board import (
@@ -26,7 +27,6 @@ from core.tetris.board import (
     VALUE_LEFT,
     VALUE_RIGHT,
     WORK_WIDTH,
-    Ints,
     cell_count,
     count_holes,
     height_of,
@@ -53,8 +53,6 @@ from core.tetris.pieces import (
     SHAPE_TOPS,
     SHAPE_WIDTHS,
 )
-
-Floats = NDArray[np.float64]
 
 # Rows of a policy's table of integers. For the 21 features, where [shape, c] is a shape with leftmost column c:
 WEIGHTS, EDGES = 0, 1

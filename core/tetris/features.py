@@ -11,6 +11,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from core.numerics.arrays import Ints
 from core.numerics.compiled import kernel
 from core.tetris.board import (
     AFTER,
@@ -20,7 +21,6 @@ from core.tetris.board import (
     ROW,
     ROWS,
     SHAPE,
-    Ints,
     cell_count,
     count_holes,
     eroded_cells,

@@ -43,7 +43,7 @@ class KeptGame(ABC):
         """
         if config.lines_in_value:
             raise ValueError(
-                "lines_in_value is for given policies only: play_greedy; here values come from features"
+                "lines_in_value is for given policies only (core.tetris.autoplay); here values come from features"
             )
         self._config = config
         self._combination = combination

@@ -5,6 +5,7 @@ Everything here is immutable and made of plain numbers and bytes, so that it can
 
 import msgspec
 
+from core.plugins import View
 from core.tetris.game import (
     Board,
     FallingPiece,
@@ -37,13 +38,6 @@ class Wall(msgspec.Struct, frozen=True, array_like=True):
     columns: int
     levels: tuple[bytes, ...] = ()
     """Rows from the bottom, one byte per cell (codes above); rows that are not listed are empty."""
-
-    @classmethod
-    def of_board(cls, board: Board, rows: int) -> "Wall":
-        """Return a wall whose pieces nobody knows."""
-        height = max(bits.bit_length() for bits in board)
-        levels = tuple(bytes(UNKNOWN * (bits >> row & 1) for bits in board) for row in range(height))
-        return cls(rows=rows, columns=len(board), levels=levels)
 
     @property
     def board(self) -> Board:
@@ -82,7 +76,7 @@ class Counts(msgspec.Struct, frozen=True, kw_only=True, array_like=True):
     """Id of the piece after the falling one; -1 where it is not shown."""
 
 
-class Snapshot(msgspec.Struct, frozen=True, kw_only=True, array_like=True, tag="tetris"):
+class Snapshot(msgspec.Struct, View, frozen=True, kw_only=True, array_like=True, tag="tetris"):
     """One picture of a game."""
 
     rows: int

@@ -16,6 +16,7 @@ from core.combination.tally import Tally, compare_choices
 from core.learners.linear import action_values
 from core.learners.policy_gradient import PolicyGradient
 from core.learners.policy_gradient_kernels import Memory, fill_score, learn_from_reward, remember_score
+from core.numerics.arrays import Floats, Ints
 from core.numerics.compiled import inner_kernel, kernel
 from core.numerics.counters import uniform_at
 from core.numerics.softmax import drawn, softmax
@@ -34,7 +35,6 @@ from core.tetris.board import (
     ROWS,
     SEVEN_BAG,
     SHAPE,
-    Ints,
     allow_all,
     fill_heights,
     mark_ruled_out,
@@ -46,7 +46,7 @@ from core.tetris.board import (
 )
 from core.tetris.combined import place_among_offered
 from core.tetris.config import MAX_COLUMNS, TetrisConfig
-from core.tetris.evaluation import Floats, fill_values
+from core.tetris.evaluation import fill_values
 from core.tetris.features import BERTSEKAS_21, feature_set, fill_after, fill_bertsekas
 from core.tetris.kept_game import FINISHED, LINES, PIECES, KeptGame
 from core.tetris.pieces import MAX_SHAPE_SIZE, SHAPE_TOPS, SHAPE_WIDTHS

@@ -14,9 +14,9 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.feedback.delays import Density, GammaDelay, UniformDelay
+from core.numerics.arrays import Floats
 from core.numerics.clock import NS_PER_S
 from studies.evaluations.table import EvaluationColumns, read_evaluations
 from studies.reaction_time.exclusion import SLOW_ABOVE_S, ExclusionPolicy, select
@@ -25,7 +25,6 @@ from studies.reaction_time.read import read_rows
 from studies.reaction_time.results import DATA_SETS
 from studies.reaction_time.sample import Sample, sample
 
-Array = NDArray[np.float64]
 STEPS_S = (0.5, 1.0, 2.0)
 """Lengths of steps for which credit is measured: seconds."""
 FEWEST = 20
@@ -44,9 +43,9 @@ class Delays:
     source: str
     licence: str
     slow_above_s: float
-    times_s: dict[str, Array]
+    times_s: dict[str, Floats]
     """Person to delays, seconds, shape (n,), in the order of the file."""
-    values: dict[str, Array]
+    values: dict[str, Floats]
     """Person to the values given with them, shape (n,); empty where nothing was evaluated."""
     left_out: int
     """Rows that the task's limits leave out, and rows without a time."""
@@ -57,7 +56,7 @@ class Delays:
         return {name: sample(times) for name, times in self.times_s.items()}
 
     @cached_property
-    def together(self) -> Array:
+    def together(self) -> Floats:
         """All delays, shape (n,)."""
         return np.concatenate(list(self.times_s.values()))
 
@@ -72,11 +71,11 @@ class Delays:
         return {name: fit_all(one) for name, one in self.samples.items()}
 
     @cached_property
-    def medians(self) -> Array:
+    def medians(self) -> Floats:
         """Each person's median delay, seconds, shape (people,)."""
         return np.array([np.median(times) for times in self.times_s.values()])
 
-    def shapes(self, family: str) -> Array:
+    def shapes(self, family: str) -> Floats:
         """Return each person's shape in one of the gammas, shape (people,)."""
         return np.array([fit_of(fits, family).parameters["shape"] for fits in self.fits.values()])
 
@@ -127,8 +126,8 @@ def evaluations(folder: Path) -> Delays:
     columns = EvaluationColumns(participant="participant", time="stamp_unix_s", by=("set",))
     table = read_evaluations(folder / "evaluation_delays" / "charm.csv", columns)
     least_s, slow_above_s = ExclusionPolicy().anticipation_below_s, SLOW_ABOVE_S["evaluation"]
-    times: dict[str, Array] = {}
-    values: dict[str, Array] = {}
+    times: dict[str, Floats] = {}
+    values: dict[str, Floats] = {}
     n = 0
     for key, session in table.sessions.items():
         n += len(session)
@@ -220,7 +219,7 @@ class CreditOnTarget:
     """How much credit of a rule reaches the step that was judged."""
 
     rule: str
-    share: dict[float, Array]
+    share: dict[float, Floats]
     """Length of steps in seconds to each person's mean share, shape (people,), in [0, 1]."""
 
 
@@ -256,7 +255,7 @@ def _of_person(delays: Delays, name: str, moments: Sequence[float]) -> dict[str,
         "TAMER: uniform(0.2, 0.8)": UniformDelay(),
         "one gamma of all others": common,
     }
-    per_rule: dict[str, list[tuple[Array, Density]]] = {
+    per_rule: dict[str, list[tuple[Floats, Density]]] = {
         rule: [(times, density)] for rule, density in fixed.items()
     }
     ratios = _ratios(delays, others) if values is not None else {}
@@ -283,7 +282,7 @@ def _of_person(delays: Delays, name: str, moments: Sequence[float]) -> dict[str,
     }
 
 
-def _gamma(times: Array) -> GammaDelay:
+def _gamma(times: Floats) -> GammaDelay:
     p = fit_family(GAMMA, sample(times)).parameters
     return GammaDelay(shape=p["shape"], scale_s=p["scale_s"])
 
@@ -295,7 +294,7 @@ def _ratios(delays: Delays, people: Sequence[str]) -> Mapping[float, float]:
     return {float(size): float(times[sizes == size].mean() / times.mean()) for size in np.unique(sizes)}
 
 
-def _share(parts: Sequence[tuple[Array, Density]], step_s: float, moments: Sequence[float]) -> float:
+def _share(parts: Sequence[tuple[Floats, Density]], step_s: float, moments: Sequence[float]) -> float:
     """Return the mean credit of the judged step over presses and moments."""
     shares = []
     for times, density in parts:

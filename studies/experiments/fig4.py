@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
 from core.feedback.delays import GammaDelay
+from core.numerics.arrays import Floats
 from core.numerics.streams import stream
 from studies.experiments import page
 from studies.experiments.page import Page
@@ -22,7 +22,6 @@ from studies.reaction_time.sample import Sample
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Floats = NDArray[np.float64]
 
 PAPER = GammaDelay()
 """gamma(2.5, 0.3), read as shape and scale in seconds."""
@@ -142,6 +141,10 @@ def report(results: Results) -> Page:
     )
     text = f"""\
 # {results.experiment.title}
+
+**In short.** The paper's gamma(2.5, 0.3) has its mean at {mean_s:.2f} s and its mode at {mode_s:.2f} s, not at 0.5 s. It can be
+estimated from reaction times: {at_40:.0f} % of the credit is misplaced after 40 trials, {at_640:.0f} % after 640. Real reaction times are
+described better by other families.
 
 {claims}
 ![Densities](../figures/fig4.png)

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.combination.config import Scheme
 from core.combination.schedule import EpisodesSoFar, next_episode
+from core.numerics.arrays import Floats
 from studies.experiments import page
 from studies.experiments.keepaway_trial import mean_by_time
 from studies.experiments.page import Page
@@ -18,7 +18,6 @@ from studies.experiments.results import Results
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Floats = NDArray[np.float64]
 Claim = tuple[str, str, str]
 """(better condition, worse condition, in words)."""
 

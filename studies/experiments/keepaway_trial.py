@@ -2,17 +2,15 @@
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
 from core.feedback.delays import Density, GammaDelay
 from core.feedback.trainers import draw_delay_s
 from core.keepaway.arl_autoplay import ArlAutoplay, ArlKeepawayConfig
+from core.numerics.arrays import Floats
+from core.numerics.clock import S_PER_HOUR
 from core.numerics.streams import stream
 from studies.reaction_time.families import SHIFTED_GAMMA, fit_family
 from studies.reaction_time.sample import sample
-
-SECONDS_PER_HOUR = 3600.0
-Floats = NDArray[np.float64]
 
 
 class KeepawayTrial(msgspec.Struct, frozen=True, kw_only=True):
@@ -49,12 +47,12 @@ def run_trial(settings: KeepawayTrial, root_seed: int) -> dict[str, Floats]:
         (trust during the episode; `keepaway_pages.weights_used` gives the weight in use), whether the ball went out (1) or was taken (0).
     """
     game = ArlAutoplay(_calibrated(settings, root_seed), root_seed, "keepaway trial")
-    limit_s, played_s = settings.hours * SECONDS_PER_HOUR, 0.0
+    limit_s, played_s = settings.hours * S_PER_HOUR, 0.0
     rows: list[tuple[float, ...]] = []
     while played_s < limit_s:
         episode = game.play_episode()
         played_s += episode.duration_s
-        hours = played_s / SECONDS_PER_HOUR
+        hours = played_s / S_PER_HOUR
         rows.append((episode.duration_s, hours, episode.accepted, episode.trust, episode.out))
     table = np.array(rows, np.float64)
     return dict(zip(("seconds", "hours", "presses", "w_h", "out"), table.T, strict=True))

@@ -1,6 +1,6 @@
 """Robustness: how wrong may a person be, and when should an agent listen? Trust rules against rates of wrong presses."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 import msgspec
 
@@ -9,13 +9,7 @@ from core.combination.config import (
     Annealed,
     Constant,
     EnvironmentOnly,
-    Equation4,
-    Equation5,
-    RankCorrelation,
     Scheme,
-    Signed,
-    Tried,
-    TrustRule,
 )
 from core.feedback.config import TrainerConfig
 from core.feedback.simulated_participants import person
@@ -23,39 +17,20 @@ from core.session.protocol import Protocol
 from studies.experiments.fig6 import gradient_trial, quick_gradient
 from studies.experiments.page import Page
 from studies.experiments.results import Results
+from studies.experiments.robustness_settings import (
+    ENVIRONMENT,
+    FRESH,
+    FRESH_ENVIRONMENT,
+    GRADIENT,
+    MARGIN,
+    PEOPLE,
+    RATES,
+    RULE,
+    TRUST,
+)
 from studies.experiments.sweep import Condition, Experiment, Rows
 from studies.experiments.tetris_settings import DEPARTURES, PERSON, quick, session, tetris_agent
 from studies.experiments.tetris_trial import GradientTrial, run_gradient_trial, run_trial
-
-RATES = (0, 10, 30, 50, 80, 100)
-"""Wrong presses, per cent."""
-RULE = Signed(margin=0.1)
-"""The rule under test. Its constants were found on root seeds from 900000 on, and written down before any trial that the goal is
-judged by was played (`docs/decisions/margin-of-agreement.md`)."""
-
-FRESH = 1000
-"""What is added to the root seeds of the trials that the goal is judged by. Their first twenty, 0 to 19, had been looked at
-under other rules when this one was fixed."""
-
-TRUST: dict[str, tuple[str, TrustRule]] = {
-    "tried": ("trust by trial", Tried()),
-    "signed": ("signed agreement", Signed()),
-    "eq4": ("Eq. 4", Equation4()),
-    "eq5": ("Eq. 5", Equation5()),
-    "chance": ("chance-corrected", Equation4(match="chance-corrected", chance=0.15)),
-    "rank": ("rank correlation", RankCorrelation()),
-    "rank-signed": ("signed rank correlation", RankCorrelation(signed=True)),
-}
-"""Rules of trust by name: (label, rule). 0.15 is the agreement of unrelated policies (`docs/decisions/degree-of-match.md`)."""
-MARGIN = "margin"
-"""Name of the rule under test in conditions."""
-
-PEOPLE = ("lay", "myopic", "hesitant", "instructed", "bursty", "hasty", "slow", "tiring", "leaves")
-"""Simulated people by name (`core.feedback.simulated_participants`) whom the rule meets beside the rates, which are the other four."""
-
-ENVIRONMENT = "environment"
-FRESH_ENVIRONMENT = "fresh-environment"
-GRADIENT = "gradient"
 
 
 class FreshTrial(msgspec.Struct, frozen=True):
@@ -144,12 +119,6 @@ EXPERIMENT = Experiment(
     quick=quick_any,
     departures=DEPARTURES,
 )
-
-
-def by_rate(rule: str, names: Mapping[str, object]) -> dict[int, str]:
-    """Return the conditions of a rule that are among `names`, by rate in per cent."""
-    found = {rate: f"{rule}-{rate:03d}" for rate in RATES}
-    return {rate: name for rate, name in found.items() if name in names}
 
 
 def report(results: Results) -> Page:

@@ -4,15 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-import numpy as np
-from numpy.typing import NDArray
-
+from core.numerics.arrays import Floats
 from studies.comparison import Verdict
 from studies.experiments import page
 from studies.experiments.page import Page
-from studies.experiments.rates import AtRate, ByRule, rates_figure, ratios_table, summary, weights_table
+from studies.experiments.rates import (
+    AtRate,
+    ByRule,
+    in_short,
+    rates_figure,
+    ratios_table,
+    summary,
+    weights_table,
+)
 from studies.experiments.results import Results
-from studies.experiments.robustness import (
+from studies.experiments.robustness_settings import (
     ENVIRONMENT,
     FRESH,
     FRESH_ENVIRONMENT,
@@ -24,8 +30,6 @@ from studies.experiments.robustness import (
     by_rate,
 )
 from studies.experiments.tetris_pages import SCORE, same_trials
-
-Floats = NDArray[np.float64]
 
 RULES: dict[str, str] = {
     MARGIN: "signed agreement with a margin (ours)",
@@ -82,6 +86,7 @@ def robustness_page(results: Results) -> Page:
     text = f"""\
 # {results.experiment.title}
 
+{in_short(by_rule, RULES[MARGIN], "the environment alone")}
 A person presses the wrong key in 0 to 100 % of the cases: from a perfect judge by way of pure noise (50 %) to a perfect adversary. Scores
 are {SCORE}; ratios are to the environment alone, the same learner without a person, over {len(results.seeds)} paired trials. ({shared})
 

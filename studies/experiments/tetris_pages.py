@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from core.numerics.arrays import Floats
 from studies.comparison import Verdict
 from studies.experiments import page
 from studies.experiments.page import Page
@@ -17,7 +17,6 @@ from studies.experiments.tetris_settings import EPISODES_PER_ITERATION, PIECE_CA
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Floats = NDArray[np.float64]
 
 CLAIM = "the paper's claim (section 4)"
 SCORE = "lines per episode, over the whole trial"

@@ -9,7 +9,6 @@ import csv
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +26,6 @@ from core.tetris.config import TetrisConfig
 from core.tetris.cross_entropy_runner import evaluate, run_iteration
 from studies.pools import processes
 
-NoiseName = Literal["none", "constant", "linear"]
 NOISES: dict[str, Noise] = {
     "none": NoNoise(),
     "constant": ConstantNoise(4.0),

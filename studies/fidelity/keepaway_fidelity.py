@@ -11,7 +11,6 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import stats
 
 from core.keepaway.autoplay import Autoplay
@@ -19,12 +18,13 @@ from core.keepaway.pitch import BALL_DECAY, CYCLE_S, KICK, KICK_DISTANCE, KIND, 
 from core.keepaway.simulator.game import step_cycle
 from core.keepaway.simulator.match import start_episode
 from core.keepaway.simulator.policies import POLICIES
+from core.numerics.arrays import Bools, Floats
 from core.numerics.compiled import specialised
 
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 RELEASE_SPEED = 0.7
 """Speed, metres per cycle, above which a ball that leaves a keeper's reach counts as passed."""
+TOLERANCE = 0.10
+"""Targets: of means and fine statistics relative, of the K-S distance and the part that ends outside absolute."""
 TRACED_EPISODES = 4000
 """So many that what is left of a difference is the reference's own sampling error (300 logged episodes)."""
 FINE_NAMES = ("passes per episode", "release speed", "flight cycles", "first kick cycle")
@@ -258,27 +258,37 @@ def compare_fine(
 
 
 def table_row(comparison: Comparison) -> tuple[str, ...]:
-    """Return one row under TABLE_HEAD."""
+    """Return one row under TABLE_HEAD; bold where a target is missed."""
     ours, reference = comparison.ours, comparison.reference
+    relative = comparison.relative_difference
+    missed = abs(relative) >= TOLERANCE and abs(comparison.standard_errors) >= 2
     return (
         comparison.setting.name,
         comparison.setting.policy,
         f"{len(ours.seconds)} / {len(reference.seconds)}",
         f"{ours.seconds.mean():.2f} / {reference.seconds.mean():.2f}",
-        f"{100 * comparison.relative_difference:+.1f} %",
+        _bold_if(missed, f"{100 * relative:+.1f} %"),
         f"{comparison.standard_errors:+.1f}",
-        f"{comparison.ks_distance:.3f}",
-        f"{ours.out.mean():.2f} / {reference.out.mean():.2f}",
+        _bold_if(comparison.ks_distance >= TOLERANCE, f"{comparison.ks_distance:.3f}"),
+        _bold_if(
+            abs(comparison.out_difference) >= TOLERANCE,
+            f"{ours.out.mean():.2f} / {reference.out.mean():.2f}",
+        ),
     )
 
 
 def fine_row(setting: Setting, ours: dict[str, float], reference: dict[str, float]) -> tuple[str, ...]:
-    """Return one row of fine statistics, under setting, policy and FINE_NAMES."""
-    cells = (
-        f"{ours[name]:.2f} / {reference[name]:.2f} ({100 * (ours[name] / reference[name] - 1):+.0f} %)"
-        for name in FINE_NAMES
-    )
+    """Return one row of fine statistics, under setting, policy and FINE_NAMES; bold where missed."""
+    cells = []
+    for name in FINE_NAMES:
+        relative = ours[name] / reference[name] - 1
+        difference = _bold_if(abs(relative) > TOLERANCE, f"({100 * relative:+.0f} %)")
+        cells.append(f"{ours[name]:.2f} / {reference[name]:.2f} {difference}")
     return (setting.name, setting.policy, *cells)
+
+
+def _bold_if(missed: bool, text: str) -> str:
+    return f"**{text}**" if missed else text
 
 
 def write_figure(comparison: Comparison, path: Path) -> None:
@@ -308,9 +318,3 @@ def write_figure(comparison: Comparison, path: Path) -> None:
     )
     axes.legend(loc="lower right", frameon=False)
     figure.savefig(path, dpi=110)
-
-
-def markdown_table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
-    """Return a Markdown table."""
-    lines = ["| " + " | ".join(row) + " |" for row in (head, ("---",) * len(head), *rows)]
-    return "\n".join(lines) + "\n"

@@ -8,7 +8,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.keepaway.pitch import (
     ANGLE,
@@ -26,10 +25,10 @@ from core.keepaway.pitch import (
 )
 from core.keepaway.simulator.motion import RADIANS, direction_deg, wrap_deg
 from core.keepaway.simulator.prediction import own_kick_rate
+from core.numerics.arrays import Floats
 from studies.fidelity.keepaway_fidelity import Setting
 from studies.fidelity.keepaway_rollouts import JUMP_M, LoggedEpisode, follow
 
-Floats = NDArray[np.float64]
 ROUNDING_M = 0.02
 """What the log's own rounding of places and directions can move a ball by."""
 CLEAR_M = 0.01

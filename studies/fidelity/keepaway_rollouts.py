@@ -20,10 +20,10 @@ from core.keepaway.pitch import KICK_DISTANCE, ONGOING
 from core.keepaway.simulator.game import step_cycle
 from core.keepaway.simulator.match import CLOCK, END, TAKE_COUNT, Match, referee, start_episode
 from core.keepaway.simulator.policies import POLICIES
+from core.numerics.arrays import Floats
 from core.numerics.compiled import specialised
 from studies.fidelity.keepaway_fidelity import Setting, read_columns
 
-Floats = NDArray[np.float64]
 Start = Literal["drop", "both", "taker", "loose"]
 HOLDERS = ("keeper", "both", "taker", "loose", "ended")
 """Who can kick: a keeper, keepers and takers, a taker, nobody; or the episode is over."""

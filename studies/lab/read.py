@@ -11,8 +11,9 @@ import msgspec
 from core.configuration.reading import ConfigurationError, Problem, read_whole
 from core.configuration.toml_places import places
 from core.feedback.delays import GammaDelay
-from core.session.protocol import Protocol, protocol_from
+from core.session.protocol import Protocol
 from core.session.protocol_file import ProtocolError, located, read_toml
+from core.session.protocol_reading import protocol_from
 from studies.lab.config import Block, Break, Consent, Debriefing, Practice, Questionnaire, Study, TextPage
 from studies.lab.questions import QuestionList, QuestionsError, read_questions
 
@@ -129,7 +130,7 @@ def _texts(study: Study, folder: Path, trouble: list[str]) -> dict[str, str]:
         if isinstance(step, Consent | TextPage | Debriefing | Break) and step.text:
             try:
                 texts[step.text] = (folder / step.text).read_text(encoding="utf-8-sig")
-            except (OSError, UnicodeDecodeError) as error:
+            except (OSError, ValueError) as error:
                 trouble.append(
                     f"{folder / step.text}: needed by step {place + 1} of sitting {sitting + 1}: {_reason(error)}"
                 )

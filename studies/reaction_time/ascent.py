@@ -7,21 +7,21 @@ milliseconds per step where its linear algebra's threads compete for a core: hun
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from core.numerics.arrays import Floats
+
 _STEP = 1e-4
 _ENOUGH = 1e-9
 
 
 def climb(
-    function: Callable[[Array], float],
-    start: Sequence[float] | Array,
-    low: Sequence[float] | Array,
-    high: Sequence[float] | Array,
+    function: Callable[[Floats], float],
+    start: Sequence[float] | Floats,
+    low: Sequence[float] | Floats,
+    high: Sequence[float] | Floats,
     *,
     max_steps: int = 200,
-) -> tuple[Array, float]:
+) -> tuple[Floats, float]:
     """Return (where, value) of a local maximum of `function` with low <= x <= high.
 
     Args:
@@ -65,7 +65,7 @@ def _pushes_out(at: float, slope: float, low: float, high: float) -> bool:
 
 
 def _derivatives(
-    function: Callable[[Array], float], x: Array, value: float
+    function: Callable[[Floats], float], x: Floats, value: float
 ) -> tuple[list[float], list[list[float]]]:
     """Return gradient and matrix of second derivatives by central differences."""
     n = x.size
@@ -82,7 +82,7 @@ def _derivatives(
     return gradient, curvature
 
 
-def _moved(x: Array, i: int, sign: float = 1.0) -> Array:
+def _moved(x: Floats, i: int, sign: float = 1.0) -> Floats:
     moved = x.copy()
     moved[i] += sign * _STEP
     return moved

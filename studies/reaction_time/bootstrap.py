@@ -10,16 +10,16 @@ from dataclasses import dataclass
 from itertools import islice
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import stats
 
+from core.numerics.arrays import Floats
 from studies.reaction_time import gamma_profile
-from studies.reaction_time.families import FAMILIES, Family, FamilyFit
+from studies.reaction_time.families import FAMILIES, FamilyFit
+from studies.reaction_time.family import Family
 from studies.reaction_time.intervals import Interval, profile_log_likelihood, quantile_table
 from studies.reaction_time.quantities import gamma_quantities, quantities_of, require_gamma
 from studies.reaction_time.sample import FitError, Sample
 
-Array = NDArray[np.float64]
 CALIBRATED = ("shape", "scale_s", "offset_s", "q05_s")
 """Quantities whose likelihood ratio is farther from chi-squared than chance at 100 trials."""
 
@@ -32,9 +32,9 @@ class Resamples:
     """Samples drawn from a fit, and their own fits."""
 
     samples: tuple[Sample, ...]
-    log_likelihoods: Array
+    log_likelihoods: Floats
     """Maximum log-likelihood of each sample, shape (n_resamples,)."""
-    quantities: dict[str, Array]
+    quantities: dict[str, Floats]
     """Every quantity of each refit, shape (n_resamples,)."""
 
 
@@ -104,7 +104,7 @@ def _profile_at(sample: Sample, family: Family, name: str, value: float) -> floa
     return profile_log_likelihood(sample, family, name, value)
 
 
-def _limits(sample: Sample) -> Array:
+def _limits(sample: Sample) -> Floats:
     limits = np.full(sample.n, np.inf)
     waits = sample.censored_s
     if waits.size and np.ptp(waits) < 1e-9:
@@ -114,7 +114,7 @@ def _limits(sample: Sample) -> Array:
     return limits
 
 
-def _censor(times: Array, limits: Array) -> Sample | None:
+def _censor(times: Floats, limits: Floats) -> Sample | None:
     """Return the sample that these trials make; None where it could not be fitted."""
     late = times >= limits
     try:
@@ -123,7 +123,7 @@ def _censor(times: Array, limits: Array) -> Sample | None:
         return None
 
 
-def _fit(sample: Sample, family: Family, out: Array) -> float:
+def _fit(sample: Sample, family: Family, out: Floats) -> float:
     """Fill out with (shape, scale, offset); return the log-likelihood."""
     out[2] = 0.0
     return float(

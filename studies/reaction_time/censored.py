@@ -7,24 +7,20 @@ Agrees with `scipy.stats.CensoredData` likelihoods (tested), which is exact for 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import optimize, special
 
+from core.numerics.arrays import Floats
 from studies.reaction_time import gamma_profile, kernels
 from studies.reaction_time.ascent import climb
+from studies.reaction_time.family import Family
 from studies.reaction_time.sample import Sample
 
-if TYPE_CHECKING:
-    from studies.reaction_time.families import Family
-
-Array = NDArray[np.float64]
 _GRID = 14
 
 
-def log_density(kind: int | None, a: float, b: float, y: Array, c: float = 0.0) -> Array:
+def log_density(kind: int | None, a: float, b: float, y: Floats, c: float = 0.0) -> Floats:
     """Log density at y > 0 above the offset; (a, b) in the family's order, c is tau of the ex-Gaussian."""
     if kind == kernels.GAMMA:
         return special.xlogy(a - 1.0, y) - y / b - a * math.log(b) - math.lgamma(a)
@@ -41,7 +37,7 @@ def log_density(kind: int | None, a: float, b: float, y: Array, c: float = 0.0) 
     return -math.log(c) + 0.5 * (b / c) ** 2 - (y - a) / c + special.log_ndtr(u)
 
 
-def log_survival(kind: int | None, a: float, b: float, y: Array, c: float = 0.0) -> Array:
+def log_survival(kind: int | None, a: float, b: float, y: Floats, c: float = 0.0) -> Floats:
     """Log probability of a time above y > 0, parameters as in `log_density`."""
     if kind == kernels.GAMMA:
         ratio = y / b
@@ -60,7 +56,7 @@ def log_survival(kind: int | None, a: float, b: float, y: Array, c: float = 0.0)
     return np.logaddexp(special.log_ndtr((a - y) / b), math.log(c) + log_density(kind, a, b, y, c))
 
 
-def fit_censored(family: Family, sample: Sample) -> tuple[Array, float]:
+def fit_censored(family: Family, sample: Sample) -> tuple[Floats, float]:
     """Return (parameters in the family's order, log-likelihood) with right-censored trials."""
     if family.kernel is None:
         return _fit_ex_gaussian(sample)
@@ -103,13 +99,13 @@ class _Climb:
         self._step = np.zeros(2)
         self._waited, self._counts = sample.waits.T
 
-    def at(self, offset: float) -> tuple[Array, float]:
+    def at(self, offset: float) -> tuple[Floats, float]:
         """Return the best (first, second) above `offset` and their log-likelihood."""
         y, waited = self._observed - offset, self._waited - offset
         alive = waited > 0.0  # a wait shorter than the offset tells nothing: survival is 1
         waited, counts = waited[alive], self._counts[alive]
 
-        def height(theta: Array) -> float:
+        def height(theta: Floats) -> float:
             first, second = self._natural(theta)
             with np.errstate(all="ignore"):
                 total = log_density(self._kind, first, second, y).sum()
@@ -125,11 +121,11 @@ class _Climb:
         self._step = found - theta
         return np.array(self._natural(found)), value
 
-    def _natural(self, theta: Array) -> tuple[float, float]:
+    def _natural(self, theta: Floats) -> tuple[float, float]:
         first = float(theta[0]) if self._is_log_normal else math.exp(theta[0])
         return first, math.exp(theta[1])
 
-    def _box(self, start: Array) -> tuple[Array, Array]:
+    def _box(self, start: Floats) -> tuple[Floats, Floats]:
         """Six units of log either way, inside the family's bound."""
         low, high = start - 6.0, start + 6.0
         if self._bound > 0.0 and self._is_log_normal:
@@ -139,7 +135,7 @@ class _Climb:
         return low, high
 
 
-def _fit_gamma(family: Family, sample: Sample) -> tuple[Array, float]:
+def _fit_gamma(family: Family, sample: Sample) -> tuple[Floats, float]:
     out = np.empty(3)
     no_table = np.zeros(gamma_profile.TABLE_SIZE)
     total = gamma_profile.profile(
@@ -155,14 +151,14 @@ def _fit_gamma(family: Family, sample: Sample) -> tuple[Array, float]:
     return out[: len(family.parameters)], float(total)
 
 
-def _fit_ex_gaussian(sample: Sample) -> tuple[Array, float]:
+def _fit_ex_gaussian(sample: Sample) -> tuple[Floats, float]:
     waited, counts = sample.waits.T
     everything = np.concatenate([sample.observed_s, sample.censored_s])
     mean, sd = float(everything.mean()), float(everything.std())
     least = math.log(kernels.SMALLEST_WIDTH_S)
     most = math.log(10.0 * float(np.ptp(everything)) + 1.0)
 
-    def height(theta: Array) -> float:
+    def height(theta: Floats) -> float:
         mu, sigma, tau = sd * float(theta[0]), math.exp(theta[1]), math.exp(theta[2])
         total = log_density(None, mu, sigma, sample.observed_s, tau).sum()
         return float(total + (counts * log_survival(None, mu, sigma, waited, tau)).sum())

@@ -7,22 +7,21 @@ likelihood finite.
 """
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from typing import Any
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 from scipy import stats
 
+from core.numerics.arrays import Floats
 from studies.reaction_time import kernels
 from studies.reaction_time.ascent import climb
 from studies.reaction_time.censored import fit_censored
+from studies.reaction_time.family import Family
 from studies.reaction_time.kernels import SMALLEST_WIDTH_S
 from studies.reaction_time.sample import Sample
 
-Array = NDArray[np.float64]
 _BOUND_TOLERANCE = 1e-6
 
 
@@ -42,29 +41,6 @@ class FamilyFit(msgspec.Struct, frozen=True, kw_only=True):
     """-2 log-likelihood + parameters * log(trials)."""
     at_bound: tuple[str, ...] = ()
     """Parameters that lie on the edge of the allowed region."""
-
-
-@dataclass(frozen=True, slots=True)
-class Family:
-    """A density of reaction times, known by its parameters' names."""
-
-    name: str
-    parameters: tuple[str, ...]
-    kernel: int | None
-    """Which fit of `kernels`; None for the ex-Gaussian."""
-    bound: float
-    """Lower bound of a gamma or Weibull shape, upper bound of the log-normal sigma; 0 for none."""
-    freeze: Callable[[Sequence[Any]], Any]
-    """Return scipy's frozen distribution(s) for the parameters in order: numbers, or arrays that broadcast."""
-
-    @property
-    def shifted(self) -> bool:
-        """True where an offset is fitted."""
-        return self.parameters[-1] == "offset_s"
-
-    def values(self, parameters: dict[str, float]) -> list[float]:
-        """Return the parameters in the family's order."""
-        return [parameters[name] for name in self.parameters]
 
 
 def _offset(p: Sequence[Any]) -> Any:
@@ -157,7 +133,7 @@ def fit_family(family: Family, sample: Sample) -> FamilyFit:
     return _summary(family, values, total, sample)
 
 
-def fit_observed(family: Family, observed_s: Array) -> tuple[Array, float]:
+def fit_observed(family: Family, observed_s: Floats) -> tuple[Floats, float]:
     """Return (parameters in the family's order, log-likelihood) for fully observed times."""
     if family.kernel is None:
         return _fit_ex_gaussian(observed_s)
@@ -190,7 +166,7 @@ def compare(fits: Sequence[FamilyFit], name: str) -> str:
     return f"The {best.family} fits {evidence} better than the {name}: its AIC is {lead:.1f} lower{ending}"
 
 
-def _summary(family: Family, values: Array, total: float, sample: Sample) -> FamilyFit:
+def _summary(family: Family, values: Floats, total: float, sample: Sample) -> FamilyFit:
     n_parameters = len(family.parameters)
     return FamilyFit(
         family=family.name,
@@ -204,7 +180,7 @@ def _summary(family: Family, values: Array, total: float, sample: Sample) -> Fam
     )
 
 
-def _at_bound(family: Family, values: Array, low: float) -> tuple[str, ...]:
+def _at_bound(family: Family, values: Floats, low: float) -> tuple[str, ...]:
     found = []
     if family.kernel is None:
         found += [
@@ -220,13 +196,13 @@ def _at_bound(family: Family, values: Array, low: float) -> tuple[str, ...]:
     return tuple(found)
 
 
-def _fit_ex_gaussian(x: Array) -> tuple[Array, float]:
+def _fit_ex_gaussian(x: Floats) -> tuple[Floats, float]:
     """Climb from several shares of the variance in tau; keep the highest top. Unknowns: mu / sd, logs of widths."""
     mean, sd = float(x.mean()), float(x.std())
     low = [-math.inf, math.log(SMALLEST_WIDTH_S), math.log(SMALLEST_WIDTH_S)]
     high = [math.inf, *2 * [math.log(10.0 * float(x[-1] - x[0]) + 1.0)]]
 
-    def height(theta: Array) -> float:
+    def height(theta: Floats) -> float:
         return float(kernels.ex_gaussian(x, sd * theta[0], math.exp(theta[1]), math.exp(theta[2])))
 
     tops = []

@@ -8,15 +8,14 @@ from collections.abc import Mapping
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 from scipy import special, stats
 
+from core.numerics.arrays import Floats
 from core.numerics.streams import stream
 from studies.reaction_time.families import GAMMA, SHIFTED_GAMMA, fit_family
 from studies.reaction_time.pooling import pool
 from studies.reaction_time.sample import Sample, sample
 
-Array = NDArray[np.float64]
 Parameters = tuple[float, float, float]
 LEVELS = np.arange(1, 20) / 20.0
 METHODS = (
@@ -50,7 +49,7 @@ class HeldOutScore(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def compare_held_out(
-    times: Mapping[str, Array], *, n_fitted: int, root_seed: int, n_splits: int = 3
+    times: Mapping[str, Floats], *, n_fitted: int, root_seed: int, n_splits: int = 3
 ) -> tuple[HeldOutScore, ...]:
     """Return every method's score.
 
@@ -106,7 +105,7 @@ def markdown_table(scores: tuple[HeldOutScore, ...]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def pinball_loss(parameters: Parameters, held_out: Array) -> float:
+def pinball_loss(parameters: Parameters, held_out: Floats) -> float:
     """Mean pinball loss of a gamma's quantiles at `LEVELS` on held-out times, seconds."""
     shape, scale, offset = parameters
     quantiles = offset + scale * special.gammaincinv(shape, LEVELS)
@@ -114,7 +113,7 @@ def pinball_loss(parameters: Parameters, held_out: Array) -> float:
     return float(np.maximum(LEVELS * above, (LEVELS - 1.0) * above).mean())
 
 
-def _log_density(parameters: Parameters, held_out: Array) -> float:
+def _log_density(parameters: Parameters, held_out: Floats) -> float:
     shape, scale, offset = parameters
     return float(stats.gamma.logpdf(held_out, shape, loc=offset, scale=scale).mean())
 

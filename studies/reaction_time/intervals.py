@@ -10,15 +10,15 @@ from functools import cache
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 from scipy import optimize, special, stats
 
+from core.numerics.arrays import Floats
 from studies.reaction_time import gamma_profile, kernels
-from studies.reaction_time.families import FAMILIES, Family, FamilyFit
+from studies.reaction_time.families import FAMILIES, FamilyFit
+from studies.reaction_time.family import Family
 from studies.reaction_time.quantities import QUANTILES, quantities_of, require_gamma
 from studies.reaction_time.sample import FitError, Sample
 
-Array = NDArray[np.float64]
 _WHICH = {
     "shape": gamma_profile.SHAPE,
     "scale_s": gamma_profile.SCALE,
@@ -46,7 +46,7 @@ class Interval(msgspec.Struct, frozen=True, kw_only=True):
 
 
 @cache
-def quantile_table(p: float) -> Array:
+def quantile_table(p: float) -> Floats:
     """Return log quantiles of the unit-scale gamma on the shapes `gamma_profile` expects."""
     shapes = np.exp(
         np.linspace(gamma_profile.LOG_SHAPE_LOW, gamma_profile.LOG_SHAPE_HIGH, gamma_profile.TABLE_SIZE)

@@ -210,19 +210,6 @@ def fit_shifted(x: NDArray[np.float64], family: int, bound: float, out: NDArray[
 
 
 @kernel
-def fit_many(
-    samples: NDArray[np.float64], family: int, bound: float, shifted: bool, out: NDArray[np.float64]
-) -> None:
-    """Fit every row of `samples`, shape (n_samples, n); fill out, shape (n_samples, 3): two parameters and offset."""
-    for i in range(samples.shape[0]):
-        if shifted:
-            fit_shifted(samples[i], family, bound, out[i])
-        else:
-            fit_at_offset(samples[i], 0.0, family, bound, out[i])
-            out[i, 2] = 0.0
-
-
-@kernel
 def ex_gaussian(x: NDArray[np.float64], mu: float, sigma: float, tau: float) -> float:
     """Log-likelihood of the ex-Gaussian: a normal(mu, sigma) time plus an exponential one of mean tau.
 

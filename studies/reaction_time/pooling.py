@@ -11,16 +11,15 @@ from collections.abc import Mapping
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 from scipy import special
 
 from core.feedback.credit import GammaDelay
+from core.numerics.arrays import Floats
 from studies.reaction_time.ascent import climb
 from studies.reaction_time.censored import log_survival
 from studies.reaction_time.kernels import GAMMA
 from studies.reaction_time.sample import FitError, Sample
 
-Array = NDArray[np.float64]
 FEWEST_PEOPLE = 5
 SMALLEST_SPREAD = 1e-3
 """Least sd of a log parameter over people: a thousandth is no difference."""
@@ -114,14 +113,14 @@ def typical(group: Group) -> tuple[float, float, float]:
     return _natural(np.array(group.mean), group.offset_limit_s)
 
 
-def _natural(theta: Array, limit: float) -> tuple[float, float, float]:
+def _natural(theta: Floats, limit: float) -> tuple[float, float, float]:
     """Return (shape, scale, offset) of (log(mean - offset), log shape[, log odds of the offset])."""
     shape = math.exp(theta[1])
     offset = limit * float(special.expit(theta[2])) if limit > 0.0 else 0.0
     return shape, math.exp(theta[0]) / shape, offset
 
 
-def _start(sample: Sample, limit: float) -> Array:
+def _start(sample: Sample, limit: float) -> Floats:
     """Moments above half the limit."""
     offset = 0.5 * limit
     mean = float(sample.observed_s.mean()) - offset
@@ -130,7 +129,7 @@ def _start(sample: Sample, limit: float) -> Array:
     return np.array([*start, 0.0] if limit > 0.0 else start)
 
 
-def _log_likelihood(theta: Array, sample: Sample, limit: float) -> float:
+def _log_likelihood(theta: Floats, sample: Sample, limit: float) -> float:
     shape, scale, offset = _natural(theta, limit)
     y = sample.observed_s - offset
     if not y[0] > 0.0:
@@ -147,12 +146,12 @@ def _log_likelihood(theta: Array, sample: Sample, limit: float) -> float:
 
 
 def _posterior(
-    sample: Sample, start: Array, mean: Array, covariance: Array, limit: float
-) -> tuple[Array, Array]:
+    sample: Sample, start: Floats, mean: Floats, covariance: Floats, limit: float
+) -> tuple[Floats, Floats]:
     """Return the top of likelihood times group density, and the covariance of its normal approximation."""
     precision = np.linalg.inv(covariance)
 
-    def height(theta: Array) -> float:
+    def height(theta: Floats) -> float:
         away = theta - mean
         return _log_likelihood(theta, sample, limit) - 0.5 * float(away @ precision @ away)
 
@@ -161,7 +160,7 @@ def _posterior(
     return top, _covariance(height, top, value, covariance)
 
 
-def _covariance(height: object, top: Array, value: float, fallback: Array) -> Array:
+def _covariance(height: object, top: Floats, value: float, fallback: Floats) -> Floats:
     """Inverse of the negative second derivatives at the top; the group's where they show none."""
     assert callable(height)
     n = top.size

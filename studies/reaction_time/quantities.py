@@ -1,19 +1,19 @@
 """What a gamma delay means: mean, mode, sd and quantiles in seconds, from shape, scale and offset."""
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import special
 
-from studies.reaction_time.families import GAMMA, SHIFTED_GAMMA, Family, FamilyFit
+from core.numerics.arrays import Floats
+from studies.reaction_time.families import GAMMA, SHIFTED_GAMMA, FamilyFit
+from studies.reaction_time.family import Family
 
-Array = NDArray[np.float64]
 QUANTITIES = ("shape", "scale_s", "offset_s", "mean_s", "mode_s", "sd_s", "q05_s", "q50_s", "q95_s")
 QUANTILES = {"q05_s": 0.05, "q50_s": 0.5, "q95_s": 0.95}
 
 
 def gamma_quantities(
-    shape: Array | float, scale_s: Array | float, offset_s: Array | float
-) -> dict[str, Array]:
+    shape: Floats | float, scale_s: Floats | float, offset_s: Floats | float
+) -> dict[str, Floats]:
     """Return parameters and derived mean, mode, sd and quantiles (seconds), broadcast over the arguments."""
     k, scale, offset = np.broadcast_arrays(
         np.asarray(shape, np.float64), np.asarray(scale_s, np.float64), np.asarray(offset_s, np.float64)

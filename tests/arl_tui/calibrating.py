@@ -11,8 +11,8 @@ from textual.screen import Screen
 from arl_tui.calibration import app as calibration_app
 from arl_tui.calibration.app import CalibrationApp
 from arl_tui.calibration.fitting import fit_files
-from arl_tui.calibration.plan import TASKS, Sitting
-from arl_tui.calibration.scenes import make_scenes
+from arl_tui.calibration.plan import TASKS, CalibrationSetup
+from arl_tui.calibration.scenes import make_positions
 from arl_tui.calibration.trial_screen import TrialScreen
 from studies.reaction_time.protocol import Foreperiod, TaskConfig, TrialPlan
 from studies.reaction_time.trial import TrialTiming
@@ -48,9 +48,11 @@ def quick(name: str, **changes) -> TaskConfig:
     return TaskConfig(task=TASKS[name], **{**given, **changes})
 
 
-def sitting(folder: Path, *configs: TaskConfig, seed: int = 3, hindrances: tuple[str, ...] = ()) -> Sitting:
-    """Return a sitting of P01."""
-    return Sitting(
+def setup(
+    folder: Path, *configs: TaskConfig, seed: int = 3, hindrances: tuple[str, ...] = ()
+) -> CalibrationSetup:
+    """Return the setup of a calibration of P01."""
+    return CalibrationSetup(
         participant="P01",
         configs=configs or (quick("simple"),),
         root_seed=seed,
@@ -63,11 +65,11 @@ async def in_this_process(module: str, question: object) -> bytes:
     """Do what the helper processes do."""
     await asyncio.sleep(0.01)
     if module.endswith("scenes"):
-        return msgspec.json.encode(make_scenes(question))
+        return msgspec.json.encode(make_positions(question))
     return msgspec.json.encode(fit_files(question))
 
 
-def quick_app(given: Sitting, **options) -> CalibrationApp:
+def quick_app(given: CalibrationSetup, **options) -> CalibrationApp:
     """Return an app that waits for nobody."""
     options.setdefault("helper", in_this_process)
     return CalibrationApp(given, timing=QUICK, **options)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from arl_tui.app.session_app import ArlApp
+from arl_tui.session_app import ArlApp
 from core.feedback.keys import KeyConfig
 from core.session.protocol import Protocol, ScreenConfig, SessionConfig
 from tests.arl_tui.driving import app_for

@@ -7,8 +7,9 @@ from textual.pilot import Pilot
 from textual.widgets import Static
 
 from arl_tui.app.link import Picture, Ready
-from arl_tui.app.session_app import ArlApp, Outcome, Sitting, build_app
-from arl_tui.games.rendering import TetrisStage
+from arl_tui.app.outcome import Outcome
+from arl_tui.games.tetris.renderer import TetrisRenderer
+from arl_tui.session_app import ArlApp, SessionSetup, build_app
 from core.recording.reader import Recording, read_recording
 from core.session.protocol import Protocol
 from tests.arl_tui.fakes import FakeLink, episode_started, step_taken
@@ -20,10 +21,10 @@ def app_for(
     protocol: Protocol, link: FakeLink, recordings: Path, *, source: Mapping[str, str] | None = None
 ) -> ArlApp:
     """Return the app before which P01 sits down."""
-    sitting = Sitting(
+    setup = SessionSetup(
         protocol=protocol, root_seed=5, participant="P01", recordings=recordings, source=source or {}
     )
-    return build_app(sitting, link)
+    return build_app(setup, link)
 
 
 class Worker:
@@ -31,7 +32,7 @@ class Worker:
 
     def __init__(self, link: FakeLink, protocol: Protocol) -> None:
         self.link = link
-        self.stage = TetrisStage(protocol.domain)
+        self.stage = TetrisRenderer(protocol.domain)
         self.pictures = 0
 
     def start_episode(self) -> None:

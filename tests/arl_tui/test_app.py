@@ -4,11 +4,12 @@ import gc
 from pathlib import Path
 
 from arl_tui.app.link import Begin, Ready
-from arl_tui.app.session_app import ArlApp, Outcome
+from arl_tui.app.outcome import Outcome
 from arl_tui.screens.closing import ClosingScreen
 from arl_tui.screens.covers import HelpScreen, PauseScreen, StopScreen
 from arl_tui.screens.play import PlayScreen
 from arl_tui.screens.welcome import WelcomeScreen
+from arl_tui.session_app import ArlApp
 from core.events import (
     FrameShown,
     KeyPressed,

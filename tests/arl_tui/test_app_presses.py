@@ -5,9 +5,9 @@ from pathlib import Path
 from msgspec.structs import replace
 
 from arl_tui.app.link import PressSuggested
-from arl_tui.app.session_app import ArlApp, key_name
 from arl_tui.screens.covers import PauseScreen
 from arl_tui.screens.play import PlayScreen
+from arl_tui.session_app import ArlApp, key_name
 from core.events import (
     FrameShown,
     KeyPressed,

@@ -8,10 +8,11 @@ from msgspec.structs import replace
 from textual.pilot import Pilot
 
 from arl_tui.app.link import Crashed, Ready
-from arl_tui.app.session_app import ArlApp, Outcome
+from arl_tui.app.outcome import Outcome
 from arl_tui.screens.closing import ClosingScreen
 from arl_tui.screens.covers import SmallWindowScreen
 from arl_tui.screens.play import PlayScreen
+from arl_tui.session_app import ArlApp
 from core.events import (
     Event,
     KeyPressed,

@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
-from arl_tui.cli import main
+from arl_tui.cli import COMMANDS, main
+from arl_tui.command_line import Listed
 from arl_tui.commands.demo import demo_protocol
 from arl_tui.commands.protocol import toml_lines
 from arl_tui.recordings import new_path
@@ -16,7 +17,8 @@ from core.events import KeyPressed
 from core.feedback.simulated_participants import person, persons
 from core.recording.recorder import LineWriter
 from core.recording.schema import Header, to_plain
-from core.session.protocol import Protocol, load_protocol
+from core.session.protocol import Protocol
+from core.session.protocol_reading import load_protocol
 from tests.arl_tui.fakes import episode_ended, episode_started, session_ended
 
 
@@ -182,3 +184,15 @@ def test_replay_of_something_else_says_so(tmp_path: Path) -> None:
     result = run("replay", path)
     assert result.exit_code == 1
     assert "x.jsonl:1" in result.output
+
+
+@pytest.mark.parametrize("listed", COMMANDS, ids=lambda listed: listed.name)
+def test_the_list_of_commands_says_what_each_command_says(listed: Listed) -> None:
+    command = listed.load()
+    assert (command.name, command.short_help) == (listed.name, listed.short_help)
+
+
+def test_an_unknown_command_is_refused() -> None:
+    done = run("plya")
+    assert done.exit_code == 2
+    assert "No such command 'plya'" in done.output

@@ -24,7 +24,8 @@ from arl_tui.participants import (
 )
 from core.feedback.delays import CurrentStep, Delay, GammaDelay, PreviousStep, parse_delay
 from core.recording.reader import read_recording
-from core.session.protocol import Protocol, load_protocol
+from core.session.protocol import Protocol
+from core.session.protocol_reading import load_protocol
 from core.session.session import build_session
 from studies.demo import simulate_session
 from tests.arl_tui.driving import app_for

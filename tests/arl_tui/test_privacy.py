@@ -8,7 +8,8 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from arl_tui.app import facts, worker
+from arl_tui import worker
+from arl_tui.app import facts
 from arl_tui.participants import keep_delay, read_delays
 from arl_tui.recordings import create_new
 from arl_tui.timing.kept import timing_facts

@@ -2,16 +2,12 @@
 
 import itertools
 import multiprocessing
-import os
-import subprocess
-import sys
 from collections.abc import Iterable, Iterator
-from pathlib import Path
 
 import pytest
 
 from arl_tui.app.link import Begin, FromWorker, Picture, TakenFor, ToWorker, WorkerLine
-from arl_tui.app.worker import KERNELS_NEEDED, Show
+from arl_tui.worker import SessionPlayer
 from core.events import FrameShown, Input, KeyPressed, Output, Resumed, ScreenCleared, StepTaken, StopAsked
 from core.numerics.clock import NS_PER_S, Clock, ManualClock
 from core.session.protocol import Protocol, ScreenConfig
@@ -94,7 +90,7 @@ def line(clock: ManualClock) -> ScriptedLine:
 def run(line: ScriptedLine, outputs: Iterable[Output]) -> ScriptedSession:
     protocol = Protocol(screen=ScreenConfig(tick_ms=TICK_MS, pause_between_episodes_s=1.0))
     session = ScriptedSession(outputs)
-    Show(line, protocol, line.clock).run(session)  # type: ignore[arg-type]
+    SessionPlayer(line, protocol, line.clock).run(session)  # type: ignore[arg-type]
     return session
 
 
@@ -211,22 +207,5 @@ def test_a_setting_leaves_the_marks_out(line: ScriptedLine) -> None:
         200, KeyPressed(press=0, time_ns=200 * MS, key="j", value=1.0, frame=0, step=0, verdict="accepted")
     )
     screen = ScreenConfig(tick_ms=TICK_MS, pause_between_episodes_s=1.0, mark_presses=False)
-    Show(line, Protocol(screen=screen), line.clock).run(ScriptedSession(TWO_STEPS))  # type: ignore[arg-type]
+    SessionPlayer(line, Protocol(screen=screen), line.clock).run(ScriptedSession(TWO_STEPS))  # type: ignore[arg-type]
     assert not any(isinstance(message, TakenFor) for _, message in line.sent)
-
-
-@pytest.mark.jit
-@pytest.mark.slow
-@pytest.mark.parametrize("game", ["tetris", "keepaway"])
-def test_the_number_of_kernels_that_a_first_start_needs_is_about_what_the_first_page_says(
-    game: str, tmp_path: Path
-) -> None:
-    script = (
-        "import sys; from core.session.protocol import DEFAULTS; from arl_tui.app.worker import rehearse; "
-        "from core.numerics.compiled import kernels_at_hand; rehearse(DEFAULTS[sys.argv[1]]); print(kernels_at_hand())"
-    )
-    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
-    done = subprocess.run(
-        [sys.executable, "-c", script, game], env=environment, capture_output=True, text=True, check=True
-    )
-    assert int(done.stdout) == pytest.approx(KERNELS_NEEDED[game], rel=0.15)

@@ -17,10 +17,9 @@ import pytest
 
 from core.combination.config import LINEAR, EpisodeWeights
 from core.learners.policy_gradient import PolicyGradient, PolicyGradientConfig
-from core.tetris.autoplay import play_greedy
 from core.tetris.config import TetrisConfig
 from core.tetris.policy_gradient import placement_scales
-from tests.core.tetris.playing import play_combined, play_policy_gradient
+from tests.core.tetris.playing import play_combined, play_greedy, play_policy_gradient
 from tests.core.tetris.test_autoplay import naive_game
 from tests.data_folder import data_folder
 

@@ -10,7 +10,7 @@ import pytest
 from core.keepaway.arl_autoplay import ArlAutoplay, ArlKeepawayConfig
 from core.keepaway.autoplay import Autoplay, keepaway_tiles
 from core.keepaway.pitch import KeepawayConfig
-from core.keepaway.viewed_match import Exhibition
+from core.keepaway.viewed_match import ViewedMatch
 from core.learners.sarsa import SarsaConfig, new_sarsa
 from core.numerics.compiled import INNER, inner_kernel
 
@@ -136,7 +136,7 @@ def test_playing_keeps_no_reference_to_arrays_or_generators(exact_state):
     config = KeepawayConfig(exact_state=exact_state)
     game = Autoplay(config, 1, "references")
     sarsa = new_sarsa(SarsaConfig(), keepaway_tiles(config), 3, 3)
-    shown = Exhibition(config, sarsa, 1, "references")
+    shown = ViewedMatch(config, sarsa, 1, "references")
     heard = ArlAutoplay(ArlKeepawayConfig(task=config), 1, "references")
 
     def play() -> list[int]:

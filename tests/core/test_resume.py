@@ -26,7 +26,7 @@ from core.recording.publish import publish_folder
 from core.recording.reader import Recording, RecordingError, read_recording
 from core.recording.recorder import LineWriter
 from core.recording.summary import summarise_recording
-from core.session.protocol import protocol_from
+from core.session.protocol_reading import protocol_from
 from core.session.replay import replay_exactly
 from core.session.resume import ResumedSession
 from core.session.session import build_session
@@ -76,6 +76,9 @@ class Participant:
         self._presses = count(
             1 + max((event.press for event in earlier if isinstance(event, KeyPressed)), default=-1)
         )
+        self._frames = count(
+            1 + max((event.frame for event in earlier if isinstance(event, FrameShown)), default=-1)
+        )
         self._stop_at = stop_at
         joint = TimeGap(last_ns=latest_ns(earlier), time_ns=clock.now_ns(), joint=True)
         self._waiting: list[Input] = [joint]
@@ -85,7 +88,8 @@ class Participant:
         if step >= 0:
             self._clock.advance_ns(NS_PER_S)
             now_ns = self._clock.now_ns()
-            items.append(FrameShown(frame=step, step=step, flushed_ns=now_ns))
+            frame = next(self._frames)
+            items.append(FrameShown(frame=frame, step=step, flushed_ns=now_ns))
             if step % 2:
                 items.append(
                     KeyPressed(
@@ -93,7 +97,7 @@ class Participant:
                         time_ns=now_ns + NS_PER_S // 2,
                         key="j",
                         value=1.0,
-                        frame=step,
+                        frame=frame,
                         step=step,
                         verdict="accepted",
                     )

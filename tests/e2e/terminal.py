@@ -28,6 +28,7 @@ class Terminal:
         columns: int = COLUMNS,
         lines: int = LINES,
         exported: Mapping[str, str] | None = None,
+        module: str = "arl_tui.cli",
     ) -> None:
         environment = {
             **os.environ,
@@ -51,7 +52,7 @@ class Terminal:
         self._stream = pyte.ByteStream(self._screen)
         self.child = pexpect.spawn(
             sys.executable,
-            ["-W", "ignore", "-m", "arl_tui.cli", *arguments],
+            ["-W", "ignore", "-m", module, *arguments],
             dimensions=(lines, columns),
             cwd=str(cwd),
             env=environment,

@@ -9,7 +9,7 @@ import pytest
 
 from core.events import FocusLost, FocusRegained, KeyPressed, ScreenCleared, TimeGap
 from core.recording.reader import Recording, read_recording
-from core.session.protocol import protocol_from
+from core.session.protocol_reading import protocol_from
 from core.session.replay import replay_exactly
 from core.session.session import build_session
 from tests.e2e.terminal import Terminal

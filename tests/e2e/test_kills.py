@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from core.recording.reader import read_recording
-from core.session.protocol import protocol_from
+from core.session.protocol_reading import protocol_from
 from core.session.replay import replay_exactly
 from core.session.session import build_session
 from tests.e2e.confirmed import Confirmed

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import msgspec
 
-from arl_tui.app.demo_participant import Companion
+from arl_tui.app.demo_participant import DemoParticipant
 from arl_tui.app.link import PressSuggested
 from core.events import EpisodeStarted, Event, FrameShown, KeyPressed, SessionEnded, StepTaken
 from core.feedback.simulated_participants import person
 from core.recording.reader import read_recording
-from core.session.protocol import protocol_from
+from core.session.protocol_reading import protocol_from
 from core.session.session import build_session
 from tests.e2e.terminal import Terminal
 from tests.e2e.test_play import play, replayed, start, the_recording
@@ -29,7 +29,7 @@ class AtTheKeyboard:
         # Talkative: a short session must do.
         trainer = msgspec.structs.replace(person(name), press_probability=1.0, mean_presses=None)
         protocol = msgspec.structs.replace(protocol_from(header.protocol), trainer=trainer)
-        self._companion = Companion(build_session(protocol, 11), protocol, root_seed=7)
+        self._demo_participant = DemoParticipant(build_session(protocol, 11), protocol, root_seed=7)
         self._recording = recording
         self._read = 0
         self._steps: dict[int, StepTaken] = {}
@@ -40,12 +40,12 @@ class AtTheKeyboard:
         """Read what is new, and press what is due."""
         for event in self._news():
             if isinstance(event, EpisodeStarted):
-                self._companion.begin(event)
+                self._demo_participant.begin(event)
             elif isinstance(event, StepTaken):
                 self._steps[event.step] = event
             elif isinstance(event, FrameShown) and event.step in self._steps:
                 shown_ns = event.flushed_ns
-                self._due += self._companion.watch(
+                self._due += self._demo_participant.watch(
                     self._steps.pop(event.step), shown_ns=shown_ns, hidden_ns=shown_ns + STEP_NS
                 )
         while self._due and self._due[0].time_ns <= time.monotonic_ns():

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from core.events import EpisodeEnded, FrameShown, KeyPressed, SessionEnded, StepTaken, StopAsked
 from core.recording.reader import Recording, read_recording
-from core.session.protocol import protocol_from
+from core.session.protocol_reading import protocol_from
 from core.session.replay import replay_exactly
 from core.session.session import build_session
 from tests.e2e.terminal import PATIENCE_S, TROUBLE, Terminal

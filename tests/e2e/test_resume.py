@@ -9,7 +9,7 @@ import pytest
 from core.events import EpisodeEnded, KeyPressed, SessionEnded
 from core.recording.joined import read_session
 from core.recording.summary import summarise_recording
-from core.session.protocol import protocol_from
+from core.session.protocol_reading import protocol_from
 from core.session.replay import replay_exactly
 from core.session.session import build_session
 from tests.e2e.processes import descendants, left_after

@@ -11,7 +11,7 @@ import pytest
 from core.recording.joined import read_session
 from core.recording.reader import Recording
 from core.recording.summary import summarise_recording
-from core.session.protocol import protocol_from
+from core.session.protocol_reading import protocol_from
 from core.session.replay import replay_exactly
 from core.session.session import build_session
 from studies.lab.blocks import BlockSoFar, sessions_in
@@ -20,7 +20,7 @@ from studies.lab.notes import read_notes
 from studies.lab.progress import Participant, progress
 from studies.lab.sitting_log import ConsentAnswered, QuestionAnswered, read_sitting
 from tests.e2e.processes import descendants, left_after
-from tests.e2e.terminal import Terminal
+from tests.e2e.terminal import PATIENCE_S, Terminal
 
 STUDY = """
 name = "tiny"
@@ -307,25 +307,34 @@ def test_a_sitting_that_runs_already_is_not_begun_twice(lab: Lab) -> None:
     assert lab.participant().sittings[0].attempts == 1
 
 
+def both(monitor: Terminal, terminal: Terminal, text: str) -> None:
+    """Read both terminals until the monitor shows a text: a terminal that nobody reads blocks its program."""
+    end = time.monotonic() + PATIENCE_S
+    while text not in monitor.text:
+        assert time.monotonic() < end, f"{text} was not seen:\n{monitor.text}"
+        terminal.pump(0.05)
+        monitor.pump(0.05)
+
+
 def test_the_experimenter_follows_a_sitting_and_takes_a_note(lab: Lab) -> None:
     watching = ("study", "status", str(lab.folder / "study.toml"), "--watch")
     with Terminal(*watching, cwd=lab.folder) as monitor, lab.run("--participant", "P1") as terminal:
         monitor.wait_for("Nobody has taken part yet")
         consent(terminal)
         terminal.wait_for("Enter  to start, ")
-        monitor.wait_for("P1  day 1: step 3 of 7 (block)")
+        both(monitor, terminal, "P1  day 1: step 3 of 7 (block)")
         terminal.press("\r")
         terminal.wait_for("Game 1")
         terminal.pump(0.5)
         terminal.press("j")
-        monitor.wait_for("game 1, ")
+        both(monitor, terminal, "game 1, ")
         assert "LINEARCONDITION" not in monitor.text
         assert "presses per minute, lag" in monitor.text
         terminal.pump(0.3)
         monitor.press("n")
-        monitor.wait_for("Note, then Enter")
+        both(monitor, terminal, "Note, then Enter")
         monitor.press("P1 was interrupted by a phone\r")
-        monitor.wait_for("Noted at ")
+        both(monitor, terminal, "Noted at ")
         terminal.wait_for("Thank you!")
         kill(terminal)
         monitor.press("q")

@@ -34,7 +34,7 @@ MS = 1_000_000
 EMPTY = snapshot(Wall(20, 10), counts=Counts())
 FULL = msgspec.structs.replace(EMPTY, cells=b"\x01" * 200)
 BELOW_A_FRAME_MS = 25.0
-"""A frame takes 33 ms. One key within this does not show where stamps come from (that is `tests/arl_tui/test_driver.py`),
+"""A frame takes 33 ms. One key within this does not show where stamps come from (that is `tests/arl_tui/app/test_driver.py`),
 only that they are not all late; the median within it, on a quiet machine, shows more."""
 
 

@@ -2,18 +2,15 @@
 
 import numpy as np
 import pytest
-from scipy import integrate, stats
+from scipy import stats
 
 from core.numerics.streams import stream
 from studies.statistics import (
-    area_under_curve,
-    interquartile_mean,
     interquartile_mean_interval,
     mean_interval,
     median_interval,
     paired_difference,
     paired_ratio,
-    stratified_mean_interval,
 )
 
 
@@ -69,13 +66,18 @@ def test_pairs_need_equal_numbers():
 def test_the_interquartile_mean_is_the_trimmed_mean_of_scipy():
     for n in (1, 3, 4, 7, 20, 41):
         values = stream(2, "scores", n).exponential(size=n)
-        assert interquartile_mean(values) == pytest.approx(stats.trim_mean(values, 0.25))
+        assert interquartile_mean_interval(values, rng=stream(1, "b")).estimate == pytest.approx(
+            stats.trim_mean(values, 0.25)
+        )
 
 
 def test_one_enormous_score_moves_the_mean_but_not_median_and_interquartile_mean():
     values = np.arange(20.0)
     wild = np.append(values[:-1], 1e9)
-    assert interquartile_mean(wild) == interquartile_mean(values)
+    assert (
+        interquartile_mean_interval(wild, rng=stream(1, "b")).estimate
+        == interquartile_mean_interval(values, rng=stream(1, "b")).estimate
+    )
     assert median_interval(wild, rng=stream(1, "b")).estimate == np.median(values)
 
 
@@ -104,41 +106,9 @@ def test_the_bootstrap_of_the_mean_agrees_with_scipy():
     assert ours.high == pytest.approx(theirs.confidence_interval.high, abs=0.06 * half_width)
 
 
-def test_the_area_under_a_straight_line_is_its_mean_height():
-    assert area_under_curve([0.0, 1.0, 4.0], [2.0, 3.0, 6.0]) == pytest.approx(4.0)
-    curves = stream(1, "curves").normal(size=(3, 6))
-    at = np.array([0.0, 0.5, 1.5, 2.0, 4.0, 7.0])
-    assert area_under_curve(at, curves) == pytest.approx(integrate.trapezoid(curves, at, axis=1) / 7.0)
-
-
-@pytest.mark.parametrize(("x", "y"), [([0.0], [1.0]), ([0.0, 0.0], [1.0, 2.0]), ([0.0, 1.0], [1.0])])
-def test_a_curve_needs_two_places_in_order(x, y):
-    with pytest.raises(ValueError, match="ascending"):
-        area_under_curve(x, y)
-
-
-def test_strata_count_alike_whatever_their_size():
-    interval = stratified_mean_interval([[1.0] * 100, [3.0]], rng=stream(1, "b"))
-    assert (interval.estimate, interval.low, interval.high) == (2.0, 2.0, 2.0)
-
-
-@pytest.mark.statistical
-def test_resampling_within_strata_leaves_out_what_lies_between_them():
-    near, far = stream(1, "near").normal(0.0, 1.0, 50), stream(1, "far").normal(100.0, 1.0, 50)
-    interval = stratified_mean_interval([near, far], rng=stream(2, "b"), resamples=4000)
-    half_width = 1.96 * np.sqrt((near.var() + far.var()) / 50) / 2
-    # A quantile of 4,000 resamples: standard error about 3 % of the half-width; allow 4 of them.
-    assert (interval.high - interval.low) / 2 == pytest.approx(half_width, rel=0.12)
-
-
 def test_a_paired_ratio_is_blind_to_how_large_the_pairs_are():
     control = stream(1, "scores").exponential(size=30)
     ratio = paired_ratio(2.5 * control, control, rng=stream(1, "b"))
     assert (ratio.estimate, ratio.low, ratio.high) == pytest.approx((2.5, 2.5, 2.5))
     with pytest.raises(ValueError, match="> 0"):
         paired_ratio([1.0, 0.0], [1.0, 1.0], rng=stream(1, "b"))
-
-
-def test_no_strata_have_no_mean():
-    with pytest.raises(ValueError, match="stratum"):
-        stratified_mean_interval([], rng=stream(1, "b"))

@@ -11,7 +11,8 @@ from core.events import KeyPressed
 from core.feedback.credit import CurrentStep, GammaDelay, PreviousStep
 from core.recording.importers.tamer_log import TamerLogError, import_tamer_log, tamer_protocol
 from core.recording.reader import Recording, read_recording
-from core.session.protocol import Protocol, SessionConfig, protocol_from
+from core.session.protocol import Protocol, SessionConfig
+from core.session.protocol_reading import protocol_from
 from core.session.what_if import watched_steps
 from studies.what_if import (
     WhatIfSettings,

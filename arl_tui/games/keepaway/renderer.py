@@ -13,8 +13,8 @@ import msgspec
 
 from arl_tui.games.rendering import Place, Shot
 from core.events import EpisodeStarted, StepTaken
-from core.keepaway.picture import NOBODY, PitchFrame
-from core.keepaway.pitch import CYCLE_NS, KeepawayConfig
+from core.keepaway.picture import PitchFrame
+from core.keepaway.pitch import CYCLE_NS, NO_PLAYER, KeepawayConfig
 
 if TYPE_CHECKING:
     from core.keepaway.simulator.match import Match
@@ -24,7 +24,7 @@ OPTIONS_REMEMBERED = 128
 """About ten seconds of the game's time, if nobody passes."""
 
 
-class PitchStage:
+class PitchRenderer:
     """Follows the session's episodes; knows of them only seeds and options."""
 
     def __init__(self, config: KeepawayConfig, speed: float) -> None:
@@ -38,13 +38,13 @@ class PitchStage:
         """How long a cycle is shown."""
         # Here, not above: compiled code comes with them, and the screen's process imports this module.
         from core.keepaway.decisions import DecisionPlay
-        from core.keepaway.frame_maker import Camera
+        from core.keepaway.frame_maker import FrameMaker
 
         self._new_play = functools.partial(DecisionPlay, config)
-        self._new_camera = functools.partial(Camera, config)
+        self._new_frame_maker = functools.partial(FrameMaker, config)
         self._episodes = 0
         self._play = self._new_play(0)
-        self._camera = self._new_camera()
+        self._frame_maker = self._new_frame_maker()
         self._now = self._look(self._play.match)
         self._options: deque[tuple[int, Place]] = deque(maxlen=OPTIONS_REMEMBERED)
 
@@ -57,7 +57,7 @@ class PitchStage:
         """Return the pictures from the kick-off to the cycle before the first decision."""
         self._episodes += 1
         self._play = self._new_play(episode.episode_seed)
-        self._camera = self._new_camera()
+        self._frame_maker = self._new_frame_maker()
         pictures = [self._look(self._play.match)]
         self._play.begin(lambda match: pictures.append(self._look(match)))
         return self._shots(pictures)
@@ -85,5 +85,7 @@ class PitchStage:
         return tuple(Shot(view, ahead) for view, ahead in itertools.pairwise(pictures))
 
     def _look(self, match: "Match") -> PitchFrame:
-        picture = self._camera.look(match)
-        return msgspec.structs.replace(picture, episode=max(1, self._episodes), decider=NOBODY, target=NOBODY)
+        picture = self._frame_maker.look(match)
+        return msgspec.structs.replace(
+            picture, episode=max(1, self._episodes), decider=NO_PLAYER, target=NO_PLAYER
+        )

@@ -9,15 +9,16 @@ from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, Protocol
 
 from core.combination.agreement import Agreement
 from core.combination.ranking import EpisodeReport, RankedPolicy
 
-Floats = NDArray[np.float64]
+if TYPE_CHECKING:
+    # Not at run time: a protocol is read without arrays.
+    import numpy as np
+
+    from core.numerics.arrays import Floats
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,11 +40,11 @@ class Window(Protocol):
         """Return how many are kept."""
         ...
 
-    def compare(self, theta: Floats, human_weights: Floats) -> Agreement:
+    def compare(self, theta: "Floats", human_weights: "Floats") -> Agreement:
         """Return the agreement of an environment policy with a human policy in all decisions kept, at least one."""
         ...
 
-    def chance(self, human_weights: Floats, *, rng: np.random.Generator) -> float:
+    def chance(self, human_weights: "Floats", *, rng: "np.random.Generator") -> float:
         """Return the agreement rate of unrelated policies with a human policy, in [0, 1]."""
         ...
 
@@ -54,7 +55,7 @@ class Evidence:
 
     ranked: Sequence[RankedPolicy]
     """The top policies, best first; the episode's own is among them if it is good enough."""
-    human_weights: Floats | None
+    human_weights: "Floats | None"
     """The human policy of now, shape (G,); None while there is none."""
     window: Window | None = None
     """Recent decisions; None where the player keeps none and the rule needs none."""

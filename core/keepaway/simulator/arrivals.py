@@ -1,8 +1,5 @@
 """How soon players have the ball: what a player expects of itself and others, and which keeper has to go."""
 
-import numpy as np
-from numpy.typing import NDArray
-
 from core.keepaway.pitch import (
     BODY,
     DASH_RATE,
@@ -18,10 +15,9 @@ from core.keepaway.pitch import (
 )
 from core.keepaway.simulator.motion import direction_deg, length, wrap_deg
 from core.keepaway.simulator.prediction import BALL_ROLL
+from core.numerics.arrays import Bools, Floats
 from core.numerics.compiled import inner_kernel
 
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 LONGEST_INTERCEPT = 30
 TURN_FIRST = 10.0
 """Degrees off the way beyond which a player is taken to turn before it dashes."""

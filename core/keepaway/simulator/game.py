@@ -6,7 +6,6 @@ episodes run these same kernels.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.keepaway.pitch import ONGOING, Rules
 from core.keepaway.simulator.arrivals import LONGEST_INTERCEPT, cycles_to_ball
@@ -36,9 +35,8 @@ from core.keepaway.simulator.perception import FORGET_BALL, perceive
 from core.keepaway.simulator.policies import choose
 from core.keepaway.simulator.takers import command_taker
 from core.keepaway.simulator.variables import observe
+from core.numerics.arrays import Floats
 from core.numerics.compiled import inner_kernel, kernel
-
-Floats = NDArray[np.float64]
 
 
 @inner_kernel

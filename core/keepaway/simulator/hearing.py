@@ -3,14 +3,13 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.keepaway.pitch import VX, VY, X, Y
 from core.keepaway.simulator.match import Match
 from core.keepaway.simulator.motion import copy_row, length
+from core.numerics.arrays import Floats
 from core.numerics.compiled import inner_kernel
 
-Floats = NDArray[np.float64]
 STALE_BALL = 3
 """Age in cycles beyond which what a team mate says about the ball is believed."""
 CONTRADICTION = 0.3

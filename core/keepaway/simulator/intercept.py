@@ -2,9 +2,6 @@
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
 from core.keepaway.pitch import (
     BODY,
     DASH_RATE,
@@ -32,10 +29,9 @@ from core.keepaway.simulator.prediction import (
     send_dash,
     send_turn,
 )
+from core.numerics.arrays import Floats
 from core.numerics.compiled import inner_kernel
 
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 NEVER = HORIZON - 1
 """A player that cannot meet the ball in time goes to where it will come to rest."""
 CLOSE_CYCLES = 3

@@ -2,9 +2,6 @@
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
 from core.keepaway.pitch import (
     ANGLE,
     BALL_ACCEL_MAX,
@@ -28,10 +25,9 @@ from core.keepaway.simulator.prediction import (
     send_kick,
     turn_body_to,
 )
+from core.numerics.arrays import Bools, Floats
 from core.numerics.compiled import inner_kernel
 
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 PASS_END_SPEED = 1.2
 """Wanted speed of a pass on arrival, metres per cycle."""
 WHEN_TO_KICK = 0.85

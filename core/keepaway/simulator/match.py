@@ -3,7 +3,6 @@
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.keepaway.pitch import (
     BALL_COLUMNS,
@@ -29,12 +28,9 @@ from core.keepaway.pitch import (
 )
 from core.keepaway.simulator.intercept import MEET_COLUMNS, MEET_CYCLE
 from core.keepaway.simulator.motion import length
+from core.numerics.arrays import Bools, Floats, Ints
 from core.numerics.compiled import inner_kernel, kernel
 from core.numerics.streams import stream
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 # Entries of `Match.status`.
 CYCLE: Final = 0

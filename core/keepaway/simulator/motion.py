@@ -43,9 +43,9 @@ from core.keepaway.pitch import (
     X,
     Y,
 )
+from core.numerics.arrays import Floats
 from core.numerics.compiled import inner_kernel
 
-Floats = NDArray[np.float64]
 RADIANS = math.pi / 180.0
 DEGREES = 180.0 / math.pi
 COLLISION_PASSES = 10

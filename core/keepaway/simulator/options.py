@@ -5,7 +5,6 @@ keeper fastest to it goes to it and the others get open; with no idea where the 
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.keepaway.pitch import (
     ANGLE,
@@ -42,11 +41,9 @@ from core.keepaway.simulator.motion import direction_deg, length, wrap_deg
 from core.keepaway.simulator.positioning import get_open
 from core.keepaway.simulator.prediction import BALL_ROLL, cut, send_turn, step_meant
 from core.keepaway.simulator.variables import sort_by_distance
+from core.numerics.arrays import Bools, Floats, Ints
 from core.numerics.compiled import inner_kernel
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 KEEPERS_FACE = 0.0
 """Direction of play of the keepers' team, degrees."""
 SEARCH_TURN = 60.0

@@ -3,11 +3,9 @@
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from core.numerics.arrays import Floats
 from core.numerics.compiled import inner_kernel
-
-Floats = NDArray[np.float64]
 
 RANDOM: Final = 0
 HOLD: Final = 1

@@ -2,9 +2,6 @@
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
 from core.keepaway.pitch import BODY, INERTIA, PLAYER_DECAY, VX, VY, X, Y
 from core.keepaway.simulator.motion import RADIANS, direction_deg, length, wrap_deg
 from core.keepaway.simulator.prediction import (
@@ -13,10 +10,9 @@ from core.keepaway.simulator.prediction import (
     send_turn,
     turn_body_to,
 )
+from core.numerics.arrays import Bools, Floats
 from core.numerics.compiled import inner_kernel
 
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 GRID = 5
 MARGIN = 0.15
 """Inset of the grid of candidate points per side, as a share of the region's side."""

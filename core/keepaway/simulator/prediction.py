@@ -6,7 +6,6 @@ A player's commands are integers: the reference's players send them with the fra
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.keepaway.pitch import (
     ANGLE,
@@ -29,9 +28,9 @@ from core.keepaway.pitch import (
     Y,
 )
 from core.keepaway.simulator.motion import RADIANS, direction_deg, kick_rate, length, wrap_deg
+from core.numerics.arrays import Floats
 from core.numerics.compiled import inner_kernel
 
-Floats = NDArray[np.float64]
 ROLL_OUT_CYCLES = 4
 TURN_AT_OFFSET = 0.90 * KICK_DISTANCE
 """The move policy turns when the target lies farther than this from the body's line."""

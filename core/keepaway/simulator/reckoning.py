@@ -2,9 +2,6 @@
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
 from core.keepaway.pitch import (
     ANGLE,
     BALL_ACCEL_MAX,
@@ -28,11 +25,9 @@ from core.keepaway.simulator.arrivals import LONGEST_INTERCEPT, fastest_to_ball
 from core.keepaway.simulator.match import NEVER_SEEN
 from core.keepaway.simulator.motion import RADIANS, direction_deg, kick_rate, length, wrap_deg
 from core.keepaway.simulator.prediction import step_meant
+from core.numerics.arrays import Bools, Floats, Ints
 from core.numerics.compiled import inner_kernel
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 RUNNER_STEP = 0.3
 """How far the opponent fastest to the ball is thought to come towards it per cycle."""
 PUSH_STEP = 0.25

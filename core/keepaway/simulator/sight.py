@@ -3,15 +3,14 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.keepaway.pitch import BALL_NOISE, BODY, KICK_DISTANCE, NECK, VX, VY, Rules, X, Y
 from core.keepaway.simulator.match import CLOCK, NEVER_SEEN, SEE_PERIOD, Match
 from core.keepaway.simulator.motion import DEGREES, RADIANS, copy_row, direction_deg, length, wrap_deg
 from core.keepaway.simulator.reckoning import still_near_opponent
+from core.numerics.arrays import Floats
 from core.numerics.compiled import inner_kernel
 
-Floats = NDArray[np.float64]
 LOG_STEP = 0.1
 """Step of the logarithm of a seen distance."""
 DISTANCE_STEP = 0.1

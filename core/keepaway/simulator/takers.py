@@ -2,9 +2,6 @@
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
 from core.keepaway.pitch import KICK_DISTANCE, VX, VY, Rules, X, Y
 from core.keepaway.simulator.intercept import go_to_ball
 from core.keepaway.simulator.kicking import TAKER_HOLD_RATIO, hold_ball, nearest_to
@@ -19,11 +16,9 @@ from core.keepaway.simulator.motion import length
 from core.keepaway.simulator.options import SEARCH_TURN, begin_option, can_kick
 from core.keepaway.simulator.positioning import CONE, move_to
 from core.keepaway.simulator.prediction import send_turn, turn_body_to
+from core.numerics.arrays import Bools, Floats, Ints
 from core.numerics.compiled import inner_kernel
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 TAKERS_FACE = 180.0
 """Direction of play of the takers' team, degrees."""
 CHASERS = 2

@@ -3,16 +3,10 @@
 import math
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from core.keepaway.pitch import KeepawayConfig, X, Y
 from core.keepaway.simulator.motion import DEGREES
+from core.numerics.arrays import Floats, Ints
 from core.numerics.compiled import inner_kernel
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ from click.testing import CliRunner
 
 from arl_tui.cli import main
 from core.recording.reader import read_recording
-from core.session.protocol import protocol_from
+from core.session.protocol_reading import protocol_from
 from core.session.replay import replay_exactly
 from core.session.session import build_session
 from studies.lab.sitting_log import read_sitting

@@ -24,7 +24,8 @@ from core.feedback.config import CreditConfig, TrainerConfig
 from core.feedback.delays import CurrentStep
 from core.learners.cross_entropy_config import CrossEntropyConfig
 from core.learners.human_config import SgdModel
-from core.session.protocol import SessionConfig, protocol_from
+from core.session.protocol import SessionConfig
+from core.session.protocol_reading import protocol_from
 from core.session.replay import replay_exactly
 from core.session.session import build_session
 from tests.core.combination.test_agent import CountingLearner, Outcome

@@ -37,12 +37,6 @@ def test_episodes_are_counted_one_by_one(watched):
     assert so_far == EpisodesSoFar(len(watched), sum(watched))
 
 
-def test_the_counts_before_a_watched_game_of_a_session():
-    # 5 unseen, game 0, 100 unseen, game 1, 100 unseen, game 2.
-    counts = [EpisodesSoFar.before_watched_game(k, unseen_before=5, unseen_between=100) for k in range(3)]
-    assert counts == [EpisodesSoFar(5, 0), EpisodesSoFar(106, 1), EpisodesSoFar(207, 2)]
-
-
 def test_the_page_on_annealing_prints_the_weights_of_a_default_session():
     between = SessionConfig().unseen_between
     page = (REPOSITORY / "docs" / "decisions" / "annealing.md").read_text(encoding="utf-8")
@@ -50,7 +44,7 @@ def test_the_page_on_annealing_prints_the_weights_of_a_default_session():
         scheme = Annealed(per=per)
         weights = []
         for game in (1, 2, 3, 4, 5, 10, 20, 50):
-            so_far = EpisodesSoFar.before_watched_game(game - 1, unseen_before=0, unseen_between=between)
+            so_far = EpisodesSoFar((game - 1) * (1 + between), game - 1)
             weights.append(scheme.weights(0.0, next_episode(scheme, so_far).scheduled).w_h)
         assert f'| `per = "{per}"` | {" | ".join(f"{weight:.2g}" for weight in weights)} |' in page
 

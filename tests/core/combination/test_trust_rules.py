@@ -13,7 +13,8 @@ from core.combination.config import AgentConfig, BootstrapConfig, Equation4, Sig
 from core.combination.ranking import EpisodeReport
 from core.combination.trust.contract import Needs, Trust, weight_bytes
 from core.events import EpisodeEnded
-from core.session.protocol import Protocol, protocol_from
+from core.session.protocol import Protocol
+from core.session.protocol_reading import protocol_from
 from core.session.replay import replay_exactly
 from core.session.session import build_session
 from tests.core.combination.recent_rule import Recent

@@ -16,10 +16,11 @@ from core.feedback.samples import CreditConfig
 from core.numerics.clock import NS_PER_S, ManualClock
 from core.recording.reader import Recording
 from core.recording.schema import Header, to_plain
-from core.session.protocol import Protocol, protocol_from
+from core.session.protocol import Protocol
+from core.session.protocol_reading import protocol_from
 from core.session.replay import replay_exactly
 from core.session.session import build_session
-from core.session.what_if import hear, relearn, watched_steps
+from core.session.what_if import relearn, replay_human_model, watched_steps
 from tests.core.recording.test_recording import HEADER
 from tests.core.sessions import small_protocol
 
@@ -170,7 +171,7 @@ def test_a_what_if_credits_nothing_across_a_gap_either(delay: Delay) -> None:
     protocol = with_delay(protocol_from(recording.header.protocol), delay)
     steps = watched_steps(recording, protocol)
     again = relearn(recording, protocol, steps, root_seed=3)
-    heard = hear(recording, protocol, steps, count=lambda press: True)
+    heard = replay_human_model(recording, protocol, steps, count=lambda press: True)
     for (found,) in (again.credits, heard.credits):
         assert set(found.steps) <= {2}
     (own,) = credited(recorded(delay))

@@ -19,7 +19,7 @@ from core.feedback.viewing import SteadyViewing
 from core.learners.contract import Candidate
 from core.numerics.clock import NS_PER_S, ManualClock
 from core.numerics.streams import stream
-from core.session.rollout import Audience, EpisodePlan, play_episode
+from core.session.rollout import EpisodePlan, FeedbackIntake, play_episode
 
 N_CARDS, N_FEATURES = 6, 3
 TASTE = np.array([1.0, -1.0, 0.5])
@@ -91,7 +91,7 @@ def oracle(state: Deal) -> NDArray[np.float64]:
 
 
 @dataclass
-class Sitting:
+class PlayedSession:
     events: list[Event]
     agent: ArlAgent
 
@@ -99,9 +99,9 @@ class Sitting:
         return [event for event in self.events if isinstance(event, kind)]
 
 
-def sit(
+def play_session(
     trainer: TrainerConfig, *, keys: KeyConfig | None = None, episodes: int = 2, seed: int = 1
-) -> Sitting:
+) -> PlayedSession:
     domain, clock = Cards(), ManualClock(5 * NS_PER_S)
     config = AgentConfig(scheme=Constant(w_h=5.0), credit=CreditConfig(delay=PreviousStep()))
     agent = ArlAgent(Clueless(), config, n_feedback_features=N_FEATURES, root_seed=seed)
@@ -113,15 +113,15 @@ def sit(
         clock,
         SteadyViewing(step_ns=STEP_NS, pause_ns=2 * NS_PER_S),
     )
-    audience = Audience(agent, participant)
+    intake = FeedbackIntake(agent, participant)
     events: list[Event] = []
     for episode in range(episodes):
         policy = agent.begin_episode(exploring=True, watched=True)
         plan = EpisodePlan(100 + episode, policy, first_step=40 * episode, max_steps=1000)
-        for output in play_episode(domain, agent, audience, clock, plan):
+        for output in play_episode(domain, agent, intake, clock, plan):
             events.append(output)
             events.extend(participant.watch(output))
-    return Sitting(events, agent)
+    return PlayedSession(events, agent)
 
 
 ATTENTIVE = TrainerConfig(press_probability=0.5, max_presses=20, mistake_rate=0.0)
@@ -129,19 +129,19 @@ PATIENT_KEYS = KeyConfig(max_presses_per_episode=20)
 
 
 def test_every_step_is_shown_once_and_then_the_final_picture() -> None:
-    sitting = sit(ATTENTIVE)
-    assert [frame.step for frame in sitting.of(FrameShown)] == [*range(40), -1, *range(40, 80), -1]
-    assert [frame.frame for frame in sitting.of(FrameShown)] == list(range(82))
+    session = play_session(ATTENTIVE)
+    assert [frame.step for frame in session.of(FrameShown)] == [*range(40), -1, *range(40, 80), -1]
+    assert [frame.frame for frame in session.of(FrameShown)] == list(range(82))
 
 
 def test_inputs_come_in_order_of_time_and_presses_name_the_step_on_screen() -> None:
-    sitting = sit(ATTENTIVE)
-    inputs = [event for event in sitting.events if isinstance(event, FrameShown | KeyPressed)]
+    session = play_session(ATTENTIVE)
+    inputs = [event for event in session.events if isinstance(event, FrameShown | KeyPressed)]
     times = [item.flushed_ns if isinstance(item, FrameShown) else item.time_ns for item in inputs]
     assert times == sorted(times)
     on_screen = -1
     presses = 0
-    for event in sitting.events:
+    for event in session.events:
         if isinstance(event, FrameShown):
             on_screen = event.step
         elif isinstance(event, KeyPressed):
@@ -153,60 +153,64 @@ def test_inputs_come_in_order_of_time_and_presses_name_the_step_on_screen() -> N
 
 def test_a_step_is_judged_when_its_outcome_has_been_seen() -> None:
     prompt = TrainerConfig(press_probability=1.0, max_presses=1, delay=UniformDelay(0.5, 0.6))
-    sitting = sit(prompt, episodes=1)
-    [press] = sitting.of(KeyPressed)
-    shown_ns = sitting.of(FrameShown)[0].flushed_ns
+    session = play_session(prompt, episodes=1)
+    [press] = session.of(KeyPressed)
+    shown_ns = session.of(FrameShown)[0].flushed_ns
     # One second on screen, then the delay: the press falls on the next step.
     assert 1.5 * NS_PER_S <= press.time_ns - shown_ns <= 1.6 * NS_PER_S
     assert press.step == 1
 
 
 def test_outputs_count_the_inputs_that_were_taken_in() -> None:
-    sitting = sit(ATTENTIVE)
+    session = play_session(ATTENTIVE)
     taken = 0
-    for event in sitting.events:
+    for event in session.events:
         if isinstance(event, StepTaken | EpisodeEnded):
             # All inputs so far, except those of the step whose time on screen has just ended.
             assert event.inputs <= taken
         if isinstance(event, FrameShown | KeyPressed):
             taken += 1
-    assert sitting.of(EpisodeEnded)[0].inputs == sum(
+    assert session.of(EpisodeEnded)[0].inputs == sum(
         isinstance(event, FrameShown | KeyPressed)
-        for event in sitting.events[: sitting.events.index(sitting.of(EpisodeEnded)[0])]
+        for event in session.events[: session.events.index(session.of(EpisodeEnded)[0])]
     )
 
 
 def test_a_good_participant_turns_a_clueless_agent_round() -> None:
-    performances = [ended.performance for ended in sit(ATTENTIVE, keys=PATIENT_KEYS).of(EpisodeEnded)]
+    performances = [
+        ended.performance for ended in play_session(ATTENTIVE, keys=PATIENT_KEYS).of(EpisodeEnded)
+    ]
     # By chance 40/6 = 6.7 cards of 40; the learner's own policy gets nearly none.
-    alone = [ended.performance for ended in sit(TrainerConfig(press_probability=0.0)).of(EpisodeEnded)]
+    alone = [
+        ended.performance for ended in play_session(TrainerConfig(press_probability=0.0)).of(EpisodeEnded)
+    ]
     assert max(alone) <= 3
     assert performances[1] >= 25
 
 
 def test_an_adversary_teaches_the_opposite() -> None:
     hostile = TrainerConfig(press_probability=0.5, max_presses=20, mistake_rate=1.0)
-    sitting = sit(hostile, keys=PATIENT_KEYS)
-    assert (sitting.agent.human.weights @ TASTE) < 0
+    session = play_session(hostile, keys=PATIENT_KEYS)
+    assert (session.agent.human.weights @ TASTE) < 0
 
 
 def test_the_budget_of_the_keys_holds_for_simulated_presses() -> None:
-    sitting = sit(ATTENTIVE, keys=KeyConfig(max_presses_per_episode=3), episodes=1)
-    verdicts = [press.verdict for press in sitting.of(KeyPressed)]
+    session = play_session(ATTENTIVE, keys=KeyConfig(max_presses_per_episode=3), episodes=1)
+    verdicts = [press.verdict for press in session.of(KeyPressed)]
     assert verdicts.count("accepted") == 3
     assert verdicts.count("no-presses-left") > 0
     assert set(verdicts) <= {"accepted", "no-presses-left", "repeat"}
 
 
 def test_deliberate_errors_are_recorded_as_asked_for() -> None:
-    sitting = sit(TrainerConfig(press_probability=0.5, max_presses=20, deliberate_rate=0.3))
-    flags = [press.asked_wrong for press in sitting.of(KeyPressed)]
+    session = play_session(TrainerConfig(press_probability=0.5, max_presses=20, deliberate_rate=0.3))
+    flags = [press.asked_wrong for press in session.of(KeyPressed)]
     assert any(flags)
     assert not all(flags)
 
 
 def test_the_same_seed_gives_the_same_session_and_another_seed_another() -> None:
-    one, again, other = sit(ATTENTIVE), sit(ATTENTIVE), sit(ATTENTIVE, seed=2)
+    one, again, other = play_session(ATTENTIVE), play_session(ATTENTIVE), play_session(ATTENTIVE, seed=2)
     assert one.events == again.events
     assert one.agent.digest() == again.agent.digest()
     assert one.agent.digest() != other.agent.digest()
@@ -228,15 +232,15 @@ class Recorded:
 
 def test_the_presses_alone_teach_the_same_again() -> None:
     """A replay in miniature: times and presses come from the events, not from clock and trainer."""
-    sitting = sit(ATTENTIVE, episodes=1)
+    session = play_session(ATTENTIVE, episodes=1)
     config = AgentConfig(scheme=Constant(w_h=5.0), credit=CreditConfig(delay=PreviousStep()))
     agent = ArlAgent(Clueless(), config, n_feedback_features=N_FEATURES, root_seed=1)
-    source = Recorded(sitting.events)
+    source = Recorded(session.events)
     plan = EpisodePlan(100, agent.begin_episode(exploring=True, watched=True), first_step=0, max_steps=1000)
-    outputs = [event for event in sitting.events if not isinstance(event, FrameShown | KeyPressed)]
+    outputs = [event for event in session.events if not isinstance(event, FrameShown | KeyPressed)]
     clock = ManualClock()
     replayed: list[Output] = []
-    run = play_episode(Cards(), agent, Audience(agent, source), clock, plan)
+    run = play_episode(Cards(), agent, FeedbackIntake(agent, source), clock, plan)
     for recorded in outputs:
         clock.advance_to_ns(getattr(recorded, "time_ns", 0))
         source.upto = getattr(recorded, "inputs", source.upto)
@@ -246,7 +250,7 @@ def test_the_presses_alone_teach_the_same_again() -> None:
                 len(source.inputs),
             )
         replayed.append(next(run))
-    assert [r for r in replayed if isinstance(r, StepTaken)] == sitting.of(StepTaken)
+    assert [r for r in replayed if isinstance(r, StepTaken)] == session.of(StepTaken)
 
 
 def test_impossible_paces_are_refused() -> None:

@@ -3,10 +3,19 @@
 import numpy as np
 import pytest
 
-from core.keepaway.autoplay import CYCLE_LIMIT as AUTOPLAY_LIMIT
-from core.keepaway.decisions import NOBODY, DecisionPlay
+from core.keepaway.decisions import DecisionPlay
 from core.keepaway.domain import HOLD, Keepaway, KeepawayState
-from core.keepaway.pitch import KICK_DISTANCE, ONGOING, OUT, TAKEN, KeepawayConfig, X, Y
+from core.keepaway.pitch import (
+    AUTOPLAY_CYCLE_LIMIT,
+    KICK_DISTANCE,
+    NO_PLAYER,
+    ONGOING,
+    OUT,
+    TAKEN,
+    KeepawayConfig,
+    X,
+    Y,
+)
 from core.keepaway.simulator.game import step_cycle
 from core.keepaway.simulator.match import (
     CYCLE,
@@ -33,12 +42,12 @@ def advice(play: DecisionPlay, config: KeepawayConfig) -> int:
 def test_an_episode_played_by_decisions_is_the_one_played_as_a_whole(config, seed):
     play = DecisionPlay(config, seed)
     play.begin()
-    while play.keeper != NOBODY:
+    while play.keeper != NO_PLAYER:
         play.decide(advice(play, config))
     streams = open_streams(seed)
     match = new_match(config, streams)
     while not step_cycle(match, config.rules(), HAND_CODED, streams):
-        assert match.status[CYCLE] < AUTOPLAY_LIMIT
+        assert match.status[CYCLE] < AUTOPLAY_CYCLE_LIMIT
     assert play.cycle == match.status[CYCLE] > 10
     assert play.ended == match.status[END] != ONGOING
     np.testing.assert_array_equal(play.match.ball, match.ball)
@@ -54,10 +63,10 @@ def test_watching_every_cycle_changes_nothing():
 
     alone.begin()
     watched.begin(note)
-    while alone.keeper != NOBODY:
+    while alone.keeper != NO_PLAYER:
         alone.decide(advice(alone, EXACT))
         watched.decide(advice(watched, EXACT), note)
-    assert watched.keeper == NOBODY
+    assert watched.keeper == NO_PLAYER
     assert cycles == list(range(watched.cycle + 1))
     np.testing.assert_array_equal(alone.match.players, watched.match.players)
 
@@ -108,15 +117,14 @@ def test_a_step_names_keeper_cycle_and_receiver():
             "cycle": state.cycle,
             "target": order[action],
         }
-    assert domain.detail(state, HOLD)["target"] == NOBODY
+    assert domain.detail(state, HOLD)["target"] == NO_PLAYER
 
 
 def two_at_the_ball() -> KeepawayState:
     """A match in which two keepers can kick the ball."""
     domain = Keepaway(EXACT)
     state = domain.initial(3)
-    play = DecisionPlay(EXACT, 3)
-    play.restore(state.saved)
+    play = DecisionPlay.resumed(EXACT, state.saved)
     other = (state.keeper + 1) % 3
     play.match.players[other, :4] = play.match.players[state.keeper, :4] + (0.7, 0.0, 0.0, 0.0)
     play.match.ball[:] = (
@@ -142,8 +150,7 @@ def test_two_keepers_with_the_ball_decide_one_after_the_other_in_the_same_moment
     assert between.reward == 0.0
     after = domain.transition(between.next_state, 1).next_state
     assert after.cycle > state.cycle
-    passing = DecisionPlay(EXACT, 0)
-    passing.restore(between.next_state.saved)
+    passing = DecisionPlay.resumed(EXACT, between.next_state.saved)
     seen = []
     passing.decide(1, lambda match: seen.append(match.options.copy()))
     # Both options have begun: the first keeper holds, the second one passes.
@@ -169,7 +176,7 @@ def test_an_old_state_can_be_gone_back_to():
 def test_nobody_decides_after_the_end():
     play = DecisionPlay(EXACT, 1)
     play.begin()
-    while play.keeper != NOBODY:
+    while play.keeper != NO_PLAYER:
         play.decide(1)
     with pytest.raises(ValueError, match="nobody has to decide"):
         play.decide(0)

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from core.keepaway.picture import NOBODY, PitchFrame, PlayerView, between
-from core.keepaway.pitch import OUT, TAKEN
+from core.keepaway.picture import PitchFrame, PlayerView, between
+from core.keepaway.pitch import NO_PLAYER, OUT, TAKEN
 
 K1, K2, T1 = PlayerView(-5.0, 0.0, 170.0), PlayerView(5.0, 5.0, 0.0), PlayerView(0.0, 0.0, 90.0)
 
@@ -74,9 +74,9 @@ def test_a_ball_at_full_speed_slides():
 
 def test_the_option_on_screen_changes_only_with_the_picture_that_first_shows_it():
     before = picture(decider=0, holder=0)
-    after = later(decider=0, target=1, holder=NOBODY)
+    after = later(decider=0, target=1, holder=NO_PLAYER)
     almost = between(before, after, 0.99)
-    assert (almost.decider, almost.target, almost.holder) == (0, NOBODY, 0)
+    assert (almost.decider, almost.target, almost.holder) == (0, NO_PLAYER, 0)
 
 
 @given(

@@ -9,7 +9,7 @@ import pytest
 from core.recording.publish import publish_copy, publish_folder
 from core.recording.reader import read_recording
 from core.recording.recorder import LineWriter
-from core.session.protocol import protocol_from
+from core.session.protocol_reading import protocol_from
 from core.session.replay import replay_exactly
 from core.session.session import build_session
 from tests.core.recording.test_recording import HEADER, press

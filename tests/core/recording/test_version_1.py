@@ -11,7 +11,7 @@ from core.events import EpisodeEnded, EpisodeStarted, SessionEnded, UnseenPlayed
 from core.recording.reader import RecordingError, read_recording
 from core.recording.recorder import LineWriter
 from core.recording.version_1 import as_far_as_recorded, with_schedules
-from core.session.protocol import protocol_from
+from core.session.protocol_reading import protocol_from
 from core.session.replay import replay_exactly
 from core.session.session import build_session
 from tests.data_folder import REPOSITORY

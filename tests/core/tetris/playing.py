@@ -1,7 +1,7 @@
 """Whole games of Tetris in one call, for tests."""
 
 from core.combination.config import EpisodeWeights
-from core.tetris.autoplay import PIECE_LIMIT
+from core.tetris.autoplay import PIECE_LIMIT, GreedyGames
 from core.tetris.combined import CombinedGame
 from core.tetris.config import TetrisConfig
 from core.tetris.policy_gradient import PolicyGradientGame
@@ -24,3 +24,10 @@ def play_policy_gradient(
     game.advance(piece_cap)
     learner.end_episode()
     return game
+
+
+def play_greedy(weights, seeds, config: TetrisConfig, piece_cap=PIECE_LIMIT) -> GreedyGames:
+    """Play games to their end or to `piece_cap` pieces; arguments as in `GreedyGames`."""
+    games = GreedyGames(weights, seeds, config)
+    games.advance(piece_cap)
+    return games

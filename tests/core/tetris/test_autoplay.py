@@ -17,12 +17,12 @@ from core.numerics.compiled import JIT_DISABLED
 from core.numerics.fixed_point import exact_weights
 from core.numerics.streams import stream
 from core.tetris.afterstate import Tetris, TetrisState
-from core.tetris.autoplay import GreedyGames, best_of, play_greedy, worst_of
+from core.tetris.autoplay import GreedyGames, best_of, worst_of
 from core.tetris.board import piece_at
 from core.tetris.config import FEATURE_SETS, TetrisConfig
 from core.tetris.features import DELLACHERIE_WEIGHTS, DT_10_WEIGHTS, DT_20_WEIGHTS, feature_set
 from core.tetris.pieces import seven_bag_piece, uniform_piece
-from tests.core.tetris.playing import play_combined
+from tests.core.tetris.playing import play_combined, play_greedy
 from tests.data_folder import data_folder
 from tests.naive import tetris as naive
 

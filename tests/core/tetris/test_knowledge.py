@@ -5,9 +5,9 @@ import pytest
 
 from core.numerics.streams import stream_seed
 from core.tetris.afterstate import Tetris, TetrisState
-from core.tetris.autoplay import play_greedy
 from core.tetris.config import TetrisConfig
 from core.tetris.oracle import KNOWLEDGE_WEIGHTS, TetrisOracle
+from tests.core.tetris.playing import play_greedy
 
 CONFIG = TetrisConfig()
 # Column 0 is 2 high over a hole in row 0; the rest of row 0 is full but for column 9.

@@ -53,14 +53,6 @@ def test_what_sticks_out_above_the_board_is_not_shown():
     assert len(picture.codes()) == 16
 
 
-def test_a_wall_of_unknown_pieces_is_the_board_it_was_made_of():
-    board = (0b1011, 0, 0b1, 0)
-    wall = Wall.of_board(board, 5)
-    assert wall.board == board
-    assert set(wall.from_top()) == {0, UNKNOWN}
-    assert Wall.of_board((0, 0, 0, 0), 5) == Wall(5, 4)
-
-
 def test_a_drop_is_shown_as_a_fall():
     animation = animate(Wall(12, 4), O, (0, 1), (Primitive.DROP,), counts=Counts(), drop_rows_per_tick=4)
     rows = [frame.falling.row for frame in animation.frames if frame.falling is not None]

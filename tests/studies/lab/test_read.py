@@ -6,7 +6,7 @@ import pytest
 
 from arl_tui.commands.study_page import page
 from core.configuration.catalogue import settings_of, tables_of
-from core.session.protocol import protocol_from
+from core.session.protocol_reading import protocol_from
 from studies.lab.config import Study
 from studies.lab.questions import QuestionList
 from studies.lab.read import StudyError, combined, load_study

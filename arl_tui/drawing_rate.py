@@ -1,0 +1,4 @@
+"""How often the screen is drawn at most. Nothing is imported here: it is set before Textual is imported."""
+
+FRAMES_PER_S = "30"
+"""Upper bound of Textual's drawing rate: the value of the variable TEXTUAL_FPS."""

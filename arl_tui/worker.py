@@ -1,0 +1,368 @@
+"""The learner's process: plays the session, shows each step in real time, takes in what the participant does.
+
+Started with the `spawn` method before the app runs (Textual replaces the standard streams, after which no process
+can be started). Simulated time follows the clock: a picture is due at the step's start plus a whole number of
+ticks, so nothing drifts; it stands still while the screen is covered.
+"""
+
+import contextlib
+import faulthandler
+import multiprocessing
+import os
+import signal
+import tempfile
+import traceback
+from collections.abc import Iterable
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from arl_tui.ahead import Ahead, fill, is_compiled, session_order
+from arl_tui.app.demo_participant import DemoParticipant
+from arl_tui.app.link import Begin, Crashed, Picture, Preparing, Ready, TakenFor, WorkerLine, WorkerLink
+from arl_tui.app.taken import StepsShown
+from arl_tui.games.registry import screens_of
+from arl_tui.games.rendering import Shot
+from arl_tui.warm_up import warm_up
+from core.events import (
+    EpisodeEnded,
+    EpisodeStarted,
+    FrameShown,
+    Input,
+    KeyPressed,
+    Output,
+    Resumed,
+    ScreenCleared,
+    StepTaken,
+    StopAsked,
+)
+from core.numerics.clock import NS_PER_S, Clock, MonotonicClock
+from core.session.protocol import Protocol
+from core.system.processes import leave_with
+
+if TYPE_CHECKING:
+    from core.recording.joined import FinishedPart
+    from core.session.resume import ResumedSession
+    from core.session.session import Session
+
+LOG_PREFIX = "arl-worker-"
+"""Of the file that takes a worker's error output; the number of the screen's process follows."""
+PROGRESS_S = 0.25
+"""How often the screen is told how far compiling is."""
+LAST_WORDS = 4000
+"""Characters of a dead worker's error output that are shown."""
+
+
+def start_worker(
+    protocol: Protocol, root_seed: int, *, simulated: bool = False, kept: "FinishedPart | None" = None
+) -> WorkerLink:
+    """Start the learner's process; call this before the app runs.
+
+    Args:
+        protocol: what is to be played.
+        root_seed: of the session.
+        simulated: let a simulated participant press keys, too.
+        kept: what the session had done before it broke off; the agent is rebuilt from it.
+    """
+    context = multiprocessing.get_context("spawn")
+    ours, theirs = context.Pipe()
+    remove_old_logs()
+    handle, log_path = tempfile.mkstemp(prefix=f"{LOG_PREFIX}{os.getpid()}-", suffix=".log")
+    os.close(handle)
+    process = context.Process(
+        target=worker_main,
+        args=(theirs, protocol, root_seed, simulated, log_path, os.getpid(), kept),
+        daemon=True,
+    )
+    process.start()
+    theirs.close()
+    return WorkerLink(ours, process, lambda: _last_words(Path(log_path)))
+
+
+def remove_old_logs() -> None:
+    """Remove what workers of programs that were killed have left in the folder for temporary files."""
+    for path in Path(tempfile.gettempdir()).glob(f"{LOG_PREFIX}*.log"):
+        owner = path.name.removeprefix(LOG_PREFIX).partition("-")[0]
+        with contextlib.suppress(OSError):  # another user's, or removed by another program meanwhile
+            if not (owner.isdigit() and _is_running(int(owner))) and path.stat().st_uid == os.getuid():
+                path.unlink()
+
+
+def _is_running(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:
+        return True  # another user's
+    return True
+
+
+def _last_words(log: Path) -> str:
+    with contextlib.suppress(OSError):
+        words = log.read_text(errors="replace")[-LAST_WORDS:]
+        log.unlink()
+        return words
+    return ""
+
+
+def worker_main(
+    connection: Connection,
+    protocol: Protocol,
+    root_seed: int,
+    simulated: bool,
+    log_path: str,
+    parent: int,
+    kept: "FinishedPart | None" = None,
+) -> None:
+    """Run in the worker process until the session is over or the screen's process is gone."""
+    _leave_the_terminal(log_path)
+    leave_with(parent, started_by_main_thread=True)
+    line = WorkerLine(connection)
+    clock = MonotonicClock()
+    from core.recording.joined import ResumeError
+
+    try:
+        before_ns = clock.now_ns()
+        # Here, not above: these compile, and the screen's process imports this module.
+        from core.session.reach import reach_of
+        from core.session.session import build_session
+
+        ahead = get_ready(protocol)
+        session = build_session(protocol, root_seed)
+        demo_participant = DemoParticipant(session, protocol, root_seed) if simulated else None
+        reach = reach_of(protocol)
+        resumed = None if kept is None else caught_up(session, kept)
+        line.send(Ready(warm_up_ns=clock.now_ns() - before_ns, reach=reach.share, step_s=reach.step_s))
+        player = SessionPlayer(line, protocol, clock, demo_participant, ahead)
+        player.run(session if resumed is None else resumed)
+    except ResumeError as error:
+        with contextlib.suppress(OSError):
+            line.send(Crashed(error=str(error), trace=""))
+    except (EOFError, BrokenPipeError, ConnectionResetError):
+        return  # Nobody is looking any more.
+    except Exception as error:  # noqa: BLE001 - whatever it was, the participant must be told
+        with contextlib.suppress(OSError):
+            line.send(Crashed(error=f"{type(error).__name__}: {error}", trace=traceback.format_exc()))
+
+
+def caught_up(session: "Session", kept: "FinishedPart") -> "ResumedSession":
+    """Return a session that has done again what was recorded of it.
+
+    Raises:
+        ResumeError: something comes out otherwise than recorded.
+    """
+    from core.session.resume import ResumedSession
+
+    resumed = ResumedSession(session, kept)
+    resumed.catch_up()
+    return resumed
+
+
+def _leave_the_terminal(log_path: str) -> None:
+    """Ignore the terminal's Ctrl+C and write errors to a file: the screen belongs to the other process.
+
+    Where the worker crashes in native code, Python writes to that file where it was.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    log = os.open(log_path, os.O_WRONLY | os.O_CREAT | os.O_APPEND)
+    os.dup2(log, 1)
+    os.dup2(log, 2)
+    os.close(log)
+    faulthandler.enable(2)
+
+
+def get_ready(protocol: Protocol) -> Ahead | None:
+    """Make everything run once that a session runs.
+
+    Returns:
+        The process that compiles what the session needs, while Python stands in for it; None where all of it is loaded.
+    """
+    from core.numerics.interpreting import CAN_INTERPRET, start_interpreting
+
+    order = session_order(protocol)
+    if is_compiled(order) or not CAN_INTERPRET:
+        fill(order)
+        return None
+    start_interpreting()
+    warm_up(protocol)
+    return Ahead(order)
+
+
+class SessionPlayer:
+    """Plays a session in front of the participant."""
+
+    def __init__(
+        self,
+        line: WorkerLine,
+        protocol: Protocol,
+        clock: Clock,
+        demo_participant: DemoParticipant | None = None,
+        ahead: Ahead | None = None,
+    ) -> None:
+        """Prepare.
+
+        Args:
+            line: to the screen.
+            protocol: pace, and size of the game.
+            clock: of simulated time.
+            demo_participant: a simulated participant who watches, too.
+            ahead: compiles what Python stands in for until then.
+        """
+        self._protocol = protocol
+        self._ahead = ahead
+        self._line = line
+        self._clock = clock
+        self._demo_participant = demo_participant
+        self._stage = screens_of(protocol).renderer(protocol)
+        self._break_ns = round(protocol.screen.pause_between_episodes_s * NS_PER_S)
+        self._steps_shown = StepsShown(protocol.agent.credit.delay)
+        self._marks_presses = protocol.screen.mark_presses
+        self._arrived: list[Input] = []
+        self._begun = False
+        self._covered_since_ns: int | None = None
+        self._stopped = False
+        self._step_on_screen = -1
+        self._pictures = 0
+        self._due_ns = 0
+
+    def during(self, step: int) -> Iterable[Input]:
+        """Return the inputs that have arrived since the last call (`core.session.rollout.FeedbackSource`)."""
+        self._take_in(0.0)
+        arrived, self._arrived = self._arrived, []
+        return arrived
+
+    def run(self, session: "Session | ResumedSession") -> None:
+        """Wait for the start, then play to the end; each output is sent before it is shown."""
+        while not self._begun:
+            self._take_in(None)
+        self._due_ns = self._clock.now_ns()
+        session.before_unseen = self._wait_for_kernels
+        for output in session.run(self, self._clock):
+            self._line.send(output)
+            self._show(output)
+
+    def _show(self, output: Output) -> None:
+        match output:
+            case EpisodeStarted():
+                if self._demo_participant is not None:
+                    self._demo_participant.begin(output)
+                self._due_ns = self._clock.now_ns()
+                self._play(-1, self._stage.begin(output))
+            case StepTaken():
+                shots = self._stage.act(output)
+                self._suggest(output, len(shots))
+                self._play(output.step, shots)
+                if shots:
+                    self._wait_until_seen(output.step)
+            case EpisodeEnded() if not self._stopped:
+                self._send_picture(-1, Shot(self._stage.picture))
+                self._due_ns = self._clock.now_ns() + self._break_ns
+                if self._ahead is not None and self._ahead.finished:
+                    self._load_kernels()
+                self._wait_until_due()
+
+    def _wait_for_kernels(self) -> None:
+        """Wait until everything is compiled, and say how far it is: unseen episodes would take Python minutes."""
+        from core.numerics.interpreting import progress
+
+        while self._ahead is not None:
+            far = progress()
+            self._line.send(Preparing(compiled=far.compiled, needed=far.needed, share=far.share))
+            if self._ahead.finished:
+                self._load_kernels()
+            else:
+                self._take_in(PROGRESS_S)
+
+    def _load_kernels(self) -> None:
+        """Change over from Python to compiled code: it gives the same bits."""
+        from core.numerics.interpreting import load_interpreted, stop_interpreting
+
+        load_interpreted()
+        stop_interpreting()
+        fill(session_order(self._protocol))
+        self._ahead = None
+
+    def _suggest(self, step: StepTaken, n_shots: int) -> None:
+        if self._demo_participant is not None:
+            now_ns = self._clock.now_ns()
+            judged_ns = now_ns + self._stage.judged_after_ns(n_shots)
+            presses = self._demo_participant.watch(step, shown_ns=now_ns, hidden_ns=judged_ns)
+            for press in presses:
+                self._line.send(press)
+
+    def _play(self, step: int, shots: Iterable[Shot]) -> None:
+        for shot in shots:
+            if self._stopped:
+                return
+            self._send_picture(step, shot)
+            # Where learning took longer than a tick, time went by unseen: begin anew instead of hurrying.
+            self._due_ns = max(self._due_ns + self._stage.tick_ns, self._clock.now_ns())
+            self._wait_until_due()
+
+    def _send_picture(self, step: int, shot: Shot) -> None:
+        self._line.send(
+            Picture(
+                number=self._pictures,
+                step=step,
+                view=shot.view,
+                ahead=shot.ahead,
+                lasts_ns=self._stage.tick_ns if shot.ahead is not None else 0,
+            )
+        )
+        self._pictures += 1
+
+    def _wait_until_due(self) -> None:
+        while not self._stopped:
+            if self._covered_since_ns is not None:
+                self._take_in(None)
+                continue
+            left_ns = self._due_ns - self._clock.now_ns()
+            if left_ns <= 0:
+                return
+            self._take_in(left_ns / NS_PER_S)
+
+    def _wait_until_seen(self, step: int) -> None:
+        """Wait for a terminal that is behind: no step is over before the participant has seen it."""
+        while self._step_on_screen < step and not self._stopped:
+            self._take_in(None)
+
+    def _take_in(self, timeout_s: float | None) -> None:
+        """Act on the messages that are there; wait for one up to `timeout_s` seconds (None: for ever)."""
+        for message in self._line.receive(timeout_s):
+            if isinstance(message, Begin):
+                self._begun = True
+            else:
+                self._note(message)
+                self._arrived.append(message)
+
+    def _note(self, message: Input) -> None:
+        self._steps_shown.note(message)
+        match message:
+            case KeyPressed(verdict="accepted") if self._marks_presses:
+                self._tell_taken_for(message)
+            case FrameShown(step=step):
+                self._step_on_screen = max(step, self._step_on_screen)
+            case ScreenCleared(time_ns=time_ns):
+                self._covered_since_ns = time_ns
+            case Resumed(time_ns=time_ns) if self._covered_since_ns is not None:
+                self._due_ns += time_ns - self._covered_since_ns
+                self._covered_since_ns = None
+            case StopAsked():
+                self._stopped = True
+
+    def _tell_taken_for(self, press: KeyPressed) -> None:
+        """Tell the screen what a press was taken for."""
+        assert press.value is not None, "an accepted press means something"
+        step = self._steps_shown.taken_for(press)
+        place = self._stage.place_of(step)
+        self._line.send(
+            TakenFor(
+                press=press.press,
+                value=press.value,
+                step=step,
+                blocks=place.blocks,
+                player=place.player,
+                target=place.target,
+            )
+        )
