@@ -113,6 +113,8 @@ class TimeGap(Record, frozen=True, kw_only=True, tag="time-gap"):
     """When it ran again."""
     suspended_ns: int = 0
     """How long the machine was suspended: this clock does not count that time on Linux. >= 0."""
+    joint: bool = False
+    """The session was broken off, and goes on here in another file: first event of a resumed session."""
 
 
 class FocusLost(Record, frozen=True, kw_only=True, tag="focus-lost"):
@@ -127,12 +129,15 @@ class FocusRegained(Record, frozen=True, kw_only=True, tag="focus-regained"):
     time_ns: int
 
 
-StopReason = Literal["participant", "window-closed", "signal", "worker-died", "time-limit", "disk-failed"]
+StopReason = Literal[
+    "participant", "window-closed", "signal", "worker-died", "time-limit", "disk-failed", "practised"
+]
 """Why a session ends before its last game.
 
 `participant`: by a key. `window-closed`: the terminal went away (SIGHUP, or its end of the line closed). `signal`: the
 process was asked to end (SIGTERM). `worker-died`: the learner failed or did not answer. `time-limit`: the protocol's
-time was over. `disk-failed`: the recording could not be written any more.
+time was over. `disk-failed`: the recording could not be written any more. `practised`: in a practice, both keys had
+been pressed in time.
 
 Version 1 knows participant, worker-died and time-limit only: there, "participant" may also be a closed window, a
 signal or a full disk.

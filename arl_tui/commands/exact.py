@@ -10,7 +10,8 @@ import msgspec
 from arl_tui.app import facts
 from arl_tui.command_line import say
 from core.events import SessionEnded
-from core.recording.reader import Recording, RecordingError, read_recording
+from core.recording.joined import read_session
+from core.recording.reader import Recording, RecordingError
 from core.recording.summary import summarise_recording
 from core.session.protocol import Protocol
 from core.session.protocol_reading import protocol_from
@@ -23,13 +24,15 @@ WORTH_A_BAR = 20_000
 
 
 def read_or_stop(path: Path, *, allow_truncated: bool) -> Recording:
-    """Read a recording and say what is unusual about its file; stop where it cannot be read."""
+    """Read a session and say what is unusual about its files; stop where they cannot be read."""
     try:
-        recording = read_recording(path, allow_truncated=allow_truncated)
+        recording = read_session(path, allow_truncated=allow_truncated)
     except (RecordingError, OSError) as error:
         raise click.ClickException(printable(str(error), longest=None)) from error
     for note in recording.notes:
         say(f"Beware: {printable(note, longest=None)}", err=True)
+    for older in recording.older:
+        say(f"Goes on with {printable(str(older), longest=None)}: both are taken as one session.", err=True)
     return recording
 
 

@@ -4,7 +4,7 @@ import gc
 import os
 import secrets
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,6 +19,8 @@ from core.session.protocol_reading import load_protocol
 
 if TYPE_CHECKING:
     from arl_tui.app.outcome import Outcome
+    from arl_tui.session_app import ArlApp
+    from core.recording.joined import FinishedPart
 
 
 @click.command(short_help="Watch an agent learn a game and judge it by key presses.")
@@ -36,17 +38,31 @@ if TYPE_CHECKING:
     "pooled; see `arl calibrate`), paper, or a rule as in `arl replay`. By default the protocol's choice (delay_of), the "
     "same for every participant; without a file that is a rule: previous in Tetris, gamma:2.5,0.3 in Keepaway.",
 )
+@click.option(
+    "--resume",
+    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    help="Go on with a session that broke off, after its last finished game. All settings are those of the file; the "
+    "rest of the session is recorded beside it.",
+)
 @recordings_option(to_write=True)
+@click.pass_context
 def play(
+    context: click.Context,
     game: str,
     protocol: Path | None,
     participant: str,
     seed: int | None,
     episodes: int | None,
     credit: str | None,
+    resume: Path | None,
     recordings: Path,
 ) -> None:
     """Watch an agent learn GAME, and tell it by key presses what you think of it."""
+    if resume is not None:
+        from arl_tui.commands.resume import resume_session
+
+        resume_session(context, resume)
+        return
     play_session(
         game,
         protocol=protocol,
@@ -125,8 +141,59 @@ def run_live(
     recordings: Path,
     simulated: bool = False,
     source: Mapping[str, str] | None = None,
+    study: Mapping[str, str] | None = None,
+    kept: "FinishedPart | None" = None,
 ) -> "Outcome":
-    """Start the worker, then the app; return what is left when both are gone."""
+    """Start the worker, then the app; return what is left when both are gone.
+
+    The arguments are those of `live_app`.
+    """
+    app, outcome = live_app(
+        protocol,
+        participant=participant,
+        seed=seed,
+        recordings=recordings,
+        simulated=simulated,
+        source=source,
+        study=study,
+        kept=kept,
+    )
+    if app.ended_by is not None:
+        if outcome is not None and outcome.recording is not None:
+            say(f"Recording: {outcome.recording}")
+        raise SystemExit(128 + app.ended_by)
+    if outcome is None:
+        raise click.ClickException("the app ended without a result; see the message above")
+    return outcome
+
+
+def live_app(
+    protocol: Protocol,
+    *,
+    participant: str,
+    seed: int | None,
+    recordings: Path,
+    simulated: bool = False,
+    source: Mapping[str, str] | None = None,
+    study: Mapping[str, str] | None = None,
+    kept: "FinishedPart | None" = None,
+    practice: bool = False,
+    on_gone: Callable[[], None] = lambda: None,
+) -> "tuple[ArlApp, Outcome | None]":
+    """Start the worker, then the app; return the app and its result when both are gone.
+
+    Args:
+        protocol: what is played, its credit rule in numbers.
+        participant: pseudonym.
+        seed: root seed; a new one by default.
+        recordings: folder of the new recording.
+        simulated: a simulated participant presses keys, too.
+        source: where the credit rule comes from, for the header.
+        study: where the session belongs in a study, for the header.
+        kept: what the session had done before it broke off; None where it begins.
+        practice: nothing counts.
+        on_gone: called where the window is closed and this process is about to end.
+    """
     try:
         signer_in_use()
     except NoKey as error:
@@ -139,7 +206,7 @@ def run_live(
 
     # Before the app runs, because no process can be started from inside it; but after everything is imported: on two
     # hardware threads of one core a worker that compiles slows the first picture down by a third.
-    link = start_worker(protocol, root_seed, simulated=simulated)
+    link = start_worker(protocol, root_seed, simulated=simulated, kept=kept)
     try:
         setup = SessionSetup(
             protocol=protocol,
@@ -148,18 +215,15 @@ def run_live(
             recordings=recordings,
             simulated=simulated,
             source=source or {},
+            study=study or {},
+            kept=kept,
+            practice=practice,
         )
         app = build_app(setup, link)
-        outcome = app.run_in_terminal()
+        app.before_leaving = on_gone
+        return app, app.run_in_terminal()
     finally:
         link.close()
-    if app.ended_by is not None:
-        if outcome is not None and outcome.recording is not None:
-            say(f"Recording: {outcome.recording}")
-        raise SystemExit(128 + app.ended_by)
-    if outcome is None:
-        raise click.ClickException("the app ended without a result; see the message above")
-    return outcome
 
 
 def tell(outcome: "Outcome") -> None:

@@ -2,7 +2,7 @@
 
 import csv
 import shlex
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 import click
@@ -12,6 +12,7 @@ from arl_tui.command_line import FILE, ToWrite, recordings_option, say
 from arl_tui.commands.recordings_format import schema, upgrade
 from arl_tui.home import elsewhere, recordings_folder, why_here
 from arl_tui.recordings import CALIBRATION_FOLDER, all_recordings
+from core.recording.joined import joined
 from core.recording.reader import Recording, RecordingError
 from core.recording.skim import skim_recording
 from core.recording.summary import RecordingSummary, summarise_recording
@@ -31,6 +32,8 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
     """Why it is damaged."""
     notes: str = ""
     """What is unusual about a sound file, separated by "; "."""
+    goes_on_with: str = ""
+    """Older recordings that are part of the session, separated by "; ": they have no line of their own."""
     participant: str = ""
     origin: str = ""
     created_utc: str = ""
@@ -121,7 +124,7 @@ def list_all(folder: Path, *, csv_path: Path | None = None) -> None:
     """Print what each recording holds; leave with status 1 if one of them is damaged."""
     why = f" ({why_here()})" if folder == recordings_folder() else ""
     problems: list[OSError] = []
-    found = list(read_all(folder, problems))
+    found = as_sessions(read_all(folder, problems))
     if found:
         say(f"Recordings in {folder}{why}:")
     else:
@@ -153,6 +156,24 @@ def read_all(folder: Path, problems: list[OSError]) -> Iterator[Found]:
             yield path, None, str(error)
 
 
+def as_sessions(found: Iterable[Found]) -> list[Found]:
+    """Return one entry per session: a recording that another one goes on with is part of that one.
+
+    Where both cannot be joined, the newer one is named as damaged, and the older one stands for itself.
+    """
+    sessions: list[Found] = []
+    parts: set[Path] = set()
+    for path, recording, reason in found:
+        if recording is not None:
+            try:
+                recording = joined(recording)
+                parts.update(recording.older)
+            except (RecordingError, OSError) as error:
+                recording, reason = None, str(error)
+        sessions.append((path, recording, reason))
+    return [one for one in sessions if one[0] not in parts]
+
+
 def tell_one(path: Path, folder: Path, recording: Recording | None, reason: str) -> None:
     """Print the lines about one file."""
     name = printable(str(path.relative_to(folder)), longest=None)
@@ -167,6 +188,8 @@ def tell_one(path: Path, folder: Path, recording: Recording | None, reason: str)
     say(name, nl=False, bold=True)
     say(printable(f"  {header.participant}  {header.origin}  {when}"))
     say(f"    {printable(summarise_recording(recording).words)}")
+    for older in recording.older:
+        say(f"    goes on with {printable(older.name)}: both are one session")
     for note in recording.notes:
         say(f"    beware: {printable(note, longest=None)}")
 
@@ -199,6 +222,7 @@ def row_of(path: Path, recording: Recording | None, reason: str) -> Row:
         file=str(path),
         state="sound",
         notes="; ".join(recording.notes),
+        goes_on_with="; ".join(older.name for older in recording.older),
         participant=header.participant,
         origin=header.origin,
         created_utc=header.created_utc,

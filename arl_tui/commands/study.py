@@ -80,6 +80,14 @@ def check(file: Path, pages: bool) -> None:
     say("\nNothing is missing.")
 
 
+@study.command(short_help="Print every key of a study file with what it means.")
+def settings() -> None:
+    """Print every key of a study file and of a questionnaire: what it takes, and what it means (docs/study.md)."""
+    from arl_tui.commands.study_page import page
+
+    click.echo(page(), nl=False)
+
+
 @study.command(short_help="Lead a participant through their next sitting.")
 @study_argument
 @click.option("--participant", "code", help="Code of the participant; a new one is drawn by default.")
@@ -89,14 +97,15 @@ def run(file: Path, code: str | None, recordings: Path) -> None:
     from arl_tui.app.facts import software
     from arl_tui.commands.play import need_terminal
     from arl_tui.commands.study_blocks import player
-    from arl_tui.study.run import Terminal, run_sitting
+    from arl_tui.study.presenter import Terminal
+    from arl_tui.study.run import run_sitting
     from studies.lab.enrolment import drawn_code
 
     need_terminal("arl study run", instead="arl study simulate")
     with _plain_errors():
         loaded, ledger = _open(file, recordings)
         code = code or drawn_code(loaded.study, ledger)
-        result = run_sitting(loaded, ledger, code, Terminal(player(loaded, recordings)), software=software())
+        result = run_sitting(loaded, ledger, code, Terminal(player(loaded)), software=software())
     said = {
         "finished": "finished the sitting",
         "stopped": "stopped the sitting",
@@ -107,6 +116,8 @@ def run(file: Path, code: str | None, recordings: Path) -> None:
     }[result.how]
     who = "The participant" if result.how in ("declined", "nothing") else result.code
     say(f"{who} {said}.")
+    for remark in result.remarks:
+        say(f"Beware: {remark}", err=True)
     if result.trouble:
         raise click.ClickException(result.trouble)
 
@@ -123,6 +134,7 @@ def simulate(file: Path, participants: int, recordings: Path) -> None:
     Their data lie in a folder of their own, whose name ends in "-simulated", and every file says that it is simulated.
     """
     from arl_tui.app.facts import software
+    from arl_tui.commands.study_blocks import settle_simulated
     from arl_tui.study.run import run_sitting
     from arl_tui.study.simulated import SimulatedPresenter, habits_of
     from core.numerics.clock import ManualClock
@@ -141,7 +153,14 @@ def simulate(file: Path, participants: int, recordings: Path) -> None:
             )
             seed = stream_seed(loaded.study.seed, "simulated", number)
             for _ in loaded.study.sittings:
-                presenter = SimulatedPresenter(loaded, habits, seed=seed, clock=clock, software=software())
+                presenter = SimulatedPresenter(
+                    loaded,
+                    habits,
+                    seed=seed,
+                    clock=clock,
+                    software=software(),
+                    settle=settle_simulated(loaded),
+                )
                 result = run_sitting(
                     loaded,
                     ledger,
@@ -159,11 +178,16 @@ def simulate(file: Path, participants: int, recordings: Path) -> None:
 @study.command(short_help="Show who is where, and whose data are worth a look.")
 @study_argument
 @click.option("--simulated", is_flag=True, help="Of the simulated participants.")
+@click.option("--watch", is_flag=True, help="Follow the running sittings, once a second, and take notes.")
 @recordings_option(to_write=False)
-def status(file: Path, simulated: bool, recordings: Path) -> None:
+def status(file: Path, simulated: bool, watch: bool, recordings: Path) -> None:
     """Show how far STUDY is: participants, orders, drop-outs, presses, and what looks wrong."""
+    if watch:
+        _watch(file, recordings, simulated=simulated)
+        return
     from core.numerics.clock import wall_time_utc
     from studies.lab.folder import data_folder
+    from studies.lab.notes import read_notes
     from studies.lab.progress import moment
     from studies.lab.read import load_study
     from studies.lab.status import status as status_of
@@ -175,6 +199,7 @@ def status(file: Path, simulated: bool, recordings: Path) -> None:
             say(f"Nobody has taken part yet: there is no {folder / 'ledger.jsonl'}")
             return
         found = status_of(loaded.study, folder, moment(wall_time_utc()))
+        notes = read_notes(folder)
     say(f"{found.finished} of {found.planned} have finished; {found.declined} did not consent.\n")
     for row in found.rows:
         presses = "-" if row.presses_per_game is None else f"{row.presses_per_game:.1f}"
@@ -187,6 +212,8 @@ def status(file: Path, simulated: bool, recordings: Path) -> None:
     say("\nFinished with each order:")
     for order, count in found.orders:
         say(f"  {count:3}  {', '.join(order)}")
+    for note in notes:
+        say(f"Note of {note.at_utc}: {note.text}")
 
 
 @study.command(short_help="Remove everything of a participant who withdraws.")
@@ -225,6 +252,50 @@ def drop(file: Path, code: str, reason: str, recordings: Path) -> None:
         ledger.append(DroppedOut(code=code, reason=reason))
     rule = "is given to the next participant" if loaded.study.dropouts.replace else "stays empty"
     say(f"{code} counts as dropped out. The place {rule} ([dropouts] replace).")
+
+
+def _watch(file: Path, recordings: Path, *, simulated: bool) -> None:
+    """Follow the running sittings of a study from this terminal."""
+    from arl_tui.commands.play import need_terminal
+    from arl_tui.study.monitor import Monitor
+    from core.numerics.clock import wall_time_utc
+    from studies.lab.folder import data_folder
+    from studies.lab.ledger import read_ledger
+    from studies.lab.notes import add_note
+    from studies.lab.progress import moment, progress
+    from studies.lab.read import load_study
+    from studies.lab.watching import RunningRow, Watch
+
+    need_terminal("arl study status --watch", instead="arl study status")
+    with _plain_errors():
+        loaded = load_study(file)
+    data = data_folder(recordings, loaded.study.name, simulated=simulated)
+    watch = Watch(loaded.study, data)
+
+    def look() -> tuple[str, tuple[RunningRow, ...]]:
+        if not (data / "ledger.jsonl").exists():
+            return "Nobody has taken part yet.", ()
+        try:
+            so_far = progress(read_ledger(data / "ledger.jsonl"))
+        except ValueError as error:
+            return str(error), ()
+        last = len(loaded.study.sittings)
+        finished = sum(
+            not person.withdrawn and person.next_sitting(loaded.study) == last
+            for person in so_far.participants.values()
+        )
+        return f"{finished} of {loaded.study.participants} have finished.", watch.rows(
+            so_far, moment(wall_time_utc()).timestamp()
+        )
+
+    def note(text: str, running: tuple[str, ...]) -> str:
+        try:
+            data.mkdir(mode=0o700, parents=True, exist_ok=True)
+            return f"Noted at {add_note(data, text, running).at_utc}."
+        except (ValueError, OSError) as error:
+            return f"NOT noted: {error}"
+
+    Monitor(f"Study {loaded.study.name}", look, note).run_in_terminal()
 
 
 def _open(file: Path, recordings: Path, *, simulated: bool = False) -> "tuple[LoadedStudy, Ledger]":

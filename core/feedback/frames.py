@@ -11,9 +11,14 @@ FRAMES_REMEMBERED = 256
 class FrameLedger:
     """Which frame, and which step, was on screen at a time that has just passed."""
 
-    def __init__(self) -> None:
+    def __init__(self, first: int = 0) -> None:
+        """Begin with an empty screen.
+
+        Args:
+            first: number of the next frame.
+        """
         self._steps: dict[int, int] = {}
-        self._next_frame = 0
+        self._next_frame = first
         self._shown: deque[tuple[int, int, int]] = deque([(0, -1, -1)], maxlen=FRAMES_REMEMBERED)
 
     def painted(self, step: int) -> int:

@@ -190,9 +190,13 @@ class WrongPressPlan:
         """Return whether to ask now, when a step has been taken; the gate then knows that it was asked."""
         if not self._next_is_wrong or gate.wrong_asked or gate.presses_left <= 0:
             return False
+        self.asked(gate)
+        return True
+
+    def asked(self, gate: PressGate) -> None:
+        """Note that the participant has been asked, in a session that goes on: the press is still to be made."""
         self._next_is_wrong = False
         gate.wrong_asked = True
-        return True
 
     def accepted(self) -> None:
         """Draw for the press after one that was accepted."""

@@ -16,8 +16,8 @@ from typing import Any, Literal, get_args
 import msgspec
 
 from core.recording.reader import CHAIN_MARK, Recording
-from core.recording.recorder import Chain
-from core.recording.schema import End, encode
+from core.recording.recorder import CHAIN_DIGITS, Chain
+from core.recording.schema import End, Resumes, encode
 from core.recording.undo import as_recorded
 
 Removal = Literal["dates", "terminal", "free-text", "other-keys", "codes"]
@@ -100,7 +100,7 @@ def without_dates(value: Any) -> Any:
     return value
 
 
-def anonymised(recording: Recording, how: Anonymising) -> bytes:
+def anonymised(recording: Recording, how: Anonymising, *, resumes: Resumes | None = None) -> bytes:
     """Return the content of a copy of a recording.
 
     The copy is of the same version of the format. A line that was being written when the session was cut off
@@ -109,6 +109,7 @@ def anonymised(recording: Recording, how: Anonymising) -> bytes:
     Args:
         recording: as it was read.
         how: what is removed.
+        resumes: what the copy says of the recording that it goes on with; as it was by default.
 
     Raises:
         OSError: the recording's file cannot be read again.
@@ -124,7 +125,7 @@ def anonymised(recording: Recording, how: Anonymising) -> bytes:
             plain.pop(name, None)
         return msgspec.json.encode(plain)
 
-    return resealed(recording, lambda header: _header(header, how), change_event, about)
+    return resealed(recording, lambda header: _header(header, how), change_event, about, resumes=resumes)
 
 
 def resealed(
@@ -132,6 +133,8 @@ def resealed(
     change_header: Callable[[dict[str, Any]], dict[str, Any]],
     change_event: Callable[[bytes], bytes],
     about: Mapping[str, str],
+    *,
+    resumes: Resumes | None = None,
 ) -> bytes:
     """Return a recording's content with its header and its events changed, and a new chain.
 
@@ -140,6 +143,7 @@ def resealed(
         change_header: takes and returns the header in plain JSON types.
         change_event: takes and returns the JSON of one line.
         about: added to the header's `source`.
+        resumes: what the header says of the recording that this one goes on with; as it was by default.
     """
     content = as_recorded(recording.path, recording.path.read_bytes()).content
     lines = [line for line in content.split(b"\n") if line.strip()]
@@ -147,6 +151,8 @@ def resealed(
     header, *events = [line.rpartition(CHAIN_MARK)[0] + b"}" for line in lines[:n_lines]]
     plain = change_header(msgspec.json.decode(header))
     plain["source"] = plain.get("source", {}) | dict(about)
+    if resumes is not None:
+        plain["resumes"] = msgspec.to_builtins(resumes)
     if recording.signature:
         # It was about the lines as they were.
         events[-1] = encode(End(events=len(recording.events)))
@@ -154,6 +160,11 @@ def resealed(
     sealed = [chain.seal(msgspec.json.encode(plain))]
     sealed += [chain.seal(change_event(event)) for event in events]
     return b"".join(sealed)
+
+
+def last_chain(content: bytes) -> str:
+    """Return the chain of the last line of a recording's content: 16 hex digits."""
+    return content.rstrip(b"\n").rpartition(CHAIN_MARK)[2][:CHAIN_DIGITS].decode()
 
 
 def _header(plain: dict[str, Any], how: Anonymising) -> dict[str, Any]:

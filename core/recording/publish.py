@@ -6,11 +6,15 @@ They are chained anew, so that they read and replay as the originals do.
 import re
 from pathlib import Path
 
-from core.recording.anonymise import resealed, without_dates
+import msgspec
+
+from core.recording.anonymise import last_chain, resealed, without_dates
+from core.recording.joined import older_path
 from core.recording.reader import Recording, read_recording
+from core.recording.schema import Resumes
 
 
-def publish_copy(recording: Recording, target: Path) -> None:
+def publish_copy(recording: Recording, target: Path, *, resumes: Resumes | None = None) -> str:
     """Write a copy of a recording whose header names no date; its events are the same, byte by byte.
 
     `core.recording.anonymise` removes more than dates.
@@ -18,16 +22,21 @@ def publish_copy(recording: Recording, target: Path) -> None:
     Args:
         recording: as it was read.
         target: the new file; its folder is made where it is missing.
+        resumes: what the copy says that it goes on with: the copy of the older recording.
+
+    Returns:
+        The copy's last chain.
 
     Raises:
         FileExistsError: there is a file at `target` already.
         OSError: it cannot be written.
     """
     about = {"published": "dates removed, chained anew"}
-    content = resealed(recording, without_dates, lambda event: event, about)
+    content = resealed(recording, without_dates, lambda event: event, about, resumes=resumes)
     target.parent.mkdir(parents=True, exist_ok=True)
     with target.open("xb") as file:
         file.write(content)
+    return last_chain(content)
 
 
 def publish_folder(paths: list[Path], into: Path) -> list[tuple[Path, Path]]:
@@ -48,10 +57,15 @@ def publish_folder(paths: list[Path], into: Path) -> list[tuple[Path, Path]]:
     recordings = sorted(map(read_recording, paths), key=lambda found: (found.header.created_utc, found.path))
     numbers: dict[str, int] = {}
     copies = []
+    published: dict[Path, tuple[str, str]] = {}
     for recording in recordings:
         code = re.sub(r"[^\w-]", "_", recording.header.participant)[:40]
         numbers[code] = numbers.get(code, 0) + 1
         target = into / f"{code}-{numbers[code]}.jsonl"
-        publish_copy(recording, target)
+        resumes = recording.header.resumes
+        if resumes is not None and (older := older_path(recording.path, resumes)) in published:
+            name, chain = published[older]
+            resumes = msgspec.structs.replace(resumes, file=name, chain=chain)
+        published[recording.path] = target.name, publish_copy(recording, target, resumes=resumes)
         copies.append((recording.path, target))
     return copies

@@ -51,6 +51,10 @@ class Recording:
     """What stands behind the last whole line: the one that was being written when the session was cut off."""
     notes: tuple[str, ...] = ()
     """What is unusual about the file and was put right while reading, in plain sentences."""
+    chain: str = ""
+    """Chain of the last whole line, hex: no other content has the same."""
+    older: tuple[Path, ...] = ()
+    """Older recordings whose events come first, where a session was resumed (`core.recording.joined`)."""
     empty_lines: tuple[int, ...] = ()
     """Numbers of the lines that hold nothing, from 1, ascending."""
     steps_left_out: int = 0
@@ -115,6 +119,7 @@ class _Reading:
         self._content = content
         self._notes = notes
         self._chain = Chain()
+        self._last_chain = ""
         self._blank: tuple[int, ...] = ()  # numbers of empty lines, ascending
         self._numbers: list[int] = []  # of the other lines, where there are empty ones
         self._n_line_ends = 0
@@ -154,9 +159,10 @@ class _Reading:
             end is not None,
             tail,
             tuple(self._notes),
-            self._blank,
+            empty_lines=self._blank,
             signature="" if end is None else end.signature,
             signed=signed,
+            chain=self._last_chain,
         )
 
     def _wrong(self, number: int, what: str) -> RecordingError:
@@ -273,6 +279,7 @@ class _Reading:
         payload += b"}"
         if self._chain.advance(payload) != rest[:CHAIN_DIGITS]:
             raise self._wrong(number, _broken(number, payload, rest[:CHAIN_DIGITS]))
+        self._last_chain = rest[:CHAIN_DIGITS].decode()
         try:
             return record_of(payload, version)
         except RecursionError as error:

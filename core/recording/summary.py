@@ -17,7 +17,7 @@ from core.events import (
     TimeGap,
 )
 from core.recording.reader import Recording
-from core.recording.schema import FIRST_GAME
+from core.recording.schema import FIRST_GAME, Header
 from core.recording.upgrade import recorded_version
 
 HAS_REASONS = 2
@@ -31,6 +31,7 @@ _STOPS: dict[StopReason, str] = {
     "signal": "stopped by a signal",
     "worker-died": "worker died",
     "time-limit": "time limit reached",
+    "practised": "both keys were practised",
     "disk-failed": "disk failed: the recording could not be written any more",
 }
 _V1_STOP = " (or window closed, signal, disk full: version 1 does not tell)"
@@ -141,7 +142,7 @@ def summarise_recording(recording: Recording) -> RecordingSummary:
     return RecordingSummary(
         game=_game(protocol),
         protocol=str(protocol.get("name", "default")),
-        condition=_condition(recording.header.source, protocol),
+        condition=condition_of(recording.header),
         games_finished=_finished(recording),
         games_begun=_count(recording, EpisodeStarted),
         games_planned=None if imported else _planned(protocol),
@@ -149,15 +150,18 @@ def summarise_recording(recording: Recording) -> RecordingSummary:
         presses_counted=len(counted),
         presses_simulated=sum(press.source == "simulated" for press in counted),
         presses_taken_back=len(taken_back & presses.keys()),
-        gaps=_count(recording, TimeGap),
+        gaps=sum(isinstance(event, TimeGap) and not event.joint for event in recording.events),
         focus_lost=_count(recording, FocusLost),
         ending=ending_of(recording),
     )
 
 
-def _condition(source: Mapping[str, str], protocol: Mapping[str, Any]) -> str:
-    """Return the condition of a session; "" where there is none. Sessions of a study say theirs in the header."""
-    return str(source.get("study.condition") or source.get("condition") or protocol.get("condition", ""))
+def condition_of(header: Header) -> str:
+    """Return the study's condition of a session; "" where there is none."""
+    for said in (header.study, header.source, header.protocol):
+        if said.get("condition"):
+            return str(said["condition"])
+    return ""
 
 
 def _count(recording: Recording, kind: type) -> int:

@@ -61,7 +61,8 @@ def check_inputs(recording: Recording, keys: KeyConfig) -> None:
     """
     if recording.header.origin == "imported":
         return
-    screen = _Screen(recording.header, keys)
+    # An older part may have been shifted to times before zero (`core.recording.joined`).
+    screen = _Screen(recording.header, keys, earliest_ns=-LONGEST_NS if recording.older else 0)
     for index, event in enumerate(recording.events):
         try:
             screen.take(event)
@@ -86,7 +87,8 @@ class _RecordedReader(KeyReader):
 class _Screen:
     """The screen's side of a session: takes in events in the order of the file, as the live screen did."""
 
-    def __init__(self, header: Header, keys: KeyConfig) -> None:
+    def __init__(self, header: Header, keys: KeyConfig, *, earliest_ns: int = 0) -> None:
+        self._earliest_ns = earliest_ns
         self._live = header.origin == "live"
         least_ns, most_ns = CLOCKS_AGREE_NS
         self._clocks_agree_ns = min(max(least_ns, header.clock_resolution_ns), most_ns)
@@ -103,13 +105,13 @@ class _Screen:
         self._covered = False
         self._stopped = False
         self._last_frame = -1
-        self._last_flush_ns = 0
+        self._last_flush_ns = earliest_ns
         self._last_shown = -1
         self._step_times: dict[int, int] = {}
         self._last_press_ns: dict[tuple[str, int], int] = {}
         self._waiting: deque[int] = deque()  # times of inputs that no output has counted yet
         self._counted = 0
-        self._output_ns = 0
+        self._output_ns = earliest_ns
 
     def take(self, event: Event) -> None:
         """Take in the next event.
@@ -117,6 +119,8 @@ class _Screen:
         Raises:
             _Impossible: it cannot have happened here.
         """
+        if isinstance(event, TimeGap) and event.joint:
+            self._go_on()
         if self._due and isinstance(self._due[0], WrongPressAsked):
             self._take_request(event)
         elif self._due:
@@ -130,6 +134,15 @@ class _Screen:
             self._take_output(event)
         else:
             self._take_input(event)
+
+    def _go_on(self) -> None:
+        """Begin anew where the session goes on in another file: the screen's process was a new one."""
+        asked = any(gate.wrong_asked for gate in self._gates.values())
+        self._due.clear()  # what would have come next belongs to the game that was cut short
+        self._playing = self._covered = False
+        self._gates.clear()
+        if asked:
+            self._gate_of(0).wrong_asked = True
 
     # --- inputs -------------------------------------------------------------------------------------------------
 
@@ -192,7 +205,7 @@ class _Screen:
     def _take_press(self, pressed: KeyPressed) -> None:
         gate = self._gate_of(pressed.person)
         by = (pressed.source, pressed.person)
-        if pressed.time_ns < self._last_press_ns.get(by, 0):
+        if pressed.time_ns < self._last_press_ns.get(by, self._earliest_ns):
             _refuse(
                 f"press {pressed.press} is at {pressed.time_ns} ns, the one before at {self._last_press_ns[by]} ns"
             )
@@ -241,7 +254,7 @@ class _Screen:
 
     def _note_time(self, event: Input) -> None:
         time_ns = _time_of(event)
-        if not 0 <= time_ns <= LONGEST_NS:
+        if not self._earliest_ns <= time_ns <= LONGEST_NS:
             _refuse(f"{_told(event)} at {time_ns} ns: no clock of a session says so")
         self._waiting.append(time_ns)
 

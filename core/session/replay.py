@@ -106,7 +106,7 @@ def replay_exactly(
         if recorded is not None and replayed is not None:
             replayed = as_far_as_recorded(recorded, replayed)
         if recorded != replayed:
-            return ReplayResult(compared, _first_difference(compared, recorded, replayed))
+            return ReplayResult(compared, first_difference(compared, recorded, replayed))
         compared += 1
         if compared % TOLD_EVERY == 0:
             on_progress(TOLD_EVERY)
@@ -118,7 +118,10 @@ def _run_both(recording: Recording, session: Session) -> Iterator[tuple[Output |
 
     Where the file ends while presses were being credited, it is not known what had been taken in: those are left out.
     """
-    source, clock = Recorded(recording.inputs), ManualClock()
+    # A resumed session's older part may have been shifted to times before zero.
+    outputs = (event for event in recording.events if isinstance(event, Output))
+    first_ns = next((output.time_ns for output in outputs if not isinstance(output, CreditGiven)), 0)
+    source, clock = Recorded(recording.inputs), ManualClock(first_ns)
     run = session.run(source, clock)
     credited: list[CreditGiven] = []
     last: Output | None = None
@@ -139,7 +142,8 @@ def _run_both(recording: Recording, session: Session) -> Iterator[tuple[Output |
             yield None, next(run, None)
 
 
-def _first_difference(number: int, recorded: Output | None, replayed: Output | None) -> Difference:
+def first_difference(number: int, recorded: Output | None, replayed: Output | None) -> Difference:
+    """Return in which field two outputs that are not equal differ."""
     if recorded is None or replayed is None or type(recorded) is not type(replayed):
         return Difference(number, "type", type(recorded).__name__, type(replayed).__name__)
     before, now = msgspec.structs.asdict(recorded), msgspec.structs.asdict(replayed)

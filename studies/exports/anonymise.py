@@ -9,7 +9,8 @@ from typing import Any
 
 import msgspec
 
-from core.recording.anonymise import NO_DATE, NO_TEXT, Anonymising, anonymised
+from core.recording.anonymise import NO_DATE, NO_TEXT, Anonymising, anonymised, last_chain
+from core.recording.joined import older_path
 from core.recording.reader import Recording, RecordingError, read_recording
 from core.recording.recorder import Chain
 from core.system.private_files import create_private, make_private_folder, write_all
@@ -113,11 +114,14 @@ def anonymise(
             copies.left_out.append(Trouble(source.path, str(other)))
     names = _new_names(found, how)
     texts = {**{name: read_questions(name, Path()) for name in READY}, **(questions or {})}
-    for one in found:
+    chains: dict[Path, str] = {}
+    for one in sorted(found, key=lambda one: (one.when, one.source.path)):
         target = into / names[one.source.path]
         make_private_folder(target.parent)
+        content = _copy(one, how, names, texts, chains)
         with create_private(target) as file:
-            write_all(file, _copy(one, how, names, texts))
+            write_all(file, content)
+        chains[one.source.path] = last_chain(content)
         copies.made.append((one.source.path, target))
     return copies
 
@@ -174,13 +178,21 @@ def _new_names(found: list[_Found], how: Anonymising) -> dict[Path, Path]:
 
 
 def _copy(
-    one: _Found, how: Anonymising, names: Mapping[Path, Path], questions: Mapping[str, QuestionList]
+    one: _Found,
+    how: Anonymising,
+    names: Mapping[Path, Path],
+    questions: Mapping[str, QuestionList],
+    chains: Mapping[Path, str],
 ) -> bytes:
+    """Return the content of a copy; `chains` holds the last chains of the older copies."""
     path = one.source.path
     match one.source.kind:
         case "recording":
             recording: Recording = read_recording(path)
-            return anonymised(recording, how)
+            resumes = recording.header.resumes
+            if resumes is not None and (older := older_path(path, resumes)) in chains:
+                resumes = msgspec.structs.replace(resumes, file=names[older].name, chain=chains[older])
+            return anonymised(recording, how, resumes=resumes)
         case "trials":
             return _trials(read_trials(path), how, path.read_bytes())
         case _:
