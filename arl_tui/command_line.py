@@ -20,7 +20,7 @@ FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 
 
 class GameChoice(click.ParamType):  # type: ignore[type-arg] # not generic in click 8.1
-    """The name of a game, looked up when a name is read or help is printed: `arl` alone starts without."""
+    """The name of a game, or "game:variant" ("gymnasium:CartPole-v1"), looked up when a name is read or help is printed: `arl` alone starts without."""
 
     name = "game"
 
@@ -28,9 +28,10 @@ class GameChoice(click.ParamType):  # type: ignore[type-arg] # not generic in cl
         """Return the name; a usage error lists all games, those of other packages too."""
         from core.plugins import BUILT_IN, game_names
 
-        names = BUILT_IN if value in BUILT_IN else game_names()
-        chosen: str = click.Choice(list(names)).convert(value, param, ctx)
-        return chosen
+        game, colon, variant = str(value).partition(":")
+        names = BUILT_IN if game in BUILT_IN else game_names()
+        chosen: str = click.Choice(list(names)).convert(game, param, ctx)
+        return f"{chosen}{colon}{variant}"
 
     def get_metavar(self, param: click.Parameter, ctx: click.Context) -> str | None:
         """Return the program's own games, as click shows a choice."""

@@ -89,6 +89,14 @@ class GamePlugin(ABC):
     def default(self) -> Any:
         """Return the protocol of a session without a protocol file."""
 
+    def default_of(self, variant: str) -> Any:
+        """Return the default protocol of one of the game's variants: what stands behind the colon in "game:variant".
+
+        Raises:
+            GameError: the game has no variants.
+        """
+        raise GameError(f"{self.title} is one game: say `{self.name}`, without `:{variant}`")
+
     @abstractmethod
     def expected_game_s(self, protocol: Any) -> float:
         """Return how long a watched game is on screen on average, in seconds, > 0."""

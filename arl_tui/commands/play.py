@@ -120,7 +120,7 @@ def read_protocol(path: Path | None, game: str | None = None) -> Protocol:
         protocol = load_protocol(path, game=game or "tetris")
     except (ValueError, OSError) as error:
         raise click.ClickException(str(error)) from error
-    if game is not None and protocol.game != game:
+    if game is not None and protocol.game != game.partition(":")[0]:
         raise click.ClickException(
             f"{path} is a protocol of {protocol.game}, not of {game}: say `{protocol.game}`, or change [domain] type"
         )

@@ -30,7 +30,8 @@ def warm_up() -> None:
     from core.keepaway.pitch import KeepawayConfig
     from core.numerics.interpreting import kernel_notes
 
-    orders = {plugin_called(name).title: session_order(screens_called(name).demo(None)) for name in BUILT_IN}
+    compiled = [name for name in BUILT_IN if plugin_called(name).kernels]
+    orders = {plugin_called(name).title: session_order(screens_called(name).demo(None)) for name in compiled}
     orders["Watching Keepaway"] = match_order(KeepawayConfig())
     for name, order in orders.items():
         if is_compiled(order):

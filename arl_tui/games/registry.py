@@ -31,6 +31,7 @@ GROUP = "arl.screens"
 BUILT_IN = {
     "tetris": "arl_tui.games.tetris.screens:SCREENS",
     "keepaway": "arl_tui.games.keepaway.screens:SCREENS",
+    "gymnasium": "arl_tui.games.gymnasium.screens:SCREENS",
 }
 """Name to where the screens of the program's own games are."""
 

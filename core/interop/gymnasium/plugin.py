@@ -18,6 +18,7 @@ from core.plugins import DomainConfig, GamePlugin
 from core.session.protocol import Protocol, ScreenConfig, SessionConfig
 
 if TYPE_CHECKING:
+    from core.interop.gymnasium.picture import EnvPicture
     from core.registry import Game
 
 
@@ -61,6 +62,16 @@ class GymnasiumPlugin(GamePlugin):
             session=SessionConfig(episodes=10, unseen_between=10, watched_steps=200, unseen_steps=500),
             screen=ScreenConfig(tick_ms=200),
         )
+
+    def default_of(self, variant: str) -> Protocol:
+        """Return the default protocol with another environment: "gymnasium:MountainCar-v0"."""
+        return msgspec.structs.replace(self.default(), domain=GymnasiumConfig(variant))
+
+    def view(self) -> "type[EnvPicture]":
+        """Return the pictures."""
+        from core.interop.gymnasium.picture import EnvPicture
+
+        return EnvPicture
 
     def expected_game_s(self, protocol: Protocol) -> float:
         """Return the time of a game of all its steps: how long one lasts only the environment knows."""
