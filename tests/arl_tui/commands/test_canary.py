@@ -22,7 +22,7 @@ from core.recording.recorder import Chain
 from core.system.foreign_text import in_html, in_plot, printable_json
 from tests.fuzz.targets import TAMER, recordings
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 CANARY = "\x1b]0;title\x07\x1b[2J\x9b31m\u202etxt.exe\u2066\x0d\x08"
 """Sets the window's title, clears the screen, colours by a C1 control, turns the order of reading, goes back."""
 COLOURS = re.compile(r"\x1b\[[0-9;]*m")
