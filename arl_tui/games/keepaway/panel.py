@@ -53,9 +53,9 @@ class LivePitch(PitchWidget):
         if picture is None or picture.ahead is None or self.drawn_frame != picture.number:
             return
         assert isinstance(picture.view, PitchFrame)
-        share = (self._clock.now_ns() - self._since_ns) / picture.lasts_ns
+        fraction = (self._clock.now_ns() - self._since_ns) / picture.lasts_ns
         # Never the next picture itself: another step may begin with it.
-        self.show(between(picture.view, picture.ahead, min(share, 0.99)), picture.number)
+        self.show(between(picture.view, picture.ahead, min(fraction, 0.99)), picture.number)
 
 
 class PitchScene:
