@@ -37,15 +37,15 @@ def demo(game: str, person: str | None, seed: int | None, recordings: Path) -> N
 
     A simulated participant presses keys; you may press, too. Without a terminal the same happens unseen.
     """
-    run_demo(game, somebody=person, seed=seed, recordings=recordings)
+    run_demo(game, person_name=person, seed=seed, recordings=recordings)
 
 
-def demo_protocol(game: str, somebody: TrainerConfig | None = None) -> Protocol:
+def demo_protocol(game: str, participant: TrainerConfig | None = None) -> Protocol:
     """Return a session of about a minute with a participant who presses often; faster than real ones.
 
     Args:
         game: tetris or keepaway.
-        somebody: who presses; by default whoever the game's own protocol has.
+        participant: who presses; by default whoever the game's own protocol has.
     """
     if game == "keepaway":
         return msgspec.structs.replace(
@@ -54,7 +54,7 @@ def demo_protocol(game: str, somebody: TrainerConfig | None = None) -> Protocol:
             screen=ScreenConfig(speed=1.0, count_down_s=1),
             session=SessionConfig(episodes=5, unseen_between=100, watched_steps=300, unseen_steps=3000),
             trainer=msgspec.structs.replace(
-                somebody or KEEPAWAY.trainer,
+                participant or KEEPAWAY.trainer,
                 press_probability=0.8,
                 max_presses=KEEPAWAY.trainer.max_presses,
                 mean_presses=KEEPAWAY.trainer.mean_presses,
@@ -65,15 +65,15 @@ def demo_protocol(game: str, somebody: TrainerConfig | None = None) -> Protocol:
         session=SessionConfig(episodes=3, unseen_between=500, watched_steps=15),
         screen=ScreenConfig(tick_ms=110, pause_between_episodes_s=2.0, count_down_s=1),
         trainer=msgspec.structs.replace(
-            somebody or TrainerConfig(), press_probability=0.35, mean_presses=None
+            participant or TrainerConfig(), press_probability=0.35, mean_presses=None
         ),
     )
 
 
-def run_demo(game: str, *, somebody: str | None, seed: int | None, recordings: Path) -> None:
+def run_demo(game: str, *, person_name: str | None, seed: int | None, recordings: Path) -> None:
     """Show the whole path; in a terminal on screen, elsewhere as fast as the machine can."""
     try:
-        protocol = demo_protocol(game, person(somebody) if somebody else None)
+        protocol = demo_protocol(game, person(person_name) if person_name else None)
     except ValueError as error:
         raise click.BadParameter(str(error), param_hint="--person") from error
     root_seed = secrets.randbits(63) if seed is None else seed

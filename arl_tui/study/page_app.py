@@ -35,7 +35,7 @@ class PageApp(PlainApp[Results]):
         self._on_result = on_result
         self.results: Results = []
         self.closed_by: signal.Signals | None = None
-        """The signal that ended the app: the window was closed, or somebody ended the program."""
+        """The signal that ended the app: the window was closed, or the program was ended from outside."""
 
     def on_mount(self) -> None:
         """Show the first page."""

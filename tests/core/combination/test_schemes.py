@@ -254,7 +254,7 @@ def test_wrong_episode_weights_are_refused() -> None:
 
 
 @pytest.mark.statistical
-@pytest.mark.parametrize("share", [0.1, 0.5, 0.98])
+@pytest.mark.parametrize("handover", [0.1, 0.5, 0.98])
 def test_control_is_shared_in_the_stated_proportion(handover: float) -> None:
     n = 20_000
     taken = [takes_control(seed, decision, handover) for seed in range(20) for decision in range(n // 20)]
