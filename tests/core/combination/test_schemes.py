@@ -245,7 +245,7 @@ def test_wrong_episode_weights_are_refused() -> None:
         EpisodeWeights(LINEAR, -1.0, 0.0)
     with pytest.raises(ValueError, match="w_h"):
         EpisodeWeights(LINEAR, 1.0, math.nan)
-    with pytest.raises(ValueError, match="share"):
+    with pytest.raises(ValueError, match="handover"):
         EpisodeWeights(LINEAR, 1.0, 0.0, 1.01)
     with pytest.raises(ValueError, match="shaping"):
         EpisodeWeights(LINEAR, 1.0, 0.0, shaping=math.inf)
