@@ -7,6 +7,7 @@ from arl_tui.command_line import Arl, Listed
 COMMANDS = (
     Listed("calibrate", "calibrate:calibrate", "Measure how long a participant takes to react and to judge."),
     Listed("demo", "demo:demo", "See the whole path in a minute: watch, press, record, replay."),
+    Listed("doctor", "doctor:doctor", "Check this machine and terminal: go or no go."),
     Listed("experiment", "experiment:experiment", "Run the experiments behind the figures, and report them."),
     Listed("fit", "fit:fit", "Fit delay densities to reaction times in files."),
     Listed("import", "import_log:import_group", "Turn other programs' logs into recordings."),

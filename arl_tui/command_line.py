@@ -16,7 +16,29 @@ from arl_tui.home import VARIABLE, recordings_folder
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
-GAMES = click.Choice(["tetris", "keepaway"])
+
+
+class GameChoice(click.ParamType):  # type: ignore[type-arg] # not generic in click 8.1
+    """The name of a game, looked up when a name is read or help is printed: `arl` alone starts without."""
+
+    name = "game"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        """Return the name; a usage error lists all games, those of other packages too."""
+        from core.plugins import BUILT_IN, game_names
+
+        names = BUILT_IN if value in BUILT_IN else game_names()
+        chosen: str = click.Choice(list(names)).convert(value, param, ctx)
+        return chosen
+
+    def get_metavar(self, param: click.Parameter, ctx: click.Context) -> str | None:
+        """Return the program's own games, as click shows a choice."""
+        from core.plugins import BUILT_IN
+
+        return click.Choice(list(BUILT_IN)).get_metavar(param, ctx)
+
+
+GAMES = GameChoice()
 
 seed_option = click.option(
     "--seed", type=click.IntRange(0, 2**63 - 1), help="Root seed; a new one by default."

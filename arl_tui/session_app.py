@@ -17,13 +17,13 @@ from arl_tui.app.link import Link, Preparing, PressSuggested, Ready
 from arl_tui.app.live_session import LiveSession, Occurrence
 from arl_tui.app.once import after
 from arl_tui.app.outcome import Outcome, SessionControls
-from arl_tui.app.pace import pace_facts, pace_warning
+from arl_tui.games.pace import pace_facts, pace_warning
+from arl_tui.games.registry import words_of
 from arl_tui.palette import palette_for
 from arl_tui.recordings import create_new, rescue, rescue_whole
 from arl_tui.screens.closing import ClosingScreen
 from arl_tui.screens.play import PlayScreen
 from arl_tui.screens.welcome import WelcomeScreen
-from arl_tui.words import words_of
 from core.events import EpisodeEnded, EpisodeStarted, Event, StopReason
 from core.feedback.keys import nanoseconds
 from core.numerics.clock import NS_PER_S, Clock, MonotonicClock, wall_time_utc

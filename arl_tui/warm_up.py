@@ -5,7 +5,7 @@ from collections.abc import Iterable
 import msgspec
 
 from arl_tui.app.demo_participant import DemoParticipant
-from arl_tui.games.rendering import stage_of
+from arl_tui.games.registry import screens_of
 from core.events import EpisodeStarted, FrameShown, Input, KeyPressed, StepTaken
 from core.numerics.clock import NS_PER_S, ManualClock
 from core.session.protocol import Protocol
@@ -44,7 +44,10 @@ def warm_up(protocol: Protocol) -> None:
     )
     protocol = msgspec.structs.replace(protocol, session=short)
     session = build_session(protocol, root_seed=0)
-    demo_participant, stage = DemoParticipant(session, protocol, root_seed=0), stage_of(protocol)
+    demo_participant, stage = (
+        DemoParticipant(session, protocol, root_seed=0),
+        screens_of(protocol).renderer(protocol),
+    )
     for output in session.run(WarmUpParticipant(), ManualClock()):
         match output:
             case EpisodeStarted():

@@ -21,7 +21,8 @@ from arl_tui.ahead import Ahead, fill, is_compiled, session_order
 from arl_tui.app.demo_participant import DemoParticipant
 from arl_tui.app.link import Begin, Crashed, Picture, Preparing, Ready, TakenFor, WorkerLine, WorkerLink
 from arl_tui.app.taken import StepsShown
-from arl_tui.games.rendering import Shot, stage_of
+from arl_tui.games.registry import screens_of
+from arl_tui.games.rendering import Shot
 from arl_tui.warm_up import warm_up
 from core.events import (
     EpisodeEnded,
@@ -180,7 +181,7 @@ class SessionPlayer:
         self._line = line
         self._clock = clock
         self._demo_participant = demo_participant
-        self._stage = stage_of(protocol)
+        self._stage = screens_of(protocol).renderer(protocol)
         self._break_ns = round(protocol.screen.pause_between_episodes_s * NS_PER_S)
         self._steps_shown = StepsShown(protocol.agent.credit.delay)
         self._marks_presses = protocol.screen.mark_presses

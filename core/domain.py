@@ -1,16 +1,19 @@
 """The contract between a domain and everything that learns in it.
 
 A domain is a pure description: it holds no state, draws no hidden randomness and reads no clock. States are
-immutable; every random outcome of an episode follows from the episode's seed.
+immutable; every random outcome of an episode follows from the episode's seed. It describes a decision by a row of
+features per action (Tetris: what each placement leaves behind) or by one observation of the state (Keepaway).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 State = TypeVar("State")
+Features = NDArray[np.float64] | NDArray[np.int64]
+"""Rows of features psi(s, a): numbers, or first active tiles (`core.learners.encoding`)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,7 +22,10 @@ class Transition(Generic[State]):
 
     next_state: State
     reward: float
-    """Environmental reward of the step (Tetris: lines cleared; Keepaway: seconds of possession)."""
+    """Environmental reward of the step, of either sign (Tetris: lines cleared; Keepaway: seconds of possession)."""
+    duration: int
+    """How much of the domain's own time passed, >= 0 (Tetris: 1 piece; Keepaway: cycles, 0 where another keeper
+    decides in the same cycle)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,8 +33,9 @@ class Choices:
     """What an agent sees when it has to choose among n actions (n >= 1)."""
 
     features: NDArray[np.float64]
-    """phi(s, a) of the environment's learner, shape (n, n_features)."""
-    feedback_features: NDArray[np.float64]
+    """phi(s, a) of a learner that compares rows, shape (n, n_features); (n, 0) where the domain describes the state
+    alone (`observation`)."""
+    feedback_features: Features
     """psi(s, a) of the human reward model, shape (n, n_feedback_features)."""
     ruled_out: NDArray[np.bool_]
     """Actions whose value is -inf whatever the weights (a placement that ends the game), shape (n,)."""
@@ -36,6 +43,9 @@ class Choices:
     """Who decides, where several learn side by side (Keepaway: the keeper), >= 0."""
     time: int = 0
     """When, in the domain's own time since the episode began (`Domain.time`), >= 0."""
+    observation: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    """What the one who decides sees of the state, shape (v,); (0,) where the domain describes each action by a row.
+    A learner encodes it itself (`core.learners.encoding`)."""
 
     def __post_init__(self) -> None:
         n_actions = len(self.features)
@@ -55,7 +65,12 @@ class Domain(Protocol[State]):
 
     @property
     def feature_names(self) -> tuple[str, ...]:
-        """Names of the columns of `Choices.features`."""
+        """Names of the columns of `Choices.features`; none where it describes the state alone."""
+        ...
+
+    @property
+    def observation_names(self) -> tuple[str, ...]:
+        """Names of the numbers in `Choices.observation`; none where it describes each action by a row."""
         ...
 
     @property
@@ -80,9 +95,10 @@ class Domain(Protocol[State]):
         ...
 
     def performance(self, state: State) -> float:
-        """Return the performance measure pm of the episode up to `state`, >= 0.
+        """Return the performance measure pm of the episode up to `state`, finite; the more, the better.
 
-        Tetris: lines cleared. Keepaway: seconds since the kick-off.
+        Tetris: lines cleared. Keepaway: seconds since the kick-off. A sum of rewards may be negative
+        (`core.combination.trust.measures.as_weights` says what weighs by it then).
         """
         ...
 

@@ -228,6 +228,8 @@ class EpisodeEnded(Record, frozen=True, kw_only=True, tag="episode-ended"):
     """What the rule of trust says of the human after this episode (of several people: the mean)."""
     digest: str
     """Fingerprint of everything the agent has learned (hex)."""
+    time: int | None = None
+    """The domain's own time at the end (`core.domain.Domain.time`); None in older files, which did not record it."""
 
 
 class UnseenPlayed(Record, frozen=True, kw_only=True, tag="unseen-played"):

@@ -1,10 +1,10 @@
 """What a session needs of each game, under one interface: sessions, what-ifs and simulated people know no game.
 
-A game's own module is imported when it is asked for: compiled code comes with it.
+No game is imported here: its plugin (`core.plugins`) imports it when it is asked for, and compiled code comes with it.
 """
 
 from collections.abc import Callable, Sequence
-from typing import Any, assert_never
+from typing import Any
 from typing import Protocol as Interface
 
 import numpy as np
@@ -12,13 +12,12 @@ from numpy.typing import NDArray
 
 from core.combination.agent import ArlAgent, EpisodePolicy
 from core.combination.human_learner import HumanLearner
-from core.domain import Choices, Domain
+from core.domain import Choices, Domain, Features
 from core.events import EpisodeEnded, StepTaken
 from core.feedback.viewing import Viewing, Watched
-from core.keepaway.pitch import KeepawayConfig
+from core.plugins import plugin_of
 from core.session.protocol import Protocol
 from core.session.rollout import Played
-from core.tetris.config import TetrisConfig
 
 Player = Callable[[EpisodePolicy, int, int], Played]
 """Plays one unseen episode: (policy, episode seed, most steps) -> what came of it."""
@@ -72,7 +71,7 @@ class Game(Interface):
         """Return how some hundred steps are seen at the protocol's pace, in order; the same at every call."""
         ...
 
-    def recorded(self, domain: Domain[Any], step: StepTaken) -> tuple[Choices, NDArray[np.float64]]:
+    def recorded(self, domain: Domain[Any], step: StepTaken) -> tuple[Choices, Features]:
         """Return the choices of a step whose state was recorded or observed, and psi of what was done, NaN where unknown.
 
         Raises:
@@ -81,20 +80,11 @@ class Game(Interface):
         ...
 
     def time_at_end(self, ended: EpisodeEnded) -> int:
-        """Return the domain's own time when a recorded episode ended, as `Domain.time` does."""
+        """Return the domain's own time when an episode ended whose recording does not say it (`EpisodeEnded.time`)."""
         ...
 
 
 def game_of(protocol: Protocol) -> Game:
     """Return the game that a protocol is about."""
-    match protocol.domain:
-        case TetrisConfig():
-            from core.tetris.sessions import TetrisGame
-
-            return TetrisGame()
-        case KeepawayConfig():
-            from core.keepaway.sessions import KeepawayGame
-
-            return KeepawayGame()
-        case other:
-            assert_never(other)
+    game: Game = plugin_of(protocol).load()
+    return game

@@ -7,13 +7,6 @@ import grimp
 import pytest
 
 PACKAGES = "core", "studies", "arl_tui"
-UNTIL_GAMES_ARE_PLUGINS = {
-    ("core.registry", "core.keepaway.sessions"),
-    ("core.registry", "core.tetris.sessions"),
-    ("arl_tui.games.panel", "arl_tui.games.keepaway.panel"),
-    ("arl_tui.games.rendering", "arl_tui.games.keepaway.renderer"),
-}
-"""Imports that close a circle and go when a game registers by entry point: (importer, imported)."""
 
 
 def imports() -> dict[str, set[str]]:
@@ -32,10 +25,7 @@ def circle_in(graph: Mapping[str, set[str]]) -> list[str]:
 
 
 def test_no_circle_of_modules() -> None:
-    found = imports()
-    for importer, imported in UNTIL_GAMES_ARE_PLUGINS:
-        found.get(importer, set()).discard(imported)
-    assert circle_in(found) == []
+    assert circle_in(imports()) == []
 
 
 @pytest.mark.parametrize(

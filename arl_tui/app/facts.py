@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-from core import keepaway, tetris
+from core.plugins import plugins
 
 LIBRARIES = ("numpy", "scipy", "numba", "msgspec", "textual")
 """Numbers or time stamps depend on these."""
@@ -20,7 +20,7 @@ REPOSITORY = Path(__file__).resolve().parents[2]
 def software() -> dict[str, str]:
     """Return versions: of this program (with its commit, where it runs from a checkout), its games, Python and libraries."""
     facts = {"arl-tui": _version("arl-tui"), "python": platform.python_version()}
-    facts |= {"tetris play": str(tetris.REVISION), "keepaway play": str(keepaway.REVISION)}
+    facts |= {f"{game.name} play": str(game.revision) for game in plugins()}
     facts.update((library, _version(library)) for library in LIBRARIES)
     commit = git_commit(REPOSITORY)
     if commit:

@@ -16,12 +16,9 @@ from typing import Protocol
 
 import msgspec
 
+from core.configuration.open_table import decode_open_table
 from core.events import Input, Output, Record
-from core.keepaway.picture import PitchFrame
-from core.tetris.picture import Snapshot
-
-View = Snapshot | PitchFrame
-"""What is to be seen of a game; msgspec decodes it by its tag."""
+from core.plugins import View
 
 
 class Begin(Record, frozen=True, kw_only=True, tag="begin"):
@@ -58,7 +55,7 @@ class Picture(Record, frozen=True, kw_only=True, tag="picture"):
     step: int
     """Watched step that is seen; -1 between episodes."""
     view: View
-    ahead: PitchFrame | None = None
+    ahead: View | None = None
     """The picture after this one, where the screen may show what lies between."""
     lasts_ns: int = 0
     """How long until that one is due, on the screen's clock."""
@@ -109,7 +106,7 @@ FromWorker = Preparing | Ready | Alive | Picture | PressSuggested | TakenFor | C
 
 _encoder = msgspec.msgpack.Encoder()
 _to_worker = msgspec.msgpack.Decoder(ToWorker)
-_from_worker = msgspec.msgpack.Decoder(FromWorker)
+_from_worker = msgspec.msgpack.Decoder(FromWorker, dec_hook=decode_open_table)
 
 
 class Link(Protocol):

@@ -14,8 +14,8 @@ import msgspec
 
 from core.keepaway.picture import PitchFrame
 from core.keepaway.pitch import CYCLE_S, NO_PLAYER, ONGOING, KeepawayConfig
+from core.keepaway.plugin import KEEPAWAY
 from core.numerics.streams import stream, stream_seed
-from core.session.protocol import KEEPAWAY
 from studies.reaction_time.protocol import Schedule
 
 MARK = "NOW"

@@ -13,10 +13,10 @@ import msgspec
 import numpy as np
 
 from core.numerics.streams import stream, stream_seed
-from core.session.protocol import TETRIS
 from core.tetris.config import TetrisConfig
 from core.tetris.game import FallingPiece, landing_row, reachable_placements
 from core.tetris.picture import Counts, Snapshot, Wall, animate, snapshot
+from core.tetris.plugin import TETRIS
 from studies.reaction_time.protocol import Schedule
 
 PIECES_BEFORE = 15

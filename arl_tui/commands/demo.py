@@ -6,18 +6,17 @@ import sys
 from pathlib import Path
 
 import click
-import msgspec
 
 from arl_tui.app import facts
 from arl_tui.command_line import GAMES, recordings_option, seed_option
 from arl_tui.commands.exact import read_or_stop, run_again
 from arl_tui.commands.play import run_live
+from arl_tui.games.registry import screens_called, words_of
 from arl_tui.recordings import create_new
-from arl_tui.words import words_of
 from core.feedback.config import TrainerConfig
 from core.feedback.simulated_participants import person
 from core.numerics.clock import wall_time_utc
-from core.session.protocol import KEEPAWAY, Protocol, ScreenConfig, SessionConfig
+from core.session.protocol import Protocol
 
 PARTICIPANT = "demo"
 
@@ -44,30 +43,10 @@ def demo_protocol(game: str, participant: TrainerConfig | None = None) -> Protoc
     """Return a session of about a minute with a participant who presses often; faster than real ones.
 
     Args:
-        game: tetris or keepaway.
+        game: its name.
         participant: who presses; by default whoever the game's own protocol has.
     """
-    if game == "keepaway":
-        return msgspec.structs.replace(
-            KEEPAWAY,
-            name="demo",
-            screen=ScreenConfig(speed=1.0, count_down_s=1),
-            session=SessionConfig(episodes=5, unseen_between=100, watched_steps=300, unseen_steps=3000),
-            trainer=msgspec.structs.replace(
-                participant or KEEPAWAY.trainer,
-                press_probability=0.8,
-                max_presses=KEEPAWAY.trainer.max_presses,
-                mean_presses=KEEPAWAY.trainer.mean_presses,
-            ),
-        )
-    return Protocol(
-        name="demo",
-        session=SessionConfig(episodes=3, unseen_between=500, watched_steps=15),
-        screen=ScreenConfig(tick_ms=110, pause_between_episodes_s=2.0, count_down_s=1),
-        trainer=msgspec.structs.replace(
-            participant or TrainerConfig(), press_probability=0.35, mean_presses=None
-        ),
-    )
+    return screens_called(game).demo(participant)
 
 
 def run_demo(game: str, *, person_name: str | None, seed: int | None, recordings: Path) -> None:

@@ -8,7 +8,7 @@ import msgspec
 
 from arl_tui.commands.protocol import toml_value
 from core.configuration.catalogue import TAG, Kind, Setting, Struct, settings_of, table_docs, tables_of
-from core.session.effects import USES
+from core.session.effects import uses
 from core.session.protocol import DEFAULTS, Protocol
 
 OPENING = """# Every setting of a protocol
@@ -107,6 +107,6 @@ def _uses() -> Iterator[str]:
     yield "All others have one wherever their table is used. Refused means: when the file is read.\n"
     yield "| settings | have an effect | otherwise |"
     yield "|---|---|---|"
-    for use in USES:
+    for use in uses():
         names = ", ".join(f"`{name}`" for name in use.settings)
         yield f"| {names} | {use.where} | {'refused' if use.refused else 'named before the start'} |"

@@ -13,7 +13,7 @@ from arl_tui.commands.credit import what_if_delays
 from arl_tui.commands.exact import GETTING_READY, need_outputs, protocol_of, read_or_stop, run_again
 from arl_tui.commands.play import read_protocol
 from arl_tui.commands.what_if_table import table, write_csv
-from arl_tui.words import words_of
+from arl_tui.games.registry import words_of
 from core.feedback.delays import describe
 from core.recording.reader import RecordingError
 from core.session.effects import idle

@@ -4,8 +4,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import assert_never
 
+from arl_tui.games.registry import words_of
 from arl_tui.study.run import BlockCall, Played
-from arl_tui.words import words_of
 from studies.lab.config import Block, Calibration, Practice
 from studies.lab.read import LoadedStudy
 

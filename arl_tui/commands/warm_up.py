@@ -5,7 +5,8 @@ import time
 import click
 
 from arl_tui.ahead import Ahead, Order, fill, is_compiled, match_order, session_order
-from arl_tui.commands.demo import demo_protocol
+from arl_tui.games.registry import BUILT_IN, screens_called
+from core.plugins import plugin_called
 
 LOOK_S = 0.2
 """How often the bar is drawn anew."""
@@ -23,15 +24,12 @@ def warm_up_command() -> None:
 
 
 def warm_up() -> None:
-    """Compile the kernels of both games, with a bar for each part of the work."""
+    """Compile the kernels of the program's own games, with a bar for each part of the work."""
     from core.keepaway.pitch import KeepawayConfig
     from core.numerics.interpreting import kernel_notes
 
-    orders = {
-        "Tetris": session_order(demo_protocol("tetris")),
-        "Keepaway": session_order(demo_protocol("keepaway")),
-        "Watching Keepaway": match_order(KeepawayConfig()),
-    }
+    orders = {plugin_called(name).title: session_order(screens_called(name).demo(None)) for name in BUILT_IN}
+    orders["Watching Keepaway"] = match_order(KeepawayConfig())
     for name, order in orders.items():
         if is_compiled(order):
             click.echo(f"{name}: compiled already.")

@@ -8,23 +8,10 @@ from textual.geometry import Size
 from textual.widget import Widget
 
 from arl_tui.app.link import Picture, TakenFor
-from arl_tui.palette import Palette
-from arl_tui.widgets.blocks import CELLS_PER_BLOCK
-from arl_tui.widgets.board import TetrisBoard
 from arl_tui.widgets.coverable import CoverableWidget
-from arl_tui.widgets.next_piece import NextPiece
-from arl_tui.widgets.stats import Figures, StatsPanel
-from core.keepaway.pitch import KeepawayConfig
-from core.session.protocol import Protocol
-from core.tetris.config import TetrisConfig
-from core.tetris.picture import Snapshot
 
 SMALLEST = Size(80, 24)
-"""Terminals are at least this large by custom; the board of 20 x 10 fits."""
-BESIDE = 58
-"""Columns that Tetris takes beside its blocks."""
-BELOW = 3
-"""Lines that it takes beside its rows: border and keys."""
+"""Terminals are at least this large by custom; a board of 20 x 10 fits."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +28,7 @@ class Progress:
     """Of the watched episodes so far, in the game's unit, oldest first."""
 
 
-class Scene(Interface):
+class Panel(Interface):
     """Draws the pictures of one game."""
 
     @property
@@ -84,87 +71,3 @@ class Scene(Interface):
     def presses_left(self, presses: int) -> None:
         """Say how many presses still count in this episode, if the game's picture has a place for it."""
         ...
-
-
-class TetrisScene:
-    """The board, the next piece, and the score."""
-
-    def __init__(self, protocol: Protocol, palette: Palette) -> None:
-        """Draw an empty board of the protocol's size."""
-        assert isinstance(protocol.domain, TetrisConfig), "a protocol of Tetris"
-        rows, columns = protocol.domain.rows, protocol.domain.columns
-        self.board = TetrisBoard(rows, columns, palette=palette)
-        self.needed = Size(
-            max(SMALLEST.width, columns * CELLS_PER_BLOCK + BESIDE), max(SMALLEST.height, rows + BELOW)
-        )
-        self._next = NextPiece(palette=palette)
-        self._stats = StatsPanel()
-        self._step = -1
-
-    def take_drawn(self) -> bool:
-        """Return whether a line of the board has been drawn since the last call, other than for a mark."""
-        return self.board.take_drawn() >= 0
-
-    def stage(self) -> CoverableWidget:
-        """Return the board."""
-        return self.board
-
-    def figures(self) -> Iterable[Widget]:
-        """Return next piece and score."""
-        return self._next, self._stats
-
-    def show(self, picture: Picture, progress: Progress) -> None:
-        """Draw a board."""
-        view = picture.view
-        assert isinstance(view, Snapshot), "a worker that plays Tetris sends boards"
-        changed = self.board.show(view, picture.number)
-        if not changed and picture.step != self._step:
-            # Another step that looks the same is still to be seen, and stamped.
-            self.board.refresh()
-        self._step = picture.step
-        self._next.show(view.counts.next_piece)
-        self._stats.show(
-            Figures(
-                lines=view.counts.lines,
-                pieces=view.counts.pieces,
-                episode=progress.episode,
-                episodes=progress.episodes,
-                human_weights=progress.human_weights or None,
-            )
-        )
-
-    def refresh(self) -> None:
-        """Draw the board once more."""
-        self.board.refresh()
-
-    def title(self, text: str) -> None:
-        """Write into the board's border."""
-        self.board.border_title = text
-
-    def mark(self, taken: TakenFor) -> str:
-        """Mark the piece, where it is falling or what is left of it on the wall."""
-        if taken.step < 0:
-            return "but no piece had landed"
-        if taken.step == self._step and self.board.shows_falling:
-            self.board.mark(None, good=taken.value > 0)
-        elif taken.blocks:
-            self.board.mark(taken.blocks, good=taken.value > 0)
-        else:
-            return "for the last piece, which is gone"
-        return "for the marked piece"
-
-    def unmark(self) -> None:
-        """Take the mark away."""
-        self.board.unmark()
-
-    def presses_left(self, presses: int) -> None:
-        """Say nothing: the feedback bar is near enough."""
-
-
-def scene_of(protocol: Protocol, palette: Palette) -> Scene:
-    """Return the scene of a protocol's game."""
-    if isinstance(protocol.domain, KeepawayConfig):
-        from arl_tui.games.keepaway.panel import PitchScene  # not needed for the first paint of Tetris
-
-        return PitchScene(protocol, palette)
-    return TetrisScene(protocol, palette)

@@ -14,13 +14,13 @@ from arl_tui.app.gaps import length_s
 from arl_tui.app.link import Picture, Preparing, TakenFor
 from arl_tui.app.live_session import Cover, LiveSession, Occurrence, weight_in_use
 from arl_tui.app.outcome import SessionControls
-from arl_tui.games.panel import Progress, scene_of
+from arl_tui.games.panel import Progress
+from arl_tui.games.registry import screens_of, words_of
 from arl_tui.palette import Palette
 from arl_tui.screens.count_down import CountDown
 from arl_tui.screens.covers import HelpScreen, PauseScreen, SmallWindowScreen, StopScreen, fits_into
 from arl_tui.screens.page import Page, session_keys
 from arl_tui.widgets.feedback_bar import FeedbackBar
-from arl_tui.words import words_of
 from core.events import (
     EpisodeEnded,
     EpisodeStarted,
@@ -70,7 +70,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
             palette: colours of the game.
         """
         super().__init__()
-        self.scene = scene_of(protocol, palette)
+        self.scene = screens_of(protocol).panel(protocol, palette)
         self.add_class(f"-{protocol.game}")
         self.feedback = FeedbackBar(protocol.keys)
         self._status = Static(id="status")

@@ -15,7 +15,7 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from arl_tui.app.plain_app import PlainApp
-from arl_tui.app.playback import Playback, Source
+from arl_tui.games.keepaway.playback import Playback, Source
 from arl_tui.palette import STANDARD, palette_for
 from arl_tui.screens.covers import SmallWindowScreen, fits_into
 from arl_tui.screens.page import Page, key_cap

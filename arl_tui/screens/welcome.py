@@ -10,9 +10,9 @@ from textual.widgets import Static
 
 from arl_tui.app.link import Preparing, Ready
 from arl_tui.app.outcome import SessionControls
-from arl_tui.app.pace import pace_warning
+from arl_tui.games.pace import pace_warning
+from arl_tui.games.registry import words_of
 from arl_tui.screens.page import Page, feedback_keys
-from arl_tui.words import words_of
 from core.numerics.clock import NS_PER_S, Clock, MonotonicClock
 from core.session.protocol import Protocol
 

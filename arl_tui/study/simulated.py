@@ -12,11 +12,11 @@ import msgspec
 import numpy as np
 from textual.pilot import Pilot
 
+from arl_tui.games.registry import words_of
 from arl_tui.study.page_app import PageApp, Results
 from arl_tui.study.pages import BreakPage, ConsentPage, StopPage, StudyPage
 from arl_tui.study.question_pages import QuestionPage
 from arl_tui.study.run import BlockCall, OnResult, Pages, Played, ignore_result
-from arl_tui.words import words_of
 from core.feedback.simulated_participants import persons
 from core.numerics.clock import NS_PER_S, ManualClock
 from core.numerics.streams import stream

@@ -21,7 +21,7 @@ from core.combination.ranking import EpisodeReport
 from core.combination.schedule import EpisodesSoFar, NextEpisode, next_episode
 from core.combination.sides import Decision, EpisodeEnd, EpisodePolicy, EpisodeStart, HumanPreference, Outcome
 from core.combination.window import DecisionWindow, Values
-from core.domain import Choices
+from core.domain import Choices, Features
 from core.events import CreditGiven
 from core.learners.contract import EnvironmentLearner, StepwiseLearner
 from core.learners.linear import action_values
@@ -32,9 +32,9 @@ from core.numerics.tile_coding import Tiling, tile_values
 __all__ = ["ArlAgent", "Decision", "EpisodePolicy", "Outcome", "exact_values"]
 
 
-def exact_values(rows: NDArray[np.float64], weights: NDArray[np.float64]) -> NDArray[np.float64]:
+def exact_values(rows: Features, weights: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return rows (n, F) times weights (F,) on the grid of `core.numerics.fixed_point`: as a compiled player has them."""
-    return action_values(rows, exact_weights(weights))
+    return action_values(np.asarray(rows, np.float64), exact_weights(weights))
 
 
 class ArlAgent:
@@ -230,7 +230,7 @@ class ArlAgent:
         )
         self.bootstrap.record(report, played.with_each)
 
-    def step_shown(self, step: int, features: NDArray[np.float64], time_ns: int) -> None:
+    def step_shown(self, step: int, features: Features, time_ns: int) -> None:
         """Note that a watched step with feedback features psi, shape (G,), came on screen."""
         self.human.step_shown(step, features, time_ns)
 

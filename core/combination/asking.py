@@ -9,11 +9,8 @@ from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from core.combination.config import AskingConfig
-from core.domain import Choices
+from core.domain import Choices, Features
 from core.feedback.samples import Sample
 
 
@@ -23,7 +20,7 @@ class Question:
 
     options: tuple[int, ...]
     """Actions, most votes first."""
-    features: NDArray[np.float64]
+    features: Features
     """psi(s, a) of each option, shape (n, G)."""
     disagreement: float
     """Chance that two policies drawn from the committee choose different actions, in [0, 1)."""

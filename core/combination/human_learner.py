@@ -5,6 +5,7 @@ import struct
 import numpy as np
 from numpy.typing import NDArray
 
+from core.domain import Features
 from core.events import CreditGiven
 from core.feedback.assigner import CreditAssigner
 from core.feedback.samples import CreditConfig, MassAccount, Sample
@@ -61,7 +62,7 @@ class HumanLearner:
         """v, shape (G,), in the features' own units; zeros while nothing is known."""
         return self._model.weights
 
-    def step_shown(self, step: int, features: NDArray[np.float64], time_ns: int) -> None:
+    def step_shown(self, step: int, features: Features, time_ns: int) -> None:
         """Note that a step came on screen; features psi(s, a), shape (G,).
 
         NaN features are those of a step of which a recording does not tell what it led to: it takes its credit,

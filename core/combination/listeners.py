@@ -19,7 +19,7 @@ from core.combination.preference import best_action, worst_action
 from core.combination.ranking import EpisodeReport, RankedPolicy, draw_policy
 from core.combination.trust.measures import selection_probabilities
 from core.combination.window import DecisionWindow, Values
-from core.domain import Choices
+from core.domain import Choices, Features
 from core.events import CreditGiven
 from core.feedback.samples import MassAccount, Sample
 from core.numerics.arrays import Floats
@@ -116,7 +116,7 @@ class Listeners:
             preferred.append((best, worst))
         return tuple(preferred)
 
-    def step_shown(self, step: int, features: Floats, time_ns: int) -> None:
+    def step_shown(self, step: int, features: Features, time_ns: int) -> None:
         """Note that a step came on screen: all participants see it."""
         for learner in self.learners:
             learner.step_shown(step, features, time_ns)

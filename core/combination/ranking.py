@@ -22,9 +22,9 @@ class EpisodeReport:
     theta: "Floats"
     """Weights of the environment policy, shape (F,)."""
     performance: float
-    """Performance measure of the episode, >= 0."""
+    """Performance measure of the episode, of either sign."""
     truncated: bool
-    """The episode was stopped, so its performance is a lower bound."""
+    """The episode was stopped: its performance is that of a part."""
     agreement: Agreement | None
     """Of this policy with the human policy; None where there was no human policy."""
     consistency: float = 0.0
@@ -77,12 +77,10 @@ class Ranking:
         """Add an episode to its policy.
 
         Raises:
-            ValueError: the performance is negative or not finite.
+            ValueError: the performance is not finite.
         """
-        if not (math.isfinite(report.performance) and report.performance >= 0):
-            raise ValueError(
-                f"policy {report.policy_id}: performance is finite and >= 0: {report.performance}"
-            )
+        if not math.isfinite(report.performance):
+            raise ValueError(f"policy {report.policy_id}: performance is finite: {report.performance}")
         known = next((p for p in self.policies if p.policy_id == report.policy_id), None)
         if known is None:
             known = RankedPolicy(report.policy_id, report.theta, 0.0, 0, None)

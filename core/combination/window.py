@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from core.combination.agreement import Agreement
 from core.combination.preference import mean_and_sd
 from core.combination.tally import Tally, agreement_of, compare_choices, new_tally
-from core.domain import Choices
+from core.domain import Choices, Features
 from core.numerics.compiled import kernel
 
-Values = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
+Values = Callable[[Features, NDArray[np.float64]], NDArray[np.float64]]
 """Values of actions: (feature rows (n, F), weights (F,)) -> (n,)."""
 
 N_RANDOM_POLICIES = 20
@@ -62,9 +62,7 @@ class DecisionWindow:
         self._decisions: deque[Choices] = deque(maxlen=capacity)
         self._environment_values = environment_values
         self._human_values = human_values
-        self._stacked: (
-            tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_], NDArray[np.int64]] | None
-        )
+        self._stacked: tuple[NDArray[np.float64], Features, NDArray[np.bool_], NDArray[np.int64]] | None
         self._stacked = None
 
     def __len__(self) -> int:
@@ -106,7 +104,7 @@ class DecisionWindow:
 
     def _rows(
         self,
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_], NDArray[np.int64]]:
+    ) -> tuple[NDArray[np.float64], Features, NDArray[np.bool_], NDArray[np.int64]]:
         if not self._decisions:
             raise ValueError("no decision has been remembered yet")
         if self._stacked is None:

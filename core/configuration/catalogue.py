@@ -15,10 +15,21 @@ import msgspec
 from msgspec import inspect as types
 
 from core.configuration.fields import ALLOWED, CHOICES, RANGE, Range
+from core.configuration.open_table import TAG, OpenTable
+
+__all__ = [
+    "TAG",
+    "Kind",
+    "Setting",
+    "Struct",
+    "field_docs",
+    "settings_of",
+    "table_docs",
+    "tables_of",
+    "tag_of",
+]
 
 Struct = type[msgspec.Struct]
-TAG = "type"
-"""Key that says which of several tables is meant."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,6 +156,8 @@ def _kind(kind: types.Type, extra: Mapping[str, Any] | None = None) -> Kind:
             return Kind("choice", choices=tuple(str(value) for value in kind.values))
         case types.StructType():
             return Kind("table", structs={tag_of(kind.cls): kind.cls})
+        case types.CustomType() if issubclass(kind.cls, OpenTable):
+            return Kind("table", structs=kind.cls.structs())
         case types.UnionType():
             return _of_union([part for part in kind.types if not isinstance(part, types.NoneType)], kind)
         case types.TupleType():

@@ -10,12 +10,14 @@ import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, TypeVar
 
 import msgspec
 
 from core.configuration.catalogue import TAG, Kind, Struct, settings_of, tables_of, tag_of
 from core.configuration.fields import plain
+from core.configuration.open_table import decode_open_table
 
 Path = tuple[str | int, ...]
 LONGEST_SHOWN = 60
@@ -71,7 +73,8 @@ def read(given: Mapping[str, Any], default: Config, *, to_run: bool) -> Config:
     if found:
         raise ConfigurationError(found)
     try:
-        return msgspec.convert(filled(given, msgspec.to_builtins(default)), type(default))
+        complete = filled(given, msgspec.to_builtins(default))
+        return msgspec.convert(complete, type(default), dec_hook=decode_open_table)
     except (msgspec.ValidationError, ValueError) as error:
         raise ConfigurationError([_from_struct(str(error), given)]) from error
 
@@ -94,8 +97,10 @@ def with_tables(given: Mapping[str, Any], struct: Struct, depth: int = 0) -> dic
             if isinstance(value, str) and "" not in kind.structs:
                 value = {TAG: value}
             if isinstance(value, Mapping):
-                # Keys of all types: which type it is will be checked later.
-                for inner in kind.structs.values():
+                tag = value.get(TAG)
+                known = isinstance(tag, str) and tag in kind.structs
+                # Where it names no type, keys of all types: which one it is will be checked later.
+                for inner in [kind.structs[str(tag)]] if known else kind.structs.values():
                     value = with_tables(value, inner, depth + 1)
             found[key] = value
     return found
@@ -122,12 +127,18 @@ class Places:
     """Where keys belong: for messages about those that stand in the wrong table."""
 
     def __init__(self, struct: Struct) -> None:
-        self._places: dict[str, list[str]] = {key: ["the top of the file"] for key in settings_of(struct)}
-        for path, kind in tables_of(struct):
+        self._struct = struct
+
+    @cached_property
+    def _places(self) -> dict[str, list[str]]:
+        """Tables by key; all types of all tables are looked at only where a message needs them."""
+        found: dict[str, list[str]] = {key: ["the top of the file"] for key in settings_of(self._struct)}
+        for path, kind in tables_of(self._struct):
             name = f"[{'.'.join(path)}]"
             for tag, inner in (kind.structs or {}).items():
                 for key in settings_of(inner):
-                    self._places.setdefault(key, []).append(f'{name} of type "{tag}"' if tag else name)
+                    found.setdefault(key, []).append(f'{name} of type "{tag}"' if tag else name)
+        return found
 
     def of(self, key: str) -> str:
         """Return the tables that have a key, in words; "" where none has."""
@@ -146,16 +157,17 @@ def _wrong_in_table(
     path: Path,
     to_run: bool,
     places: Places,
-    siblings: Mapping[str, Struct] | None = None,
+    types: Mapping[str, Struct] | None = None,
 ) -> Iterator[Problem]:
-    """Yield what is wrong with a table of a known struct; `siblings` are the other types of the table."""
+    """Yield what is wrong with a table of a known struct; `types` are all types of the table."""
     settings = settings_of(struct)
     for key, value in given.items():
         if key == TAG and tag_of(struct):
             continue
         here = (*path, key)
         if key not in settings:
-            yield Problem(here, _unknown(key, struct, siblings or {}, places), value)
+            siblings = {tag: other for tag, other in (types or {}).items() if other is not struct}
+            yield Problem(here, _unknown(key, struct, siblings, places), value)
             continue
         kind = settings[key].kind
         below = getattr(default, key, None) if default is not None else settings[key].default
@@ -175,14 +187,16 @@ def _wrong_in_typed_table(
     value: object, kind: Kind, default: object, path: Path, to_run: bool, places: Places
 ) -> Iterator[Problem]:
     structs = kind.structs or {}
-    tags = [tag for tag in structs if tag]
+    typed = "" not in structs
     if not isinstance(value, Mapping):
+        tags = [tag for tag in structs if tag]
         reason = f"expected a table, [{shown_key(path)}]" + (f", or one of {_quoted(tags)}" if tags else "")
         yield Problem(path, reason, value)
         return
     below = default if isinstance(default, msgspec.Struct) else None
-    tag = value.get(TAG, tag_of(below) if below is not None else "") if tags else ""
+    tag = value.get(TAG, tag_of(below) if below is not None else "") if typed else ""
     if not isinstance(tag, str) or tag not in structs:
+        tags = [name for name in structs if name]
         near = nearest(str(tag), tags)
         yield Problem(
             (*path, TAG),
@@ -192,8 +206,7 @@ def _wrong_in_typed_table(
         return
     struct = structs[tag]
     same = below if type(below) is struct else None
-    siblings = {name: other for name, other in structs.items() if name != tag}
-    yield from _wrong_in_table(value, struct, same, path, to_run, places, siblings)
+    yield from _wrong_in_table(value, struct, same, path, to_run, places, structs)
 
 
 def _wrong_in_tables(

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from core.domain import Features
 from core.feedback.credit import STILL_SHOWN_NS, CurrentStep, PreviousStep, credit
 from core.feedback.samples import CreditConfig, MassAccount, PressCredit, Sample
 from core.numerics.clock import NS_PER_S
@@ -38,7 +38,7 @@ class CreditAssigner:
 
     def __init__(self, config: CreditConfig) -> None:
         self.config = config
-        self._features: dict[int, NDArray[np.float64]] = {}
+        self._features: dict[int, Features] = {}
         self._ledger = _Ledger(config, self._features)
         # Everything that happened, so that a press can be taken out of the past. Two entries per step for hours: small.
         self._log: list[_Entry] = []
@@ -61,7 +61,7 @@ class CreditAssigner:
         self._taken = len(self._ledger.samples)
         return new
 
-    def step_shown(self, step: int, shown_ns: int, features: NDArray[np.float64]) -> None:
+    def step_shown(self, step: int, shown_ns: int, features: Features) -> None:
         """Note that a step came on screen, or came back after it had been covered.
 
         Args:
@@ -70,7 +70,7 @@ class CreditAssigner:
             features: psi(s, a) of the step, shape (G,).
         """
         if step not in self._features:
-            self._features[step] = np.array(features, dtype=np.float64)
+            self._features[step] = features.copy()
         self._do(_Ledger.step_shown, step, shown_ns)
 
     def step_hidden(self, step: int, hidden_ns: int) -> None:
@@ -138,7 +138,7 @@ class _Ledger:
     the press, and features are forgotten once no press can need them any more.
     """
 
-    def __init__(self, config: CreditConfig, features: dict[int, NDArray[np.float64]]) -> None:
+    def __init__(self, config: CreditConfig, features: dict[int, Features]) -> None:
         self.samples: list[Sample] = []
         self.account = MassAccount()
         self._config = config

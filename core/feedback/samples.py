@@ -3,9 +3,7 @@
 import dataclasses
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from core.domain import Features
 from core.feedback.config import CreditConfig
 
 __all__ = ["CreditConfig", "MassAccount", "PressCredit", "Sample"]
@@ -15,7 +13,7 @@ __all__ = ["CreditConfig", "MassAccount", "PressCredit", "Sample"]
 class Sample:
     """One thing a person said about one step."""
 
-    features: NDArray[np.float64]
+    features: Features
     """psi(s, a) of the step, shape (G,)."""
     label: float
     weight: float

@@ -11,6 +11,7 @@ from core.keepaway.pitch import NO_PLAYER, SESSION_CYCLE_LIMIT, KeepawayConfig, 
 from core.keepaway.simulator.game import begin_cycle, finish_cycle
 from core.keepaway.simulator.match import CYCLE, END, Match, Streams, new_match, open_streams
 from core.numerics.compiled import kernel
+from core.numerics.streams import resumed
 
 # What `play_to_decision` comes back with.
 DECIDING: Final = 0
@@ -68,6 +69,16 @@ class DecisionPlay:
         self.keeper = NO_PLAYER
         """Who has to decide; NO_PLAYER when the episode is over (and before `begin`)."""
 
+    @classmethod
+    def resumed(cls, config: KeepawayConfig, saved: Saved) -> "DecisionPlay":
+        """Return an episode that goes on where `saved` stood, with arrays and streams of its own."""
+        play = cls.__new__(cls)
+        play.rules = config.rules()
+        play.streams = Streams(*map(resumed, saved.streams))
+        play.match = Match._make(array.copy() for array in saved.match)
+        play.keeper = saved.keeper
+        return play
+
     @property
     def cycle(self) -> int:
         """Cycles since the episode started."""
@@ -108,14 +119,6 @@ class DecisionPlay:
         """Return a copy of everything."""
         states = tuple(dict(rng.bit_generator.state) for rng in self.streams)
         return Saved(Match._make(array.copy() for array in self.match), states, self.keeper)
-
-    def restore(self, saved: Saved) -> None:
-        """Go back, or ahead, to where a match of the same size stood."""
-        for array, before in zip(self.match, saved.match, strict=True):
-            array[...] = before
-        for rng, state in zip(self.streams, saved.streams, strict=True):
-            rng.bit_generator.state = state
-        self.keeper = saved.keeper
 
     def _go_on(self, decided: bool, on_cycle: OnCycle | None) -> None:
         most = 1 if on_cycle else SESSION_CYCLE_LIMIT

@@ -1,7 +1,7 @@
 """Keepaway as sessions see it: a step is a decision of the keeper with the ball, and states are immutable.
 
 An action is an option of the keeper whose turn it is: 0 holds the ball (for one cycle), k passes to the k-th nearest
-keeper. What an agent sees are the active tiles of the keeper's state variables.
+keeper. What an agent sees are the keeper's state variables.
 """
 
 import hashlib
@@ -16,7 +16,7 @@ from core.keepaway.decisions import DecisionPlay, Saved
 from core.keepaway.pitch import CYCLE_S, NO_PLAYER, KeepawayConfig
 from core.keepaway.simulator.match import CYCLE, END, Match
 from core.keepaway.simulator.variables import state_variables
-from core.numerics.tile_coding import Tiling, find_windows
+from core.learners.encoding import ActionTiles
 
 HOLD = 0
 """The action that holds the ball."""
@@ -76,6 +76,8 @@ class Keepaway:
     """A `core.domain.Domain`. Each episode is a match of its own: everything random follows from its seed."""
 
     name = "keepaway"
+    reward_is_time = True
+    """Seconds of possession are the reward (section 3.3): Sarsa counts them in cycles."""
 
     def __init__(
         self, config: KeepawayConfig | None = None, *, n_tilings: int = 32, shared_feedback: bool = False
@@ -89,18 +91,31 @@ class Keepaway:
         """
         self.config = config if config is not None else KeepawayConfig()
         self.coder = keepaway_tiles(self.config, n_tilings)
-        self._shared_feedback = shared_feedback
-        models = 1 if shared_feedback else self.config.n_keepers
-        self.feedback_tiles = Tiling(models * self.config.n_actions * self.coder.n_tiles, n_tilings)
+        self._encoder = ActionTiles(
+            self.coder, self.config.n_actions, 1 if shared_feedback else self.config.n_keepers
+        )
+        self.feedback_tiles = self._encoder.tiling
         """What the rows of `Choices.feedback_features` index: tiles by model, option and state variable."""
         self._names = tuple(variable.name for variable in state_variables(self.config))
-        # One match is played for all states: `_stands_at` says which state it is in.
-        self._play = DecisionPlay(self.config, 0)
-        self._stands_at: KeepawayState | None = None
+
+    @property
+    def n_actors(self) -> int:
+        """Keepers: each learns for itself."""
+        return self.config.n_keepers
+
+    @property
+    def n_actions(self) -> int:
+        """Options of a keeper: hold, or pass to one of the others."""
+        return self.config.n_actions
 
     @property
     def feature_names(self) -> tuple[str, ...]:
-        """Names of the state variables, whose first active tiles the environment's learner sees."""
+        """Return nothing: a learner sees the state variables."""
+        return ()
+
+    @property
+    def observation_names(self) -> tuple[str, ...]:
+        """Names of the state variables as the deciding keeper sees them."""
         return self._names
 
     @property
@@ -110,33 +125,30 @@ class Keepaway:
 
     def initial(self, episode_seed: int) -> KeepawayState:
         """Return the first decision of an episode, or its end if there is none; `episode_seed` >= 0."""
-        self._play = DecisionPlay(self.config, episode_seed)
-        self._play.begin()
-        return self._still()
+        play = DecisionPlay(self.config, episode_seed)
+        play.begin()
+        return KeepawayState(play.save())
 
     def terminal(self, state: KeepawayState) -> bool:
         """Return whether the ball is out or taken (or kept for an hour)."""
         return state.keeper == NO_PLAYER
 
     def choices(self, state: KeepawayState) -> Choices:
-        """Return the tiles of the deciding keeper's state: rows of window starts, shape (n_options, v)."""
+        """Return what the deciding keeper sees, and the tiles of each option for the human model."""
         if state.keeper == NO_PLAYER:
             raise ValueError("the episode is over: a terminal state has no actions")
         return self.choices_of(state.keeper, state.variables, state.cycle)
 
     def choices_of(self, keeper: int, variables: NDArray[np.float64], cycle: int) -> Choices:
         """Return the choices of a keeper who sees these state variables, shape (v,), so many cycles after the kick-off."""
-        windows = np.empty(len(self._names), np.int64)
-        find_windows(self.coder, variables, windows)
         n_options = self.config.n_actions
-        model = 0 if self._shared_feedback else keeper
-        first = (model * n_options + np.arange(n_options)) * self.coder.n_tiles
         return Choices(
-            features=np.tile(windows.astype(np.float64), (n_options, 1)),
-            feedback_features=(first[:, None] + windows).astype(np.float64),
+            features=np.empty((n_options, 0)),
+            feedback_features=self._encoder.rows(keeper, variables),
             ruled_out=np.zeros(n_options, np.bool_),
             actor=keeper,
             time=cycle,
+            observation=variables,
         )
 
     def transition(self, state: KeepawayState, action: int) -> Transition[KeepawayState]:
@@ -145,13 +157,11 @@ class Keepaway:
             raise ValueError(
                 f"there is no action {action}: this decision has actions 0..{self.config.n_actions - 1}"
             )
-        if self._stands_at is not state:
-            self._play.restore(state.saved)
-        # Half-way through, the match is in no state at all.
-        self._stands_at = None
-        self._play.decide(action)
-        following = self._still()
-        return Transition(following, (following.cycle - state.cycle) * CYCLE_S)
+        play = DecisionPlay.resumed(self.config, state.saved)
+        play.decide(action)
+        following = KeepawayState(play.save())
+        cycles = following.cycle - state.cycle
+        return Transition(following, cycles * CYCLE_S, cycles)
 
     def performance(self, state: KeepawayState) -> float:
         """Return the seconds since the kick-off."""
@@ -169,8 +179,3 @@ class Keepaway:
     def recorded_state(self, state: KeepawayState) -> list[float] | None:
         """Return the state variables as the deciding keeper sees them."""
         return [float(value) for value in state.variables]
-
-    def _still(self) -> KeepawayState:
-        """Return the state in which the match stands."""
-        self._stands_at = KeepawayState(self._play.save())
-        return self._stands_at

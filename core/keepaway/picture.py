@@ -10,6 +10,7 @@ import math
 import msgspec
 
 from core.keepaway.pitch import BALL_SPEED_MAX, CYCLE_S, END_REASONS, NO_PLAYER, ONGOING, PLAYER_SPEED_MAX
+from core.plugins import View
 
 Place = tuple[float, float]
 """x and y in metres."""
@@ -26,7 +27,7 @@ class PlayerView(msgspec.Struct, frozen=True, array_like=True):
     """In (-180, 180]."""
 
 
-class PitchFrame(msgspec.Struct, frozen=True, kw_only=True, array_like=True, tag="keepaway"):
+class PitchFrame(msgspec.Struct, View, frozen=True, kw_only=True, array_like=True, tag="keepaway"):
     """One picture of a game, at the end of a cycle or between two."""
 
     length_m: float

@@ -9,6 +9,7 @@ from typing import Annotated, Final, NamedTuple
 import msgspec
 
 from core.configuration.fields import number
+from core.plugins import DomainConfig
 
 CYCLE_NS: Final = 100_000_000
 """Duration of one cycle in nanoseconds."""
@@ -115,7 +116,7 @@ class Rules(NamedTuple):
 SeePhase = Annotated[int, number(ge=0, le=2)]
 
 
-class KeepawayConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="keepaway"):
+class KeepawayConfig(msgspec.Struct, DomainConfig, frozen=True, forbid_unknown_fields=True, tag="keepaway"):
     """A Keepaway task; the defaults are the paper's (section 3.3): 3v2 on 20 m x 20 m."""
 
     n_keepers: Annotated[int, number("keepers", ge=2, le=11)] = 3

@@ -1,14 +1,11 @@
 """Keepaway as sessions see it (`core.registry.Game`): an agent over Sarsa, one learner per keeper."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from core.combination.agent import ArlAgent, EpisodePolicy
-from core.combination.human_learner import HumanLearner
-from core.domain import Choices, Domain
+from core.domain import Choices, Domain, Features
 from core.events import EpisodeEnded, StepTaken
 from core.feedback.config import Knowledge
 from core.feedback.viewing import Watched
@@ -19,12 +16,10 @@ from core.keepaway.participant_config import KeepawayPersonConfig
 from core.keepaway.pitch import CYCLE_NS, CYCLE_S, KeepawayConfig
 from core.keepaway.simulator.policies import hand_coded
 from core.learners.human_config import TileModel
-from core.learners.sarsa_config import SarsaConfig
-from core.learners.sarsa_learner import SarsaLearner
 from core.numerics.clock import NS_PER_S
-from core.registry import Oracle, Player
+from core.registry import Oracle
 from core.session.protocol import Protocol
-from core.session.rollout import Played, play_unseen
+from core.session.sarsa_game import SarsaGame, recorded_observation
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +68,7 @@ class KeepawayOracle:
         return values
 
 
-class KeepawayGame:
+class KeepawayGame(SarsaGame):
     """The game whose learners learn at every step."""
 
     def domain(self, protocol: Protocol) -> Keepaway:
@@ -82,43 +77,6 @@ class KeepawayGame:
         model = protocol.agent.human_model
         shared = isinstance(model, TileModel) and model.shared
         return Keepaway(protocol.domain, shared_feedback=shared)
-
-    def agent(self, protocol: Protocol, root_seed: int) -> ArlAgent:
-        """Return an agent over Sarsa, one learner per keeper."""
-        domain = self.domain(protocol)
-        config, task = protocol.learner, domain.config
-        assert isinstance(config, SarsaConfig), "a protocol checks that its learner suits its game"
-        return ArlAgent(
-            SarsaLearner(config, domain.coder, n_learners=task.n_keepers, n_actions=task.n_actions),
-            protocol.agent,
-            n_feedback_features=len(domain.feedback_feature_names),
-            n_participants=1 + len(protocol.others),
-            feedback_tiles=domain.feedback_tiles,
-            root_seed=root_seed,
-        )
-
-    def listener(self, protocol: Protocol) -> HumanLearner:
-        """Return a human model over the keepers' tiles."""
-        agent, domain = protocol.agent, self.domain(protocol)
-        names = domain.feedback_feature_names
-        return HumanLearner(agent.credit, agent.human_model, len(names), tiles=domain.feedback_tiles)
-
-    def player(self, protocol: Protocol, agent: ArlAgent) -> Player:
-        """Return what plays unseen episodes: decision by decision, as watched ones, and the learner learns."""
-        domain = self.domain(protocol)
-
-        def play(policy: EpisodePolicy, episode_seed: int, max_steps: int) -> Played:
-            return play_unseen(domain, agent, policy, episode_seed, max_steps)
-
-        return play
-
-    def evaluate(
-        self, protocol: Protocol, agent: ArlAgent, seeds: Sequence[int], *, max_steps: int
-    ) -> list[Played]:
-        """Play on with what has been learned, exploration included, and learn nothing."""
-        domain = self.domain(protocol)
-        policy = agent.next_policy(exploring=False)
-        return [play_unseen(domain, agent, policy, seed, max_steps, learning=False) for seed in seeds]
 
     def oracle(self, protocol: Protocol) -> Oracle:
         """Return what the protocol's simulated participant knows."""
@@ -134,13 +92,10 @@ class KeepawayGame:
         """Return options of some episodes of an untrained and of a good team."""
         return options_on_screen(self.domain(protocol), self.viewing(protocol))
 
-    def recorded(self, domain: Domain[KeepawayState], step: StepTaken) -> tuple[Choices, NDArray[np.float64]]:
+    def recorded(self, domain: Domain[KeepawayState], step: StepTaken) -> tuple[Choices, Features]:
         """Return a decision as its keeper saw it."""
         assert isinstance(domain, Keepaway), "the domain of this game"
-        expected = len(domain.feature_names)
-        if step.state is None or len(step.state) != expected:
-            raise ValueError(f"step {step.step}: need a state of {expected} variables, got {step.state}")
-        seen = np.array(step.state, np.float64)
+        seen = recorded_observation(domain, step)
         choices = domain.choices_of(step.detail["keeper"], seen, step.detail["cycle"])
         return choices, choices.feedback_features[step.action]
 

@@ -30,7 +30,7 @@ class EnvironmentLearner(Protocol):
         ...
 
     def report(self, policy_id: int, performance: float) -> None:
-        """Take in the performance measure, >= 0, of the episode in which the proposed policy was played."""
+        """Take in the performance measure of the episode in which the proposed policy was played."""
         ...
 
     def state_digest(self) -> bytes:

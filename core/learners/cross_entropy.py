@@ -96,12 +96,12 @@ class CrossEntropyLearner:
         return Candidate(policy_id, weights)
 
     def report(self, policy_id: int, performance: float) -> None:
-        """Take in the performance measure, >= 0, of the sample last proposed."""
+        """Take in the performance measure of the sample last proposed."""
         expected = self.propose().policy_id
         if policy_id != expected:
             raise ValueError(f"policy {expected} waits for its performance, got one for {policy_id}")
-        if not (math.isfinite(performance) and performance >= 0):
-            raise ValueError(f"policy {policy_id}: performance is finite and >= 0, got {performance}")
+        if not math.isfinite(performance):
+            raise ValueError(f"policy {policy_id}: performance is finite, got {performance}")
         self._performance.append(performance)
         if len(self._performance) == self.search.config.population:
             self.search.update(self._performance)

@@ -5,6 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
+from core.domain import Features
 from core.feedback.samples import Sample
 from core.learners.human_config import FeatureModelConfig, RidgeModel, SgdModel
 from core.learners.linear import action_values, add_to_moments, gradient_step, solve_ridge, standardised
@@ -47,9 +48,10 @@ class HumanRewardModel:
             raise ValueError(
                 f"step {sample.step}: expected {self.n_features} features, got shape {sample.features.shape}"
             )
+        features = np.asarray(sample.features, np.float64)
         if isinstance(self.config, RidgeModel) or self.config.standardise:
             add_to_moments(
-                np.append(sample.features, 1.0) if self._constant_input else sample.features,
+                np.append(features, 1.0) if self._constant_input else features,
                 sample.label,
                 sample.weight,
                 self._centred,
@@ -59,7 +61,7 @@ class HumanRewardModel:
             )
         if isinstance(self.config, SgdModel):
             gradient_step(
-                self._seen(sample.features),
+                self._seen(features),
                 sample.label,
                 sample.weight,
                 self.config.step_size,
@@ -75,7 +77,7 @@ class HumanRewardModel:
         for sample in samples:
             self.add(sample)
 
-    def predict(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    def predict(self, rows: Features) -> NDArray[np.float64]:
         """Return H of each action, rows (n, G), shape (n,), in units of a press."""
         return action_values(np.ascontiguousarray(rows, dtype=np.float64), self.weights) + self.intercept
 

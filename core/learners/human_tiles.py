@@ -5,6 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
+from core.domain import Features
 from core.feedback.samples import Sample
 from core.learners.human_config import HumanModelConfig, TileModel
 from core.learners.human_reward import HumanRewardModel
@@ -80,9 +81,9 @@ class HumanTileModel:
         for sample in samples:
             self.add(sample)
 
-    def predict(self, rows: Floats) -> Floats:
+    def predict(self, rows: Features) -> Floats:
         """Return H of each row of window starts, (n, v) -> (n,), in units of a press."""
-        return row_values(np.ascontiguousarray(rows, np.float64), self._weights, self.tiling.n_tilings)
+        return row_values(np.ascontiguousarray(rows, np.int64), self._weights, self.tiling.n_tilings)
 
     def state_bytes(self) -> bytes:
         """Return all that the model has learned, for fingerprints."""

@@ -128,13 +128,13 @@ class PolicyGradientLearner:
         return self._proposed
 
     def report(self, policy_id: int, performance: float) -> None:
-        """Take in the performance measure, >= 0, of the policy last proposed; the next one has learned since."""
+        """Take in the performance measure of the policy last proposed; the next one has learned since."""
         if policy_id != self._proposed.policy_id:
             raise ValueError(
                 f"policy {self._proposed.policy_id} waits for its performance, got one for {policy_id}"
             )
-        if not (math.isfinite(performance) and performance >= 0):
-            raise ValueError(f"policy {policy_id}: performance is finite and >= 0, got {performance}")
+        if not math.isfinite(performance):
+            raise ValueError(f"policy {policy_id}: performance is finite, got {performance}")
         self._proposed = Candidate(policy_id + 1, self._frozen_weights())
 
     def state_digest(self) -> bytes:

@@ -53,7 +53,8 @@ class Sarsa(NamedTuple):
     values: Floats
     """Action values at each learner's last decision, before the update it caused, shape (n, a)."""
     extra: Floats
-    """What feedback adds to the reward of each learner's last option (shaping; Q augmentation), shape (n,)."""
+    """What is added to the reward of time of each learner's last option, shape (n,): shaping, Q augmentation, and the
+    domain's rewards where time brings none."""
     coder: TileCoder
     step_size: float
     """alpha / number of active tiles."""
@@ -62,10 +63,22 @@ class Sarsa(NamedTuple):
     exploration: float
     replacing: bool
     least_trace: float
+    reward_is_time: bool
+    """Each unit of time brings a reward of 1 (Keepaway); otherwise rewards are given, in `extra`."""
 
 
-def new_sarsa(config: SarsaConfig, coder: TileCoder, n_learners: int, n_actions: int) -> Sarsa:
-    """Return learners that have not learned yet."""
+def new_sarsa(
+    config: SarsaConfig, coder: TileCoder, n_learners: int, n_actions: int, *, reward_is_time: bool = True
+) -> Sarsa:
+    """Return learners that have not learned yet.
+
+    Args:
+        config: of all of them.
+        coder: of the variables that they see.
+        n_learners: >= 1.
+        n_actions: of each decision, >= 1.
+        reward_is_time: each unit of time brings a reward of 1, as in Keepaway; False: rewards are added to `extra`.
+    """
     n_variables = len(coder.low)
     n_active = n_variables * coder.n_tilings
     n_sets = 1 if config.shared_weights else n_learners
@@ -85,6 +98,7 @@ def new_sarsa(config: SarsaConfig, coder: TileCoder, n_learners: int, n_actions:
         exploration=float(config.exploration),
         replacing=bool(config.replacing_traces),
         least_trace=float(config.least_trace),
+        reward_is_time=reward_is_time,
     )
 
 
@@ -199,10 +213,16 @@ def _learn_from_ended(sarsa: Sarsa, k: int, value: float, time: int, before: flo
     last = sarsa.last_time[k]
     if last != NOT_YET and sarsa.step_size > 0.0:
         passed = math.pow(sarsa.discount, float(time - last))
-        target = reward_of(time - last, sarsa.discount) + sarsa.extra[k] + passed * value
+        target = _earned(sarsa, time - last) + sarsa.extra[k] + passed * value
         _learn(sarsa, k, target - before)
         _decay_traces(sarsa, k, passed * sarsa.trace_decay)
     sarsa.extra[k] = 0.0
+
+
+@inner_kernel
+def _earned(sarsa: Sarsa, duration: int) -> float:
+    """Return the reward of time itself."""
+    return reward_of(duration, sarsa.discount) if sarsa.reward_is_time else 0.0
 
 
 @inner_kernel
@@ -240,7 +260,7 @@ def end_episode(sarsa: Sarsa, time: int) -> None:
     for k in range(len(sarsa.last_time)):
         last = sarsa.last_time[k]
         if last != NOT_YET and sarsa.step_size > 0.0:
-            reward = reward_of(time - last, sarsa.discount) + sarsa.extra[k]
+            reward = _earned(sarsa, time - last) + sarsa.extra[k]
             _learn(sarsa, k, reward - last_value(sarsa, k))
         sarsa.last_time[k] = NOT_YET
         sarsa.extra[k] = 0.0

@@ -1,9 +1,9 @@
 """Sarsa as an agent's learner: one step at a time, whoever chooses the action (`core.learners.contract`)."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.domain import Choices
+from core.learners.encoding import active_tiles
 from core.learners.sarsa import (
     NOT_YET,
     SarsaConfig,
@@ -20,14 +20,34 @@ from core.numerics.tile_coding import TileCoder, runs
 
 
 class SarsaLearner:
-    """n learners side by side, each learning from its own decisions; rewards are the domain's own time that passed.
+    """n learners side by side, each learning from its own decisions, from reward and duration.
 
-    The features of a decision are the first active tiles of the state, the same for each action; `Choices.actor` says
-    whose decision it is and `Choices.time` when.
+    What a decision looks like is `Choices.observation`, tiled by the learner; `Choices.actor` says whose decision it is and
+    `Choices.time` when. The reward of an option is the sum of the rewards up to the same learner's next decision, each
+    discounted by the time since the option began (semi-Markov: Sutton, Precup & Singh 1999).
     """
 
-    def __init__(self, config: SarsaConfig, coder: TileCoder, *, n_learners: int, n_actions: int) -> None:
-        self.sarsa = new_sarsa(config, coder, n_learners, n_actions)
+    def __init__(
+        self,
+        config: SarsaConfig,
+        coder: TileCoder,
+        *,
+        n_learners: int,
+        n_actions: int,
+        reward_is_time: bool = False,
+    ) -> None:
+        """Begin without having learned.
+
+        Args:
+            config: of all learners.
+            coder: of the observation.
+            n_learners: >= 1.
+            n_actions: of each decision, >= 1.
+            reward_is_time: the reward of the domain is its own time, unit for unit (Keepaway: each cycle). It is then
+                counted in whole units, and the rewards that `took` is told of are not needed.
+        """
+        self._coder = coder
+        self.sarsa = new_sarsa(config, coder, n_learners, n_actions, reward_is_time=reward_is_time)
         """Weights, traces and last decisions; kernels change them in place."""
         self._rng = stream(0, "no episode yet")
 
@@ -37,9 +57,9 @@ class SarsaLearner:
         self._rng = rng
 
     def values(self, choices: Choices) -> Floats:
-        """Return Q(s, a) of the one who decides, in cycles still to come, shape (n,)."""
-        out = np.empty(len(choices.features))
-        action_values(self.sarsa, choices.actor, _windows(choices), out)
+        """Return Q(s, a) of the one who decides, in reward still to come, shape (n,)."""
+        out = np.empty(len(choices.ruled_out))
+        action_values(self.sarsa, choices.actor, active_tiles(self._coder, choices.observation), out)
         return out
 
     def act(self, values: Floats, preferred: int) -> int:
@@ -58,7 +78,7 @@ class SarsaLearner:
         shaping: float = 0.0,
         augmentation: float = 0.0,
     ) -> None:
-        """Learn from the option that this decision ended; the reward is the time since, `reward` is not needed.
+        """Learn from the option that this decision ended; `reward` is part of the options that go on.
 
         Q augmentation learns the Q for which Q + beta H fits: gamma^t beta H(s', o') - beta H(s, o) is added to the reward
         of option o.
@@ -67,8 +87,16 @@ class SarsaLearner:
         if sarsa.last_time[k] != NOT_YET:
             passed = float(sarsa.discount) ** int(choices.time - sarsa.last_time[k])
             sarsa.extra[k] += passed * augmentation
-        observe_action(sarsa, k, _windows(choices), action, choices.time)
+        observe_action(sarsa, k, active_tiles(self._coder, choices.observation), action, choices.time)
         sarsa.extra[k] = shaping - augmentation
+        if not sarsa.reward_is_time:
+            self._earn(reward, choices.time)
+
+    def _earn(self, reward: float, time: int) -> None:
+        """Add a reward to every option that goes on, discounted by the time since it began."""
+        sarsa = self.sarsa
+        for k in np.flatnonzero(sarsa.last_time != NOT_YET):
+            sarsa.extra[k] += float(sarsa.discount) ** int(time - sarsa.last_time[k]) * reward
 
     def end_episode(self, time: int, *, terminated: bool) -> None:
         """Learn from each learner's last option; of an episode that was broken off nothing more is learned."""
@@ -96,8 +124,3 @@ class SarsaLearner:
         starts, values = runs(self.sarsa.weights.ravel())
         shape = [float(length) for length in self.sarsa.weights.shape]
         return {"sarsa-shape": shape, "sarsa-starts": starts.tolist(), "sarsa-values": values.tolist()}
-
-
-def _windows(choices: Choices) -> NDArray[np.int64]:
-    windows: NDArray[np.int64] = choices.features[0].astype(np.int64)
-    return windows

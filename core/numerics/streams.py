@@ -5,7 +5,8 @@ experiment meets the same pieces, and trials pair by seed.
 """
 
 import zlib
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     # At run time only where a stream is opened: a protocol is read without arrays.
@@ -25,6 +26,19 @@ def stream(root_seed: int, *path: str | int) -> "np.random.Generator":
     import numpy as np
 
     return np.random.Generator(np.random.PCG64DXSM(np.random.SeedSequence(root_seed, spawn_key=_key(path))))
+
+
+def resumed(state: Mapping[str, Any]) -> "np.random.Generator":
+    """Return a Generator that goes on where a stream stood.
+
+    Args:
+        state: of its bit generator (`rng.bit_generator.state`).
+    """
+    import numpy as np
+
+    rng = np.random.Generator(np.random.PCG64DXSM(0))
+    rng.bit_generator.state = state
+    return rng
 
 
 def stream_seed(root_seed: int, *path: str | int) -> int:

@@ -7,7 +7,7 @@ are one contiguous window: a decision needs one integer per variable.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -120,20 +120,17 @@ def add_to_windows(weights: Floats, windows: Ints, n_tilings: int, amount: float
 
 
 @kernel
-def row_values(rows: Floats, weights: Floats, n_tilings: int) -> Floats:
+def row_values(rows: Ints, weights: Floats, n_tilings: int) -> Floats:
     """Return the sum of the weights of the active tiles of each row of window starts, (n, v) -> (n,)."""
     out = np.empty(rows.shape[0])
-    windows = np.empty(rows.shape[1], np.int64)
     for i in range(rows.shape[0]):
-        for v in range(rows.shape[1]):
-            windows[v] = int(rows[i, v])
-        out[i] = window_sum(weights, windows, n_tilings)
+        out[i] = window_sum(weights, rows[i], n_tilings)
     return out
 
 
-def tile_values(tiling: Tiling) -> Callable[[Floats, Floats], Floats]:
+def tile_values(tiling: Tiling) -> Callable[[Any, Floats], Floats]:
     """Return the function (rows of window starts (n, v), weights) -> values (n,)."""
-    return lambda rows, weights: row_values(rows, weights, tiling.n_tilings)
+    return lambda rows, weights: row_values(np.ascontiguousarray(rows, np.int64), weights, tiling.n_tilings)
 
 
 def runs(weights: Floats) -> tuple[Floats, Floats]:

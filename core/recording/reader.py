@@ -316,4 +316,4 @@ def _looks_like(content: bytes) -> str:
         return f"It is JSON of another program; it begins {content[:40]!r}"
     if b"\0" in content[:400]:
         return f"It holds binary data; it begins {content[:16]!r}"
-    return f"It begins {content[:40]!r}. A log of TAMER's Tetris is imported by `arl import tamer-log`"
+    return f"It begins {content[:40]!r}. A log of another program is imported by `arl import`, which lists the kinds it knows"

@@ -15,6 +15,8 @@ from core.events import Event, Record
 FORMAT: Literal["arl-recording"] = "arl-recording"
 VERSION = 2
 """Version that is written. 1 is read, too (`core.recording.version_1`)."""
+FIRST_GAME = "tetris"
+"""The game of protocols that name none: recordings made before there was a second game do not."""
 
 
 class Header(Record, frozen=True, kw_only=True, omit_defaults=False, tag="header"):

@@ -17,6 +17,7 @@ from core.events import (
     TimeGap,
 )
 from core.recording.reader import Recording
+from core.recording.schema import FIRST_GAME
 
 HAS_REASONS = 2
 """First version that tells a closed window, a signal and a full disk from a participant's stop."""
@@ -160,7 +161,7 @@ def _count(recording: Recording, kind: type) -> int:
 def _game(protocol: Mapping[str, Any]) -> str:
     domain = protocol.get("domain")
     # Recordings made before there was a second game do not name theirs.
-    return str(domain.get("type", "tetris")) if isinstance(domain, Mapping) else "tetris"
+    return str(domain.get("type", FIRST_GAME)) if isinstance(domain, Mapping) else FIRST_GAME
 
 
 def _planned(protocol: Mapping[str, Any]) -> int | None:

@@ -120,11 +120,13 @@ def with_schedules(settings: Any) -> Any:
 
 
 def as_far_as_recorded(recorded: Output, replayed: Output) -> Output:
-    """Return a replayed output without what the recorded one cannot tell: version 1 did not hold it."""
+    """Return a replayed output without what the recorded one cannot tell: files of its time did not hold it."""
     match recorded, replayed:
         case EpisodeStarted(trust=None), EpisodeStarted():
             return msgspec.structs.replace(replayed, trust=None, shaping=0.0, augmentation=0.0)
         case UnseenPlayed(weights=None), UnseenPlayed():
             return msgspec.structs.replace(replayed, weights=None)
+        case EpisodeEnded(time=None), EpisodeEnded():
+            return msgspec.structs.replace(replayed, time=None)
         case _:
             return replayed

@@ -1,7 +1,7 @@
 """In which sessions a setting has an effect: the one place where this is known.
 
-`USES` names every setting that has an effect in some sessions only; all others have one wherever their table
-is used. A setting without effect is refused when a protocol is read, or named before a session starts
+`uses` yields every setting that has an effect in some sessions only; all others have one wherever their table
+is used. What is particular to a game is said by its plugin (`core.plugins`). A setting without effect is refused when a protocol is read, or named before a session starts
 (`Use.refused`).
 """
 
@@ -22,11 +22,11 @@ from core.combination.config import (
 from core.configuration.catalogue import settings_of
 from core.configuration.reading import Path, Problem, shown_path
 from core.feedback.delays import Delay, GammaDelay, UniformDelay
-from core.keepaway.pitch import KeepawayConfig
 from core.learners.cross_entropy_config import CrossEntropyConfig
 from core.learners.human_config import SgdModel
 from core.learners.policy_gradient_config import PolicyGradientConfig
 from core.learners.sarsa_config import SarsaConfig
+from core.plugins import GamePlugin, plugin_of, plugins
 from core.session.protocol import Protocol
 
 Mode = Literal["live", "simulated", "what-if"]
@@ -78,7 +78,7 @@ def _looks_back(protocol: Protocol) -> bool:
     return protocol.agent.bootstrap.trust.needs.window
 
 
-def _learner_counts(protocol: Protocol) -> bool:
+def learner_counts(protocol: Protocol) -> bool:
     """Return whether the environment's learner has any say."""
     return not isinstance(protocol.agent.scheme, HumanOnly)
 
@@ -100,10 +100,6 @@ def _environment_teaches(protocol: Protocol) -> bool:
     return not isinstance(protocol.agent.scheme, Coach) or protocol.agent.scheme.environment_too
 
 
-def _noisy_sight(protocol: Protocol) -> bool:
-    return isinstance(protocol.domain, KeepawayConfig) and not protocol.domain.exact_state
-
-
 def _plays_unseen(protocol: Protocol) -> bool:
     session = protocol.session
     return session.unseen_before > 0 or (session.unseen_between > 0 and session.episodes > 1)
@@ -112,9 +108,7 @@ def _plays_unseen(protocol: Protocol) -> bool:
 FORMER_DEFAULTS: dict[str, object] = {"screen.tick_ms": 80}
 """Defaults of version 0.1: its `arl protocol` wrote every setting, so files of that time hold them."""
 
-USES: tuple[Use, ...] = (
-    Use(("screen.tick_ms",), "in Tetris only", lambda p, m: p.game == "tetris" and _on_screen(p, m)),
-    Use(("screen.speed",), "in Keepaway only", lambda p, m: p.game == "keepaway" and _on_screen(p, m)),
+_IN_ANY_GAME: tuple[Use, ...] = (
     Use(
         ("screen.pause_between_episodes_s",),
         "where a session is shown or simulated",
@@ -190,18 +184,13 @@ USES: tuple[Use, ...] = (
     ),
     Use(
         ("agent.bootstrap.symmetric",),
-        'in Tetris with session.watched = "top": elsewhere no policy is drawn',
+        'with session.watched = "top" and a learner other than Sarsa: elsewhere no policy is drawn',
         lambda p, m: _draws_top_policies(p),
     ),
     Use(
         ("agent.bootstrap.window_decisions",),
         'with others, or a trust that looks back (measured = "window"; a chance-corrected match without chance)',
         lambda p, m: _looks_back(p) or bool(p.others),
-    ),
-    Use(
-        ("session.watched",),
-        "in Tetris only: the learner of Keepaway changes at every step, and no policy of it comes back",
-        lambda p, m: p.game == "tetris",
     ),
     Use(
         ("session.unseen_steps",),
@@ -217,16 +206,6 @@ USES: tuple[Use, ...] = (
     ),
     Use(("session.watched_steps",), "where a session is shown or simulated", _on_screen, refused=False),
     Use(
-        ("domain.clear_on_overflow", "domain.terminal_value"),
-        'with game_over = "overflow" only',
-        lambda p, m: getattr(p.domain, "game_over", "") == "overflow",
-    ),
-    Use(
-        ("domain.view_angle_deg", "domain.quantise", "domain.see_phases"),
-        "with exact_state = false only",
-        lambda p, m: _noisy_sight(p),
-    ),
-    Use(
         ("learner.replacing_traces", "learner.least_trace"),
         "with trace_decay > 0 only",
         lambda p, m: _with_traces(p),
@@ -235,9 +214,9 @@ USES: tuple[Use, ...] = (
         ("learner.fisher_rate", "learner.fisher_ridge"), "with natural = true only", lambda p, m: _natural(p)
     ),
     Use(
-        ("learner", "domain.features"),
+        ("learner",),
         "on what is done with every scheme but human-only, where the environment has no say",
-        lambda p, m: _learner_counts(p),
+        lambda p, m: learner_counts(p),
         refused=False,
     ),
     Use(
@@ -252,6 +231,30 @@ USES: tuple[Use, ...] = (
         lambda p, m: _environment_teaches(p),
     ),
 )
+
+
+def uses() -> Iterator[Use]:
+    """Yield every entry: those that go by the game, those of any game, those of each game's own table."""
+    games = tuple(plugins())
+    for path in dict.fromkeys(path for game in games for path in game.idle):
+        yield _by_game(path, games)
+    yield from _IN_ANY_GAME
+    for game in games:
+        own: tuple[Use, ...] = game.uses
+        yield from own
+
+
+def _by_game(path: str, games: Sequence[GamePlugin]) -> Use:
+    """Return the entry of a setting that has no effect in some games."""
+    having = [game.title for game in games if path not in game.idle]
+    where = f"in {' and '.join(having)} only" if having else "in no game"
+    reasons = [reason for game in games if (reason := game.idle.get(path))]
+    on_screen = path.startswith("screen.")
+    return Use(
+        (path,),
+        ": ".join([where, "; ".join(reasons)]) if reasons else where,
+        lambda p, m: path not in plugin_of(p).idle and (_on_screen(p, m) or not on_screen),
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -277,7 +280,7 @@ class Idle:
 
 def uses_of(path: str) -> Iterator[Use]:
     """Yield the entries that speak of a setting, or of a table that it is in."""
-    for use in USES:
+    for use in uses():
         if any(path == setting or path.startswith(f"{setting}.") for setting in use.settings):
             yield use
 
@@ -350,14 +353,7 @@ def contradictions(protocol: Protocol) -> Iterator[Problem]:
             "infinity; make it smaller, or set standardise = true",
             model.step_size,
         )
-    for number, trainer in enumerate((protocol.trainer, *protocol.others)):
-        if trainer.knowledge == "myopic" and protocol.game == "keepaway":
-            where: Path = ("others", number - 1) if number else ("trainer",)
-            yield Problem(
-                (*where, "knowledge"),
-                "no participant of Keepaway is myopic (an option has no immediate effect): expert or lay",
-                "myopic",
-            )
+    yield from plugin_of(protocol).contradictions(protocol)
     low_ms, high_ms = protocol.keys.repeat_delay_ms
     if low_ms > high_ms:
         yield Problem(

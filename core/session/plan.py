@@ -2,12 +2,9 @@
 
 from core.combination.config import Coach, EnvironmentOnly, EpisodeWeights, Exponential, FixedWeight, Linear
 from core.feedback.delays import describe
+from core.plugins import plugin_of
 from core.session.protocol import Protocol
 
-TICKS_PER_PIECE = 8
-"""Tetris: pictures (ticks) of a piece on average on the default board (`core.tetris.pace`)."""
-SECONDS_PER_MATCH = 10.0
-"""Keepaway: an untrained team keeps the ball for about 7 s, a trained one for 12 s (default size)."""
 SHOWN_GAMES = 5
 FADED = 0.01
 """A weight below this share of the first game's is as good as none."""
@@ -38,17 +35,11 @@ def unseen_games(protocol: Protocol) -> int:
 
 
 def expected_minutes(protocol: Protocol) -> float:
-    """Return how long the watched games of a session take, in minutes, without pauses and unseen games.
-
-    Tetris: every game has all its pieces, as most have. Keepaway: games are as long as the default's are on
-    average.
-    """
-    session, screen = protocol.session, protocol.screen
-    if protocol.game == "tetris":
-        game_s = session.watched_steps * TICKS_PER_PIECE * screen.tick_ms / 1000
-    else:
-        game_s = min(SECONDS_PER_MATCH, session.watched_steps * 0.1) / screen.speed
-    return session.episodes * (screen.count_down_s + game_s + screen.pause_between_episodes_s) / 60
+    """Return how long the watched games of a session take, in minutes, without pauses and unseen games."""
+    game_s = plugin_of(protocol).expected_game_s(protocol)
+    screen = protocol.screen
+    between_s = screen.count_down_s + screen.pause_between_episodes_s
+    return protocol.session.episodes * (game_s + between_s) / 60
 
 
 def weights_of_games(protocol: Protocol) -> list[EpisodeWeights]:
@@ -119,7 +110,7 @@ def _listed(values: list[float]) -> str:
 
 def _games(protocol: Protocol) -> str:
     session = protocol.session
-    text = f"{session.episodes} watched, each of at most {session.watched_steps} {_steps(protocol)}"
+    text = f"{session.episodes} watched, each of at most {session.watched_steps} {plugin_of(protocol).steps}"
     unseen = unseen_games(protocol)
     if unseen:
         between = f"{session.unseen_before} before the first, {session.unseen_between} between two"
@@ -141,10 +132,6 @@ def _time(protocol: Protocol) -> str:
     minutes = expected_minutes(protocol)
     text = f"about {minutes:.0f} minutes" if minutes >= 1.5 else f"about {60 * minutes:.0f} seconds"
     return text + " of watching" + (", and the time of the unseen games" if unseen_games(protocol) else "")
-
-
-def _steps(protocol: Protocol) -> str:
-    return "pieces" if protocol.game == "tetris" else "decisions"
 
 
 def _tag(config: object) -> str:

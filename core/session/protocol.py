@@ -4,32 +4,25 @@ Every field has a default for each game, and every default names its source, so 
 protocol is written to each recording's header, and a session is built from that alone (`core.session.session.build_session`).
 """
 
+from collections.abc import Iterator, Mapping
 from typing import Annotated, Literal
 
 import msgspec
 
 from core.combination.config import AgentConfig, check_learner
+from core.configuration.catalogue import tag_of
 from core.configuration.fields import number
-from core.feedback.config import CreditConfig, TrainerConfig
+from core.feedback.config import TrainerConfig
 from core.feedback.delays import GammaDelay, describe
 from core.feedback.keys import KeyConfig
-from core.keepaway.participant_config import KeepawayPersonConfig
-from core.keepaway.pitch import KeepawayConfig
 from core.learners.cross_entropy_config import CrossEntropyConfig
-from core.learners.human_config import TileModel
 from core.learners.policy_gradient_config import PolicyGradientConfig
 from core.learners.sarsa_config import SarsaConfig
-from core.tetris.config import TetrisConfig
+from core.plugins import DomainConfig, is_game, plugin_called, plugin_of
+from core.recording.schema import FIRST_GAME
 
-DomainConfig = TetrisConfig | KeepawayConfig
-"""What is played; msgspec decodes it by its tag, the field "type"."""
 LearnerConfig = CrossEntropyConfig | PolicyGradientConfig | SarsaConfig
-"""How the environment's learner learns; decoded by its tag, too."""
-LEARNERS: dict[type[DomainConfig], tuple[type[LearnerConfig], ...]] = {
-    TetrisConfig: (CrossEntropyConfig, PolicyGradientConfig),
-    KeepawayConfig: (SarsaConfig,),
-}
-"""The learners that can learn each game."""
+"""How the environment's learner learns; msgspec decodes it by its tag, the field "type"."""
 
 
 class SessionConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -104,11 +97,11 @@ class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
 
     name: str = "default"
     """What the experimenter calls it."""
-    domain: DomainConfig = TetrisConfig(placements="reachable")
+    domain: DomainConfig = msgspec.field(default_factory=lambda: DEFAULTS[FIRST_GAME].domain)
     """Which game, its size and rules. Tetris: what is shown must be what the paper's four actions can do, hence
     "reachable"."""
     learner: LearnerConfig = CrossEntropyConfig()
-    """The environment's learner; each game has its own (`LEARNERS`)."""
+    """The environment's learner; each game has its own (`core.plugins.GamePlugin.learners`)."""
     agent: AgentConfig = AgentConfig()
     """How the learner and the participant's feedback are combined."""
     delay_of: DelayOf = "rule"
@@ -134,23 +127,21 @@ class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     each. (Section 3.1: "one or more sources"; the paper's sessions have one, and so have live ones.)"""
 
     def __post_init__(self) -> None:
-        known = [str(kind.__struct_config__.tag) for kind in LEARNERS[type(self.domain)]]
-        if _tag(self.learner) not in known:
+        plugin = plugin_of(self)
+        known = [tag_of(kind) for kind in plugin.learners]
+        if tag_of(self.learner) not in known:
             raise ValueError(
-                f"a session of {self.game} has one of the learners {', '.join(known)}, not {_tag(self.learner)}: "
+                f"a session of {self.game} has one of the learners {', '.join(known)}, not {tag_of(self.learner)}: "
                 "set [learner] type"
             )
-        if (self.game == "keepaway") != isinstance(self.agent.human_model, TileModel):
+        models = [tag_of(kind) for kind in plugin.human_models]
+        if tag_of(self.agent.human_model) not in models:
             raise ValueError(
-                "the human model of Keepaway is of type tiles, that of Tetris is not; got "
-                f"{_tag(self.agent.human_model)} for {self.game}: set [agent.human_model] type"
+                f"the human model of {self.game} is of type {' or '.join(models)}, not "
+                f"{tag_of(self.agent.human_model)}: set [agent.human_model] type"
             )
-        check_learner(self.agent.scheme, self.learner.kind, _tag(self.learner))
-        if isinstance(self.domain, TetrisConfig) and self.domain.lines_in_value:
-            raise ValueError(
-                "lines_in_value is for given policies in compiled play only: a session's learner sees features "
-                "alone. Set [domain] lines_in_value = false"
-            )
+        check_learner(self.agent.scheme, self.learner.kind, tag_of(self.learner))
+        plugin.check(self)
         needs = self.agent.bootstrap.trust.needs
         if needs.side_by_side:
             raise ValueError(
@@ -165,8 +156,8 @@ class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
 
     @property
     def game(self) -> str:
-        """Name of the game: "tetris" or "keepaway"."""
-        return _tag(self.domain)
+        """Name of the game, as in `core.plugins.GamePlugin.name`."""
+        return str(self.domain.__struct_config__.tag)
 
     def departures(self) -> list[str]:
         """Return, in plain sentences, where this protocol does otherwise than the paper, or fills its silence."""
@@ -181,62 +172,24 @@ class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         else:
             found.append("gamma(2.5, 0.3) is read as shape and scale: mean 0.75 s, mode 0.45 s, not 0.5 s")
         found.append(f"trust in the human follows the rule {type(trust).__name__}")
-        return found + (
-            _in_tetris(self.domain) if isinstance(self.domain, TetrisConfig) else self._in_keepaway()
-        )
-
-    def _in_keepaway(self) -> list[str]:
-        """Return what is particular to Keepaway."""
-        assert isinstance(self.domain, KeepawayConfig)
-        found = [
-            "the simulator is our own, not the RoboCup soccer server (docs/results/keepaway_fidelity.md)",
-            "each episode begins a new match: body directions are drawn anew",
-            "every episode counts as one policy, because the learner changes all the time",
-            f"the human model sees the learner's tiles, {self._shares_human_model()}",
-        ]
-        if self.screen.speed != 1.0:
-            found.append(f"the game is shown at {self.screen.speed:g} times its own speed")
-        if self.domain.exact_state:
-            found.append("players know the exact state instead of noisy perceptions")
-        elif self.domain.see_phases is None:
-            found.append(
-                "which two of three cycles each player sees in is drawn anew in every episode (the reference: once per match)"
-            )
-        return found
-
-    def _shares_human_model(self) -> str:
-        model = self.agent.human_model
-        shared = isinstance(model, TileModel) and model.shared
-        return "one model for all keepers" if shared else "one model per keeper"
+        return found + plugin_of(self).departures(self)
 
 
-def _in_tetris(domain: TetrisConfig) -> list[str]:
-    """Return what is particular to Tetris."""
-    found = ["the symmetric update is made explicit: top policies are drawn by performance and match"]
-    if domain.features != "bertsekas-21":
-        found.append(f"the environment's learner sees the features {domain.features}")
-    return found
+class _Defaults(Mapping[str, Protocol]):
+    """The default protocol of each game that can be played, by the game's name."""
+
+    def __getitem__(self, game: str) -> Protocol:
+        if not is_game(game):
+            raise KeyError(game)
+        default: Protocol = plugin_called(game).default()
+        return default
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(DomainConfig.structs())
+
+    def __len__(self) -> int:
+        return len(DomainConfig.structs())
 
 
-def _tag(config: msgspec.Struct) -> str:
-    return str(config.__struct_config__.tag)
-
-
-TETRIS = Protocol()
-KEEPAWAY = Protocol(
-    domain=KeepawayConfig(),
-    learner=SarsaConfig(),
-    agent=AgentConfig(
-        credit=CreditConfig(delay=GammaDelay()),
-        human_model=TileModel(),
-    ),
-    # Section 4: at most two presses per episode, about 1 in 10 of them wrong.
-    keys=KeyConfig(max_presses_per_episode=2),
-    trainer=KeepawayPersonConfig().trainer,
-    # An untrained team keeps the ball for about 7 s, a trained one for 12 s; a step takes 0.1 s or a pass.
-    session=SessionConfig(episodes=20, unseen_between=0, watched_steps=1200, unseen_steps=12000),
-    # A pass then takes 3.2 s, in which it can be judged (docs/decisions/pace-of-a-session.md).
-    screen=ScreenConfig(speed=0.2),
-)
-DEFAULTS: dict[str, Protocol] = {"tetris": TETRIS, "keepaway": KEEPAWAY}
+DEFAULTS: Mapping[str, Protocol] = _Defaults()
 """The default protocol of each game."""

@@ -4,13 +4,16 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from core.configuration.reading import ConfigurationError, read
+from core.configuration.catalogue import TAG
+from core.configuration.reading import ConfigurationError, Problem, read
+from core.plugins import GameError
+from core.recording.schema import FIRST_GAME
 from core.session.effects import contradictions, idle
 from core.session.protocol import DEFAULTS, Protocol
 from core.session.protocol_file import ProtocolError, located, read_toml
 
 
-def protocol_from(plain: Mapping[str, Any], *, game: str = "tetris", to_run: bool = False) -> Protocol:
+def protocol_from(plain: Mapping[str, Any], *, game: str = FIRST_GAME, to_run: bool = False) -> Protocol:
     """Return the protocol that plain types describe: a recording's header, or a TOML file.
 
     What is not said has the default of the game. A table with another `type` than the default's stands for itself.
@@ -27,7 +30,10 @@ def protocol_from(plain: Mapping[str, Any], *, game: str = "tetris", to_run: boo
     """
     domain = plain.get("domain", {})
     named = domain.get("type", game) if isinstance(domain, Mapping) else domain
-    default = DEFAULTS.get(str(named), DEFAULTS[game])
+    try:
+        default = DEFAULTS.get(str(named)) or DEFAULTS[game]
+    except GameError as error:
+        raise ConfigurationError([Problem(("domain", TAG), str(error), named)]) from error
     protocol = read(plain, default, to_run=to_run)
     if to_run:
         problems = list(contradictions(protocol))
@@ -37,7 +43,7 @@ def protocol_from(plain: Mapping[str, Any], *, game: str = "tetris", to_run: boo
     return protocol
 
 
-def load_protocol(path: Path | None, *, game: str = "tetris") -> Protocol:
+def load_protocol(path: Path | None, *, game: str = FIRST_GAME) -> Protocol:
     """Return the protocol in a TOML file; the defaults for None.
 
     Args:

@@ -4,13 +4,10 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
 from core.combination.agreement import Agreement
 from core.combination.sides import EpisodePolicy
 from core.combination.tally import AGREED, AGREED_WORST, Compared, EpisodeTally
-from core.domain import Choices, Domain
+from core.domain import Choices, Domain, Features
 from core.events import (
     CreditGiven,
     EpisodeEnded,
@@ -42,7 +39,7 @@ class Played:
     """What came of one episode: the agent learns from this, whether it was watched or not."""
 
     performance: float
-    """The domain's performance measure, >= 0."""
+    """The domain's performance measure (`Domain.performance`)."""
     steps: int
     agreed: int
     """Steps at which environment and human policy chose the same action."""
@@ -72,7 +69,7 @@ class FeedbackSource(Protocol):
 class Listener(Protocol):
     """What hears a participant: the part of an agent that inputs reach."""
 
-    def step_shown(self, step: int, features: NDArray[np.float64], time_ns: int) -> None:
+    def step_shown(self, step: int, features: Features, time_ns: int) -> None:
         """Note that a watched step with these feedback features, shape (G,), came on screen."""
         ...
 
@@ -147,10 +144,10 @@ class FeedbackIntake:
         self.stop_asked: StopAsked | None = None
         self._listener = listener
         self._feedback = feedback
-        self._features: dict[int, NDArray[np.float64]] = {}
+        self._features: dict[int, Features] = {}
         self._on_screen = -1
 
-    def expect(self, step: int, features: NDArray[np.float64]) -> None:
+    def expect(self, step: int, features: Features) -> None:
         """Announce a watched step whose frames may come; earlier ones than the last two are forgotten."""
         self._features[step] = features
         for old in [known for known in self._features if known < step - 1]:
@@ -265,6 +262,7 @@ def play_episode(
         agreed_worst=played.agreed_worst,
         trust=agent.trust,
         digest=agent.digest(),
+        time=played.time,
     )
     # Late presses on the last steps, made while the final picture was shown.
     yield from intake.attend(-1)

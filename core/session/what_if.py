@@ -10,13 +10,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import msgspec
-import numpy as np
-from numpy.typing import NDArray
 
 from core.combination.agent import ArlAgent, EpisodePolicy
 from core.combination.human_learner import HumanLearner
 from core.combination.tally import AGREED, AGREED_WORST, EpisodeTally
-from core.domain import Choices, Domain
+from core.domain import Choices, Domain, Features
 from core.events import (
     CreditGiven,
     EpisodeEnded,
@@ -44,7 +42,7 @@ class WatchedStep:
 
     step: int
     choices: Choices
-    taken: NDArray[np.float64]
+    taken: Features
     """psi(s, a) of the action that was taken, shape (G,); NaN where the recording does not tell."""
 
 
@@ -225,7 +223,7 @@ class _Watched:
             int(self._tally.counts[AGREED]),
             int(self._tally.counts[AGREED_WORST]),
             output.ended,
-            self._time_at_end(output),
+            output.time if output.time is not None else self._time_at_end(output),
             self._tally.agreement,
             self._tally.with_each,
         )

@@ -100,6 +100,11 @@ class Tetris:
         return self._features.names
 
     @property
+    def observation_names(self) -> tuple[str, ...]:
+        """Return nothing: placements are seen by what they leave behind."""
+        return ()
+
+    @property
     def feedback_feature_names(self) -> tuple[str, ...]:
         """Names of the features whose differences the human reward model sees."""
         return self._feedback.names
@@ -159,16 +164,21 @@ class Tetris:
 
     def choices(self, state: TetrisState) -> Choices:
         """Describe the placements of the piece: features of the afterstate, differences for the human model."""
-        return self._describe(*self._scan(state))
+        return self._describe(*self._scan(state), time=state.k)
 
-    def _describe(self, work: Ints, allowed: NDArray[np.int64], ruled_out: NDArray[np.bool_]) -> Choices:
+    def _describe(
+        self, work: Ints, allowed: NDArray[np.int64], ruled_out: NDArray[np.bool_], *, time: int = 0
+    ) -> Choices:
         features = np.empty((len(allowed), len(self._features.names)))
         feedback = np.empty((len(allowed), len(self._feedback.names)))
         _fill_choices(
             work, self._rules, allowed, self._features.code, self._feedback.code, features, feedback
         )
         return Choices(
-            features / self._features.denominators, feedback / self._feedback.denominators, ruled_out
+            features / self._features.denominators,
+            feedback / self._feedback.denominators,
+            ruled_out,
+            time=time,
         )
 
     def choices_on(self, columns: tuple[int, ...], piece: int) -> Choices:
@@ -211,7 +221,7 @@ class Tetris:
         lines, over = _step(work, self._rules, at, self.piece(state, ahead=1))
         columns = tuple(int(column) for column in work[NOW, : self.config.columns])
         following = TetrisState(columns, state.seed, state.k + 1, state.lines + int(lines), bool(over))
-        return Transition(following, float(lines))
+        return Transition(following, float(lines), 1)
 
     def performance(self, state: TetrisState) -> float:
         """Return the lines cleared so far."""

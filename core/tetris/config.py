@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 import msgspec
 
 from core.configuration.fields import number, one_of
+from core.plugins import DomainConfig
 
 GameOverRule = Literal["fit-before-clear", "overflow"]
 TerminalValue = Literal["minus-infinity", "features"]
@@ -18,7 +19,7 @@ MIN_COLUMNS, MAX_COLUMNS = 4, 16
 MIN_ROWS, MAX_ROWS = 4, 40
 
 
-class TetrisConfig(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="tetris"):
+class TetrisConfig(msgspec.Struct, DomainConfig, frozen=True, forbid_unknown_fields=True, tag="tetris"):
     """Board, rules and features of a Tetris domain."""
 
     rows: Annotated[int, number("rows", ge=MIN_ROWS, le=MAX_ROWS)] = 20

@@ -5,6 +5,7 @@ Everything here is immutable and made of plain numbers and bytes, so that it can
 
 import msgspec
 
+from core.plugins import View
 from core.tetris.game import (
     Board,
     FallingPiece,
@@ -75,7 +76,7 @@ class Counts(msgspec.Struct, frozen=True, kw_only=True, array_like=True):
     """Id of the piece after the falling one; -1 where it is not shown."""
 
 
-class Snapshot(msgspec.Struct, frozen=True, kw_only=True, array_like=True, tag="tetris"):
+class Snapshot(msgspec.Struct, View, frozen=True, kw_only=True, array_like=True, tag="tetris"):
     """One picture of a game."""
 
     rows: int

@@ -13,7 +13,7 @@ from studies.experiments.keepaway_pages import SCORES_TEXT, by_time, weights_use
 from studies.experiments.keepaway_settings import DEPARTURES, arl, person, sarsa_alone
 from studies.experiments.keepaway_trial import KeepawayTrial, quick, run_trial
 from studies.experiments.page import Page
-from studies.experiments.rates import AtRate, rates_figure, ratios_table, summary, weights_table
+from studies.experiments.rates import AtRate, in_short, rates_figure, ratios_table, summary, weights_table
 from studies.experiments.results import Results
 from studies.experiments.sweep import Condition, Experiment
 
@@ -177,6 +177,7 @@ def report(results: Results) -> Page:
     text = f"""\
 # {EXPERIMENT.title}
 
+{in_short(found, RULES[OURS], "Sarsa alone")}
 A simulated person watches every episode, presses at most 2 keys in it, and errs as often as the column says; {HOURS:g} simulated hours,
 {len(results.seeds)} trials, paired by seed. Ratio of scores to Sarsa without a person, with 95 % interval:
 

@@ -63,6 +63,32 @@ wrong: {_listed(adversary)}.
 """
 
 
+def in_short(found: ByRule, ours: str, alone: str) -> str:
+    """Return a page's answer in three sentences.
+
+    Args:
+        found: every rule at every rate.
+        ours: label of the rule that the page is about.
+        alone: what scores are compared with, in words.
+    """
+    cells = found.get(ours, {})
+    harm = [f"{rate} %" for rate, cell in cells.items() if cell.ratio.high < 1]
+    at = "; ".join(f"{rate} % wrong: {page.interval(cell.ratio)}" for rate, cell in cells.items())
+    best = max(
+        ((rule, other[10]) for rule, other in found.items() if 10 in other),
+        key=lambda pair: pair[1].ratio.estimate,
+        default=None,
+    )
+    first = f"Listening by the rule *{ours}* does significantly worse than {alone} at {', '.join(harm) or 'no rate'} of wrong presses."
+    second = f"Its ratios are {at}." if at else "It was not played."
+    third = (
+        f"At 10 % wrong *{best[0]}* does best: {page.interval(best[1].ratio)}."
+        if best
+        else "Nothing else was played."
+    )
+    return f"**In short.** {first} {second} {third}\n"
+
+
 def _listed(rules: Sequence[str]) -> str:
     return ", ".join(f"*{rule}*" for rule in rules) or "none"
 

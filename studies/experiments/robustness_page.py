@@ -8,7 +8,15 @@ from core.numerics.arrays import Floats
 from studies.comparison import Verdict
 from studies.experiments import page
 from studies.experiments.page import Page
-from studies.experiments.rates import AtRate, ByRule, rates_figure, ratios_table, summary, weights_table
+from studies.experiments.rates import (
+    AtRate,
+    ByRule,
+    in_short,
+    rates_figure,
+    ratios_table,
+    summary,
+    weights_table,
+)
 from studies.experiments.results import Results
 from studies.experiments.robustness_settings import (
     ENVIRONMENT,
@@ -78,6 +86,7 @@ def robustness_page(results: Results) -> Page:
     text = f"""\
 # {results.experiment.title}
 
+{in_short(by_rule, RULES[MARGIN], "the environment alone")}
 A person presses the wrong key in 0 to 100 % of the cases: from a perfect judge by way of pure noise (50 %) to a perfect adversary. Scores
 are {SCORE}; ratios are to the environment alone, the same learner without a person, over {len(results.seeds)} paired trials. ({shared})
 

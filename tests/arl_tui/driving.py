@@ -8,7 +8,7 @@ from textual.widgets import Static
 
 from arl_tui.app.link import Picture, Ready
 from arl_tui.app.outcome import Outcome
-from arl_tui.games.rendering import TetrisStage
+from arl_tui.games.tetris.renderer import TetrisRenderer
 from arl_tui.session_app import ArlApp, SessionSetup, build_app
 from core.recording.reader import Recording, read_recording
 from core.session.protocol import Protocol
@@ -32,7 +32,7 @@ class Worker:
 
     def __init__(self, link: FakeLink, protocol: Protocol) -> None:
         self.link = link
-        self.stage = TetrisStage(protocol.domain)
+        self.stage = TetrisRenderer(protocol.domain)
         self.pictures = 0
 
     def start_episode(self) -> None:

@@ -10,15 +10,16 @@ from textual.widgets import Static
 
 from arl_tui.app.link import Picture, Ready, TakenFor
 from arl_tui.app.outcome import Outcome
-from arl_tui.games.keepaway.panel import PitchScene
+from arl_tui.games.keepaway.panel import PitchPanel
 from arl_tui.palette import STANDARD
 from arl_tui.screens.covers import SmallWindowScreen
 from arl_tui.session_app import ArlApp
 from core.events import EpisodeEnded, FrameShown, StepTaken
 from core.keepaway.picture import PitchFrame
 from core.keepaway.pitch import TAKEN
+from core.keepaway.plugin import KEEPAWAY
 from core.recording.reader import read_recording
-from core.session.protocol import KEEPAWAY, Protocol, ScreenConfig
+from core.session.protocol import Protocol, ScreenConfig
 from tests.arl_tui.driving import app_for, recorded
 from tests.arl_tui.fakes import FakeLink, episode_ended, episode_started, session_ended
 from tests.arl_tui.pitches import HOLDING, PASSING
@@ -91,7 +92,7 @@ async def begin(pilot: Pilot[Outcome], link: FakeLink) -> Worker:
 
 def pitch_text(app: ArlApp) -> str:
     scene = app.play.scene
-    assert isinstance(scene, PitchScene)
+    assert isinstance(scene, PitchPanel)
     return "\n".join(scene.pitch.render_line(y).text for y in range(scene.pitch.size.height))
 
 
@@ -199,7 +200,7 @@ async def test_long_regions_need_wide_windows(link: FakeLink, tmp_path: Path):
         link.say(Ready(warm_up_ns=1))
         await pilot.press("enter")
         await pilot.pause()
-        assert isinstance(app.play.scene, PitchScene)
+        assert isinstance(app.play.scene, PitchPanel)
         assert app.play.scene.needed.width == 98
         await pilot.pause()
         assert isinstance(app.screen, SmallWindowScreen)

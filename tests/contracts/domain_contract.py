@@ -1,5 +1,6 @@
 """The contract of a domain, written once: a test class that gets a domain inherits all of it."""
 
+import math
 from typing import Any
 
 import numpy as np
@@ -74,18 +75,24 @@ class DomainContract:
             n_actions = len(choices.ruled_out)
             assert choices.features.shape == (n_actions, len(domain.feature_names))
             assert choices.feedback_features.shape == (n_actions, len(domain.feedback_feature_names))
+            assert choices.observation.shape == (len(domain.observation_names),)
+            assert bool(domain.feature_names) != bool(domain.observation_names)
             assert np.isfinite(choices.features).all()
+            assert np.isfinite(choices.observation).all()
             assert np.isfinite(choices.feedback_features).all()
 
-    def test_performance_and_time_never_fall_and_are_never_negative(self, domain):
-        states = [state for state, _ in self.random_episode(domain, 17)]
-        for values in (
-            [domain.performance(state) for state in states],
-            [domain.time(state) for state in states],
-        ):
-            assert values[0] >= 0
-            assert values == sorted(values)
-        assert domain.time(states[-1]) > domain.time(states[0])
+    def test_time_goes_on_by_the_durations_and_choices_say_when(self, domain):
+        episode = self.random_episode(domain, 17)
+        assert domain.time(episode[0][0]) >= 0
+        for state, action in episode[:-1]:
+            transition = domain.transition(state, action)
+            assert transition.duration >= 0
+            assert domain.time(transition.next_state) == domain.time(state) + transition.duration
+            assert domain.choices(state).time == domain.time(state)
+        assert domain.time(episode[-1][0]) > domain.time(episode[0][0])
+
+    def test_performance_is_finite(self, domain):
+        assert all(math.isfinite(domain.performance(state)) for state, _ in self.random_episode(domain, 17))
 
     def test_a_terminal_state_has_no_choices(self, domain):
         end = self.random_episode(domain, 19)[-1][0]

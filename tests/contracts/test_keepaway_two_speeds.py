@@ -59,7 +59,9 @@ class StepByStep:
 
     def __init__(self, config, presses, root_seed):
         self.domain = Keepaway(TASK, shared_feedback=config.agent.human_model.shared)
-        learner = SarsaLearner(SarsaConfig(), self.domain.coder, n_learners=3, n_actions=3)
+        learner = SarsaLearner(
+            SarsaConfig(), self.domain.coder, n_learners=3, n_actions=3, reward_is_time=True
+        )
         names = self.domain.feedback_feature_names
         tiles = self.domain.feedback_tiles
         self.agent = ArlAgent(

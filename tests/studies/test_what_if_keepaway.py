@@ -12,9 +12,9 @@ from core.feedback.delays import CurrentStep, GammaDelay
 from core.keepaway.sessions import KeepawayGame
 from core.recording.reader import RecordingError, read_recording
 from core.recording.recorder import LineWriter
-from core.session.protocol import TETRIS
 from core.session.protocol_reading import protocol_from
 from core.session.what_if import watched_steps
+from core.tetris.plugin import TETRIS
 from studies.what_if import WhatIfSettings, what_if
 
 GOLDEN = (

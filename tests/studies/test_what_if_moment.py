@@ -11,6 +11,7 @@ from core.combination.schedule import EpisodesSoFar
 from core.feedback.keys import KeyConfig, PressGate
 from core.feedback.source import SimulatedParticipant
 from core.feedback.trainers import SimulatedTrainer, TrainerConfig
+from core.keepaway.plugin import KEEPAWAY
 from core.learners.policy_gradient_config import PolicyGradientConfig
 from core.numerics.clock import ManualClock
 from core.numerics.streams import stream_seed
@@ -18,7 +19,7 @@ from core.recording.reader import read_recording
 from core.recording.recorder import LineWriter
 from core.recording.schema import Header, to_plain
 from core.registry import game_of
-from core.session.protocol import KEEPAWAY, SessionConfig
+from core.session.protocol import SessionConfig
 from core.session.protocol_reading import protocol_from
 from core.session.rollout import play_unseen
 from core.session.session import build_session

@@ -53,12 +53,13 @@ class LivePitch(PitchWidget):
         if picture is None or picture.ahead is None or self.drawn_frame != picture.number:
             return
         assert isinstance(picture.view, PitchFrame)
+        assert isinstance(picture.ahead, PitchFrame)
         fraction = (self._clock.now_ns() - self._since_ns) / picture.lasts_ns
         # Never the next picture itself: another step may begin with it.
         self.show(between(picture.view, picture.ahead, min(fraction, 0.99)), picture.number)
 
 
-class PitchScene:
+class PitchPanel:
     """The pitch, and the score beside it."""
 
     def __init__(self, protocol: Protocol, palette: Palette, *, clock: Clock | None = None) -> None:

@@ -24,7 +24,7 @@ OPTIONS_REMEMBERED = 128
 """About ten seconds of the game's time, if nobody passes."""
 
 
-class PitchStage:
+class PitchRenderer:
     """Follows the session's episodes; knows of them only seeds and options."""
 
     def __init__(self, config: KeepawayConfig, speed: float) -> None:

@@ -12,11 +12,22 @@ if TYPE_CHECKING:
     from core.numerics.arrays import Floats
 
 
+def as_weights(performance: Sequence[float]) -> Sequence[float]:
+    """Return by how much each episode or policy counts in a performance-weighted mean, >= 0.
+
+    Performances that are all >= 0 count as they are (Eqs. 4 and 5). Where any is negative (a sum of costs), each counts by
+    how far it lies above the lowest of them: the paper does not say, and a negative weight would turn a match into
+    its opposite. The lowest then counts nothing; where all are equal, all weights are 0, and all count alike.
+    """
+    lowest = min(performance, default=0.0)
+    return performance if lowest >= 0 else [pm - lowest for pm in performance]
+
+
 def human_weight(performance: Sequence[float], match: Sequence[float]) -> float:
     """Return the performance-weighted mean degree of match, w_h (Eq. 4).
 
     Args:
-        performance: pm_i of the compared top policies, >= 0.
+        performance: pm_i of the compared top policies (`as_weights`).
         match: m_i of the same policies.
 
     Returns:
@@ -25,6 +36,7 @@ def human_weight(performance: Sequence[float], match: Sequence[float]) -> float:
     _check_performance(performance, match)
     if not match:
         return 0.0
+    performance = as_weights(performance)
     total = math.fsum(performance)
     if total == 0:
         return math.fsum(match) / len(match)
@@ -37,14 +49,17 @@ def next_human_weight(pm_before: float, w_before: float, pm_now: float, match_no
     """Return w_h^k = (pm^{k-1} w_h^{k-1} + pm^k m^k) / (pm^{k-1} + pm^k) (Eq. 5).
 
     Args:
-        pm_before: performance of the episode before, >= 0.
+        pm_before: performance of the episode before.
         w_before: w_h after it.
-        pm_now: performance of this episode, >= 0.
+        pm_now: performance of this episode.
         match_now: degree of match of this episode's policy.
 
     Returns:
-        A value between `w_before` and `match_now`; their plain mean where both performances are 0.
+        A value between `w_before` and `match_now`; their plain mean where both performances are 0, or one is negative:
+        of two episodes the worse would then count nothing (`as_weights`), however little it is worse.
     """
+    if min(pm_before, pm_now) < 0:
+        return (w_before + match_now) / 2
     return human_weight([pm_before, pm_now], [w_before, match_now])
 
 
@@ -62,7 +77,7 @@ def signed_human_weight(
     until some performance is > 0.
 
     Args:
-        performance: pm_i of recent episodes, >= 0, at least 2 of them.
+        performance: pm_i of recent episodes, at least 2 of them.
         agreement: signed match a_i of the same episodes, in [-1, 1].
         gain: > 0.
         standard_errors: >= 0.
@@ -76,6 +91,7 @@ def signed_human_weight(
     w = human_weight(performance, agreement)
     mean = math.fsum(agreement) / len(agreement)
     sd = math.sqrt(math.fsum((a - mean) ** 2 for a in agreement) / (len(agreement) - 1))
+    performance = as_weights(performance)
     total = math.fsum(performance)
     if total > 0:
         spread = math.sqrt(math.fsum(pm * pm for pm in performance)) / total
@@ -95,7 +111,7 @@ def rank_human_weight(
     """Return gain times Spearman's correlation of performance and match, less its standard errors 1 / sqrt(n - 1).
 
     Args:
-        performance: pm_i of recent episodes, >= 0, at least 3 of them.
+        performance: pm_i of recent episodes, at least 3 of them.
         match: m_i of the same episodes.
         gain: > 0.
         standard_errors: >= 0.
@@ -168,15 +184,16 @@ def selection_probabilities(performance: Sequence[float], pull: Sequence[float])
     is trusted (w_h = 0), and the higher, the more a policy matches a trusted one, or opposes a distrusted one.
 
     Args:
-        performance: pm_i, >= 0, at least one policy.
+        performance: pm_i (`as_weights`), at least one policy.
         pull: of each policy, all participants together (`pulls`).
 
     Returns:
-        Probabilities that sum to 1. Policies count alike until some pm_i > 0.
+        Probabilities that sum to 1. Policies count alike until some pm_i > 0, or while all are equally negative.
     """
     _check_performance(performance, pull)
     if not performance:
         raise ValueError("there is no policy to select")
+    performance = as_weights(performance)
     factors = [max(0.0, 1.0 + p) for p in pull]
     if not any(performance):
         performance = [1.0] * len(factors)
@@ -191,5 +208,5 @@ def selection_probabilities(performance: Sequence[float], pull: Sequence[float])
 def _check_performance(performance: Sequence[float], match: Sequence[float]) -> None:
     if len(performance) != len(match):
         raise ValueError(f"need one match per performance, got {len(match)} and {len(performance)}")
-    if any(not (pm >= 0 and math.isfinite(pm)) for pm in performance):
-        raise ValueError(f"performance is finite and >= 0, got {list(performance)}")
+    if not all(map(math.isfinite, performance)):
+        raise ValueError(f"performance is finite, got {list(performance)}")

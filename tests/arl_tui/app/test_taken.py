@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from arl_tui.app.taken import StepsShown
-from arl_tui.games.rendering import Place, TetrisStage
+from arl_tui.games.rendering import Place
+from arl_tui.games.tetris.renderer import TetrisRenderer
 from core.events import FrameShown, KeyPressed, ScreenCleared
 from core.feedback.assigner import CreditAssigner
 from core.feedback.config import CreditConfig
@@ -76,7 +77,7 @@ def test_it_is_the_step_that_the_learner_credits_most(rule: Delay) -> None:
 def test_blocks_are_where_the_piece_is_while_the_next_one_falls(seed: int) -> None:
     """Also after rows have gone: the marked cells are the piece's own, settled ones."""
     config = TetrisConfig(rows=8, columns=5)
-    game, stage = Tetris(config), TetrisStage(config)
+    game, stage = Tetris(config), TetrisRenderer(config)
     state = game.initial(seed)
     stage.begin(episode_started(seed=seed))
     rng = stream(seed, "test")

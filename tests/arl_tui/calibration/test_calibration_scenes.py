@@ -8,11 +8,12 @@ import pytest
 from arl_tui.calibration.plan import configure
 from arl_tui.calibration.scenes import N_WORST, TrialPosition, make_positions, position_of, tick_ms
 from arl_tui.calibration.views import GameView
-from arl_tui.games.rendering import TetrisStage
+from arl_tui.games.tetris.renderer import TetrisRenderer
 from arl_tui.palette import STANDARD
-from core.session.protocol import TETRIS, ScreenConfig
+from core.session.protocol import ScreenConfig
 from core.tetris.game import reachable_placements
 from core.tetris.picture import FALLING, GHOST, Counts, Snapshot, Wall
+from core.tetris.plugin import TETRIS
 from studies.reaction_time.protocol import Schedule
 from studies.reaction_time.schedule import make_schedule
 from tests.arl_tui.fakes import episode_started, step_taken
@@ -44,7 +45,7 @@ def test_the_pictures_are_those_of_a_session() -> None:
     """The same piece at the same place, drawn by what draws sessions: every picture is the same."""
     wall, started = Wall(20, 10), episode_started()
     for placement, plan in reachable_placements(wall.board, 2, 20).items():
-        stage = TetrisStage(TETRIS.domain)  # type: ignore[arg-type]
+        stage = TetrisRenderer(TETRIS.domain)  # type: ignore[arg-type]
         (opening,) = stage.begin(started)
         taken = step_taken(0, piece=2, orientation=placement[0], column=placement[1])
         session = [shot.view for shot in stage.act(taken)]

@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 
 from arl_tui.app.link import Picture
-from arl_tui.games.rendering import stage_of
+from arl_tui.games.registry import screens_of
 from core.events import EpisodeEnded, EpisodeStarted, StepTaken
 from core.keepaway.pitch import CYCLE_NS, ONGOING, KeepawayConfig
+from core.keepaway.plugin import KEEPAWAY
 from core.numerics.clock import ManualClock
-from core.session.protocol import KEEPAWAY, ScreenConfig, SessionConfig
+from core.session.protocol import ScreenConfig, SessionConfig
 from core.session.session import build_session
 
 PROTOCOL = msgspec.structs.replace(
@@ -32,7 +33,7 @@ class Silent:
 @pytest.fixture(scope="module")
 def shown() -> list[tuple[object, tuple]]:
     """Each output with the pictures it brings."""
-    stage = stage_of(PROTOCOL)
+    stage = screens_of(PROTOCOL).renderer(PROTOCOL)
     seen = []
     for output in build_session(PROTOCOL, 4).run(Silent(), ManualClock()):
         if isinstance(output, EpisodeStarted):
@@ -90,7 +91,7 @@ def test_the_final_picture_says_how_it_ended(shown):
 
 
 def test_slow_motion_shows_each_cycle_for_longer():
-    assert stage_of(PROTOCOL).tick_ns == 2 * CYCLE_NS
+    assert screens_of(PROTOCOL).renderer(PROTOCOL).tick_ns == 2 * CYCLE_NS
 
 
 def test_a_picture_travels_to_the_screen_and_back(shown):
@@ -102,7 +103,7 @@ def test_a_picture_travels_to_the_screen_and_back(shown):
 
 
 def test_who_chose_an_option_is_known_for_the_last_ones(shown):
-    stage = stage_of(PROTOCOL)
+    stage = screens_of(PROTOCOL).renderer(PROTOCOL)
     last = None
     for output, _ in shown:
         if isinstance(output, EpisodeStarted):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from arl_tui.games.rendering import TetrisStage
+from arl_tui.games.tetris.renderer import TetrisRenderer
 from core.numerics.streams import stream
 from core.tetris.afterstate import Tetris
 from core.tetris.config import TetrisConfig
@@ -16,7 +16,7 @@ def test_the_board_on_screen_is_the_board_of_the_game(seed: int) -> None:
     config = TetrisConfig()
     game = Tetris(config)
     state = game.initial(seed)
-    stage = TetrisStage(config)
+    stage = TetrisRenderer(config)
     stage.begin(episode_started(seed=seed))
     rng = stream(seed, "test")
     for step in range(25):
@@ -43,7 +43,7 @@ def test_the_board_on_screen_is_the_board_of_the_game(seed: int) -> None:
 
 
 def test_a_new_episode_clears_the_board() -> None:
-    stage = TetrisStage(TetrisConfig())
+    stage = TetrisRenderer(TetrisConfig())
     stage.begin(episode_started())
     stage.act(step_taken(0))
     ((picture, _),) = stage.begin(episode_started(1))

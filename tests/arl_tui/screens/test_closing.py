@@ -7,9 +7,11 @@ from textual.app import App
 
 from arl_tui.app.live_session import Tally
 from arl_tui.app.outcome import Outcome
+from arl_tui.games.keepaway.screens import WORDS as KEEPAWAY
+from arl_tui.games.tetris.screens import WORDS as TETRIS
 from arl_tui.screens.closing import ClosingScreen
 from arl_tui.widgets.learning_curve import LearningCurve
-from arl_tui.words import KEEPAWAY, TETRIS, Words
+from arl_tui.words import Words
 from tests.arl_tui.widgets.test_widgets_board import contrast
 
 

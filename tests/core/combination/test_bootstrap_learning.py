@@ -349,7 +349,7 @@ def test_what_cannot_be_is_refused_with_the_reason() -> None:
     with pytest.raises(ValueError, match="top_policies"):
         BootstrapConfig(top_policies=0)
     with pytest.raises(ValueError, match="performance is finite"):
-        learning().record(report(0, -1.0), None)
+        learning().record(report(0, float("nan")), None)
     with pytest.raises(ValueError, match="no decision"):
         empty_window().compare(HUMAN, HUMAN)
 

@@ -28,7 +28,7 @@ from core.learners.policy_gradient import PolicyGradientConfig, PolicyGradientLe
 from core.learners.sarsa import SarsaConfig
 from core.learners.sarsa_learner import SarsaLearner
 from core.numerics.streams import stream
-from core.numerics.tile_coding import Range, find_windows, tile_coder
+from core.numerics.tile_coding import Range, tile_coder
 
 CHAIN = tile_coder((Range(0.0, 2.5, 1.0),), n_tilings=1)
 VALUES: Values = lambda rows, theta: np.asarray(rows @ theta)
@@ -36,14 +36,16 @@ VALUES: Values = lambda rows, theta: np.asarray(rows @ theta)
 
 def at(state: int, time: int, psi: tuple[float, float] = (1.0, 0.0)) -> Choices:
     """A decision between two actions in a state of the chain; psi of each action, one feature."""
-    windows = np.zeros(1, np.int64)
-    find_windows(CHAIN, np.array([float(state)]), windows)
-    features = np.repeat(windows[None, :].astype(float), 2, axis=0)
-    return Choices(features, np.array(psi)[:, None], np.zeros(2, dtype=bool), actor=0, time=time)
+    seen = np.array([float(state)])
+    return Choices(
+        np.empty((2, 0)), np.array(psi)[:, None], np.zeros(2, dtype=bool), time=time, observation=seen
+    )
 
 
 def sarsa() -> SarsaLearner:
-    learner = SarsaLearner(SarsaConfig(step_size=0.5, exploration=0.0), CHAIN, n_learners=1, n_actions=2)
+    learner = SarsaLearner(
+        SarsaConfig(step_size=0.5, exploration=0.0), CHAIN, n_learners=1, n_actions=2, reward_is_time=True
+    )
     learner.begin_episode(rng=stream(1, "policy"))
     return learner
 

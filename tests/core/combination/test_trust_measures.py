@@ -157,8 +157,8 @@ def test_a_useless_participant_is_hardly_ever_trusted_by_the_signed_rule() -> No
 def test_what_cannot_be_is_refused_with_the_reason() -> None:
     with pytest.raises(ValueError, match="one match per performance"):
         human_weight([1.0], [])
-    with pytest.raises(ValueError, match="finite and >= 0"):
-        human_weight([-1.0], [0.5])
+    with pytest.raises(ValueError, match="performance is finite"):
+        human_weight([float("-inf")], [0.5])
     with pytest.raises(ValueError, match="at least 2 episodes"):
         signed_human_weight([1.0], [0.5], gain=1.0, standard_errors=1.0)
     with pytest.raises(ValueError, match="no policy"):
@@ -167,3 +167,24 @@ def test_what_cannot_be_is_refused_with_the_reason() -> None:
         Agreement(0, 0, 0)
     with pytest.raises(ValueError, match="more agreements"):
         Agreement(3, 4, 0)
+
+
+def test_negative_performances_count_by_how_far_they_lie_above_the_lowest() -> None:
+    # -100 counts 0, -40 counts 60, -80 counts 20: (60 * 0.9 + 20 * 0.1) / 80.
+    assert human_weight([-100.0, -40.0, -80.0], [0.5, 0.9, 0.1]) == pytest.approx(0.7)
+    assert human_weight([-7.0, -7.0], [0.2, 0.6]) == pytest.approx(0.4)
+    assert selection_probabilities([-100.0, -40.0, -80.0], [0.0] * 3) == [0.0, 0.75, 0.25]
+    assert selection_probabilities([-5.0, -5.0], [0.0, 1.0]) == [pytest.approx(1 / 3), pytest.approx(2 / 3)]
+
+
+def test_equation_5_takes_the_plain_mean_where_a_performance_is_negative() -> None:
+    assert next_human_weight(-200.0, 0.2, -199.0, 0.6) == pytest.approx(0.4)
+
+
+@given(st.lists(st.tuples(st.floats(-1e3, 1e3), st.floats(-1, 1)), min_size=2, max_size=9))
+def test_a_weight_stays_in_the_range_of_the_matches_whatever_the_performances(pairs) -> None:
+    performance, match = [pm for pm, _ in pairs], [m for _, m in pairs]
+    assert min(match) <= human_weight(performance, match) <= max(match)
+    probabilities = selection_probabilities(performance, match)
+    assert min(probabilities) >= 0
+    assert sum(probabilities) == pytest.approx(1.0)

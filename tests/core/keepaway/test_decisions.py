@@ -124,8 +124,7 @@ def two_at_the_ball() -> KeepawayState:
     """A match in which two keepers can kick the ball."""
     domain = Keepaway(EXACT)
     state = domain.initial(3)
-    play = DecisionPlay(EXACT, 3)
-    play.restore(state.saved)
+    play = DecisionPlay.resumed(EXACT, state.saved)
     other = (state.keeper + 1) % 3
     play.match.players[other, :4] = play.match.players[state.keeper, :4] + (0.7, 0.0, 0.0, 0.0)
     play.match.ball[:] = (
@@ -151,8 +150,7 @@ def test_two_keepers_with_the_ball_decide_one_after_the_other_in_the_same_moment
     assert between.reward == 0.0
     after = domain.transition(between.next_state, 1).next_state
     assert after.cycle > state.cycle
-    passing = DecisionPlay(EXACT, 0)
-    passing.restore(between.next_state.saved)
+    passing = DecisionPlay.resumed(EXACT, between.next_state.saved)
     seen = []
     passing.decide(1, lambda match: seen.append(match.options.copy()))
     # Both options have begun: the first keeper holds, the second one passes.

@@ -9,18 +9,19 @@ import pytest
 from core.events import EpisodeEnded, SessionEnded, UnseenPlayed
 from core.keepaway.autoplay import keepaway_tiles
 from core.keepaway.domain import Keepaway
+from core.keepaway.plugin import KEEPAWAY
 from core.keepaway.policy_file import PolicyFileError
 from core.keepaway.recorded_policy import N_TILINGS, recorded_policy
 from core.learners.sarsa_learner import SarsaLearner
 from core.recording.recorder import Recorder
 from core.recording.schema import to_plain
-from core.session.protocol import KEEPAWAY, Protocol
+from core.session.protocol import Protocol
 from tests.core.recording.test_recording import HEADER
 
 
 def learned() -> SarsaLearner:
     coder = keepaway_tiles(KEEPAWAY.domain)
-    learner = SarsaLearner(KEEPAWAY.learner, coder, n_learners=3, n_actions=3)
+    learner = SarsaLearner(KEEPAWAY.learner, coder, n_learners=3, n_actions=3, reward_is_time=True)
     rng = np.random.default_rng(4)
     learner.sarsa.weights[:, :, 100:140] = rng.normal(size=(3, 3, 40))
     return learner

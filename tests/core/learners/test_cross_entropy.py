@@ -116,7 +116,7 @@ def test_a_report_for_another_candidate_is_refused():
     learner = CrossEntropyLearner(small(), n_weights=2, root_seed=1)
     with pytest.raises(ValueError, match="policy 0 waits"):
         learner.report(3, 1.0)
-    with pytest.raises(ValueError, match="finite and >= 0"):
+    with pytest.raises(ValueError, match="performance is finite"):
         learner.report(0, math.nan)
 
 

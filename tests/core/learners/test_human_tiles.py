@@ -93,7 +93,7 @@ def test_runs_say_the_same_in_fewer_numbers(numbers):
 
 def test_rows_of_windows_have_the_values_of_their_tiles():
     weights = np.arange(60.0)
-    assert row_values(np.array([[0.0, 10.0], [56.0, 1.0]]), weights, 4).tolist() == [
+    assert row_values(np.array([[0, 10], [56, 1]]), weights, 4).tolist() == [
         0 + 1 + 2 + 3 + 10 + 11 + 12 + 13,
         56 + 57 + 58 + 59 + 1 + 2 + 3 + 4,
     ]

@@ -264,7 +264,7 @@ def test_a_policy_is_proposed_until_its_performance_is_known():
     assert proposer.propose().weights.tolist() == [1.0, 0.5]
     with pytest.raises(ValueError, match="policy 1 waits"):
         proposer.report(0, 1.0)
-    with pytest.raises(ValueError, match="finite and >= 0"):
+    with pytest.raises(ValueError, match="performance is finite"):
         proposer.report(1, math.nan)
 
 

@@ -14,12 +14,13 @@ CODER = tile_coder((Range(0.0, 4.0, 1.0), Range(0.0, 2.0, 1.0)), 4)
 
 
 def choices(windows, actor: int = 0, time: int = 0) -> Choices:
-    rows = np.tile(np.array(windows, np.float64), (3, 1))
-    return Choices(rows, rows, np.zeros(3, np.bool_), actor, time)
+    # The middle of the cell whose last window this is.
+    observation = CODER.low + (np.array(windows) - CODER.offset + 0.5) / CODER.cells_per_unit
+    return Choices(np.empty((3, 0)), np.zeros((3, 1)), np.zeros(3, np.bool_), actor, time, observation)
 
 
 def learner(**settings) -> SarsaLearner:
-    pupil = SarsaLearner(SarsaConfig(**settings), CODER, n_learners=2, n_actions=3)
+    pupil = SarsaLearner(SarsaConfig(**settings), CODER, n_learners=2, n_actions=3, reward_is_time=True)
     pupil.begin_episode(rng=stream(0, "test"))
     return pupil
 
@@ -112,3 +113,19 @@ def test_what_it_exports_is_all_it_has_learned():
     weights = from_runs(exported["sarsa-starts"], exported["sarsa-values"], int(np.prod(shape)))
     np.testing.assert_array_equal(weights.reshape(shape), pupil.sarsa.weights)
     assert weights.any()
+
+
+def test_it_learns_from_rewards_of_either_sign_and_from_how_long_they_took_by_hand():
+    # alpha 0.5; learner 0 decides at 0 and 3, learner 1 at 1; gamma 0.9. Option of 0: -1 at once, 0.9 * 4 at time 1.
+    pupil = SarsaLearner(
+        SarsaConfig(step_size=0.5, discount=0.9, exploration=0.0), CODER, n_learners=2, n_actions=3
+    )
+    pupil.begin_episode(rng=stream(0, "test"))
+    pupil.took(choices([0, 16], actor=0, time=0), 2, -1.0)
+    pupil.took(choices([0, 16], actor=1, time=1), 0, 4.0)
+    pupil.took(choices([8, 20], actor=0, time=3), 1, -2.0)
+    assert pupil.values(choices([0, 16]))[2] == pytest.approx(0.5 * (-1.0 + 0.9 * 4.0))
+    pupil.end_episode(5, terminated=True)
+    # Of 1: 4 at once, 0.81 * -2 at time 3. Of 0's last option: -2.
+    assert pupil.values(choices([0, 16], actor=1))[0] == pytest.approx(0.5 * (4.0 - 0.81 * 2.0))
+    assert pupil.values(choices([8, 20]))[1] == pytest.approx(0.5 * -2.0)

@@ -8,7 +8,7 @@ import pytest
 
 from core.configuration.catalogue import settings_of, tables_of
 from core.configuration.reading import ConfigurationError
-from core.session.effects import MODES, USES, changed, idle, uses_of, warnings_of
+from core.session.effects import MODES, changed, idle, uses, uses_of, warnings_of
 from core.session.protocol import DEFAULTS, Protocol
 from core.session.protocol_file import ProtocolError
 from core.session.protocol_reading import load_protocol, protocol_from
@@ -131,7 +131,7 @@ def test_every_entry_speaks_of_settings_that_there_are() -> None:
     for path, kind in tables_of(Protocol):
         for struct in (kind.structs or {}).values():
             known |= {".".join((*path, key)) for key in settings_of(struct)}
-    for use in USES:
+    for use in uses():
         assert set(use.settings) <= known
 
 

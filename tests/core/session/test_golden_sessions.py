@@ -19,11 +19,12 @@ from core.events import EpisodeStarted, Output, UnseenPlayed
 from core.feedback.config import TrainerConfig
 from core.feedback.keys import KeyConfig
 from core.feedback.samples import CreditConfig
+from core.keepaway.plugin import KEEPAWAY
 from core.learners.human_config import SgdModel
 from core.recording.reader import read_recording
 from core.recording.recorder import LineWriter
 from core.recording.version_1 import as_far_as_recorded
-from core.session.protocol import KEEPAWAY, SessionConfig
+from core.session.protocol import SessionConfig
 from core.session.protocol_reading import protocol_from
 from core.session.replay import _run_both, replay_exactly
 from core.session.session import build_session

@@ -29,6 +29,7 @@ from core.feedback.config import CreditConfig
 from core.feedback.delays import CurrentStep, GammaDelay
 from core.keepaway.decisions import DecisionPlay
 from core.keepaway.pitch import CYCLE_NS, NO_PLAYER, KeepawayConfig
+from core.keepaway.plugin import KEEPAWAY
 from core.learners.human_config import RidgeModel, TileModel
 from core.learners.sarsa import decide, end_episode, new_sarsa
 from core.numerics.clock import ManualClock
@@ -37,7 +38,7 @@ from core.numerics.tile_coding import find_windows
 from core.recording.reader import RecordingError, read_recording
 from core.recording.schema import to_plain
 from core.registry import game_of
-from core.session.protocol import KEEPAWAY, Protocol, ScreenConfig, SessionConfig
+from core.session.protocol import Protocol, ScreenConfig, SessionConfig
 from core.session.protocol_file import ProtocolError
 from core.session.protocol_reading import load_protocol, protocol_from
 from core.session.replay import replay_exactly

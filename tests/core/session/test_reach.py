@@ -11,10 +11,12 @@ from numpy.typing import ArrayLike, NDArray
 from core.feedback.credit import credit
 from core.feedback.delays import CurrentStep, Delay, GammaDelay, PreviousStep, UniformDelay
 from core.feedback.viewing import Watched
+from core.keepaway.plugin import KEEPAWAY
 from core.numerics.clock import NS_PER_S
-from core.session.protocol import KEEPAWAY, TETRIS, Protocol, ScreenConfig
+from core.session.protocol import Protocol, ScreenConfig
 from core.session.reach import mean_time_s, reach_of, share_reached
 from core.tetris.pace import pictures_per_piece
+from core.tetris.plugin import TETRIS
 from tests.data_folder import data_folder
 
 

@@ -8,14 +8,15 @@ from textual.pilot import Pilot
 
 from arl_tui.app.link import Preparing, Ready
 from arl_tui.app.outcome import Outcome
-from arl_tui.app.pace import ENOUGH, pace_facts, pace_warning
+from arl_tui.games.pace import ENOUGH, pace_facts, pace_warning
 from arl_tui.screens.play import PlayScreen
 from arl_tui.screens.welcome import AT_SCREEN_S, WelcomeScreen
 from arl_tui.session_app import ArlApp
+from core.keepaway.plugin import KEEPAWAY
 from core.numerics.clock import NS_PER_S, ManualClock
 from core.recording.schema import to_plain
 from core.session import reach
-from core.session.protocol import DEFAULTS, KEEPAWAY, Protocol, ScreenConfig
+from core.session.protocol import DEFAULTS, Protocol, ScreenConfig
 from core.session.protocol_reading import protocol_from
 from tests.arl_tui.driving import SIZE, app_for, begin, recorded, settle, text_of
 from tests.arl_tui.fakes import FakeLink, episode_ended, episode_started, session_ended

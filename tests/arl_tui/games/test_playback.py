@@ -3,7 +3,7 @@
 import msgspec
 import pytest
 
-from arl_tui.app.playback import MOST_CYCLES, Playback
+from arl_tui.games.keepaway.playback import MOST_CYCLES, Playback
 from core.keepaway.picture import PitchFrame
 from core.keepaway.pitch import OUT
 from core.numerics.clock import ManualClock

@@ -1,16 +1,12 @@
 """What is said about a session's pace: in its header, and to the experimenter where presses often miss."""
 
 from arl_tui.app.link import Ready
-from arl_tui.words import words_of
+from arl_tui.games.registry import screens_of
 from core.feedback.delays import CurrentStep, GammaDelay, PreviousStep, describe
 from core.session.protocol import Protocol
 
 ENOUGH = 0.70
 """As `core.session.reach.ENOUGH`, which comes with compiled code."""
-_REMEDIES = {
-    "tetris": "[screen] tick_ms is {0.tick_ms}: more is slower",
-    "keepaway": "[screen] speed is {0.speed:g}: less is slower",
-}
 
 
 def pace_facts(ready: Ready | None) -> dict[str, str]:
@@ -34,8 +30,8 @@ def pace_warning(protocol: Protocol, ready: Ready | None) -> str:
         return ""
     rule = protocol.agent.credit.delay
     delay = GammaDelay() if isinstance(rule, PreviousStep | CurrentStep) else rule
-    remedy = _REMEDIES[protocol.game].format(protocol.screen)
+    screens = screens_of(protocol)
     return (
-        f"at this pace about {ready.reach:.0%} of a press reaches the {words_of(protocol.game).step} it is meant "
-        f"for ({ready.step_s:.2f} s each, delay {describe(delay)} s, rule {describe(rule)}). {remedy}."
+        f"at this pace about {ready.reach:.0%} of a press reaches the {screens.words.step} it is meant "
+        f"for ({ready.step_s:.2f} s each, delay {describe(delay)} s, rule {describe(rule)}). {screens.slower(protocol.screen)}."
     )

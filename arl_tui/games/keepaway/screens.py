@@ -1,0 +1,79 @@
+"""What the app has of Keepaway (`arl_tui.games.registry`)."""
+
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from arl_tui.games.registry import GameScreens
+from arl_tui.words import Words
+from core.feedback.config import TrainerConfig
+from core.keepaway.pitch import KeepawayConfig
+from core.keepaway.plugin import KEEPAWAY
+from core.session.protocol import Protocol, ScreenConfig, SessionConfig
+
+if TYPE_CHECKING:
+    from arl_tui.games.keepaway.panel import PitchPanel
+    from arl_tui.games.keepaway.renderer import PitchRenderer
+    from arl_tui.palette import Palette
+
+WORDS = Words(
+    heading="Teach a team to keep the ball",
+    welcome=(
+        "You will watch {games} of Keepaway. The keepers ([b]K[/]) pass a ball among themselves, and the takers ([b]T[/]) "
+        "want it. A game ends when a taker has it, or it leaves the square: the longer the keepers keep it, the better. "
+        "They do not know yet how to play well. {practises}You can help them: say what you think of the last pass, or "
+        "of holding the ball too long."
+    ),
+    rules=(
+        "The keepers (K) pass the ball among themselves; the takers (T) want it. A game ends when a taker has the "
+        "ball or it leaves the square: the longer the keepers keep it, the better. The player with the ball holds "
+        "it or passes it.\n\nTell the team what you think of its last pass, or of holding the ball too long:\n"
+    ),
+    practises="They practise on their own between games. ",
+    performance="Seconds the ball was kept",
+    units=("second", "seconds"),
+    steps="decisions",
+    step="option",
+)
+
+
+class KeepawayScreens(GameScreens):
+    """The pitch and the score."""
+
+    name = "keepaway"
+    words = WORDS
+
+    def slower(self, screen: ScreenConfig) -> str:
+        """Return the pace and how it is made slower."""
+        return f"[screen] speed is {screen.speed:g}: less is slower"
+
+    def demo(self, trainer: TrainerConfig | None) -> Protocol:
+        """Return five games at their own speed with practice between; the participant presses often."""
+        return msgspec.structs.replace(
+            KEEPAWAY,
+            name="demo",
+            screen=ScreenConfig(speed=1.0, count_down_s=1),
+            session=SessionConfig(episodes=5, unseen_between=100, watched_steps=300, unseen_steps=3000),
+            trainer=msgspec.structs.replace(
+                trainer or KEEPAWAY.trainer,
+                press_probability=0.8,
+                max_presses=KEEPAWAY.trainer.max_presses,
+                mean_presses=KEEPAWAY.trainer.mean_presses,
+            ),
+        )
+
+    def renderer(self, protocol: Protocol) -> "PitchRenderer":
+        """Return what draws the match cycle by cycle; compiled code comes with it."""
+        from arl_tui.games.keepaway.renderer import PitchRenderer
+
+        assert isinstance(protocol.domain, KeepawayConfig), "a protocol of Keepaway"
+        return PitchRenderer(protocol.domain, protocol.screen.speed)
+
+    def panel(self, protocol: Protocol, palette: "Palette") -> "PitchPanel":
+        """Return the pitch and what stands beside it."""
+        from arl_tui.games.keepaway.panel import PitchPanel
+
+        return PitchPanel(protocol, palette)
+
+
+SCREENS = KeepawayScreens()

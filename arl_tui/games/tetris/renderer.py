@@ -1,0 +1,90 @@
+"""From a session's steps to pictures of the board: a piece that is moved and dropped."""
+
+from arl_tui.games.rendering import Blocks, Place, Shot
+from core.events import EpisodeStarted, StepTaken
+from core.feedback.keys import NS_PER_MS
+from core.tetris.config import TetrisConfig
+from core.tetris.game import reachable_placements
+from core.tetris.picture import Counts, PieceAnimation, Snapshot, Wall, animate, snapshot
+from core.tetris.practice import PIECE_STREAMS
+
+PIECES_REMEMBERED = 8
+
+
+class TetrisRenderer:
+    """Draws what the agent does, step by step, as a piece that is moved and dropped.
+
+    The board is known from the steps alone: no simulator is asked.
+    """
+
+    def __init__(self, config: TetrisConfig, tick_ns: int = 80 * NS_PER_MS) -> None:
+        self.tick_ns = tick_ns
+        """How long each picture is shown: the time per primitive action."""
+        self.picture: Snapshot = snapshot(Wall(config.rows, config.columns), counts=Counts())
+        """The newest picture of a board at rest."""
+        self._config = config
+        self._piece_at = PIECE_STREAMS[config.pieces]
+        self._wall = Wall(config.rows, config.columns)
+        self._counts = Counts()
+        self._episode_seed = 0
+        self._landed: dict[int, Blocks] = {}
+        """What is left of the last pieces on the wall, by step, oldest first."""
+        self._cleared: tuple[int, ...] = ()
+        """Rows that the newest piece has cleared; to the older ones that happens when it has landed."""
+
+    def begin(self, episode: EpisodeStarted) -> tuple[Shot, ...]:
+        """Clear the board."""
+        self._wall = Wall(self._config.rows, self._config.columns)
+        self._landed, self._cleared = {}, ()
+        self._episode_seed = episode.episode_seed
+        self._counts = Counts(next_piece=self._piece_at(self._episode_seed, 0))
+        self.picture = snapshot(self._wall, counts=self._counts)
+        return (Shot(self.picture),)
+
+    def act(self, step: StepTaken) -> tuple[Shot, ...]:
+        """Return the pictures of a step; the last one stays."""
+        piece = step.detail["piece"]
+        placement = (step.detail["orientation"], step.detail["column"])
+        counts = Counts(
+            lines=self._counts.lines,
+            pieces=self._counts.pieces,
+            next_piece=self._piece_at(self._episode_seed, self._counts.pieces + 1),
+        )
+        plans = reachable_placements(self._wall.board, piece, self._config.rows)
+        shown = animate(
+            self._wall,
+            piece,
+            placement,
+            plans.get(placement),
+            counts=counts,
+            clear_on_overflow=self._config.clear_on_overflow,
+        )
+        self._note_landed(step.step, shown)
+        self._wall = shown.wall
+        self.picture = shown.frames[-1]
+        self._counts = self.picture.counts
+        return tuple(Shot(frame) for frame in shown.frames)
+
+    def judged_after_ns(self, n_shots: int) -> int:
+        """Return the time on screen: a step is judged when the piece has landed."""
+        return n_shots * self.tick_ns
+
+    def place_of(self, step: int) -> Place:
+        """Return the piece's blocks on the wall; none where all have been cleared, or it is too long ago."""
+        return Place(blocks=self._landed.get(step, ()))
+
+    def _note_landed(self, step: int, shown: PieceAnimation) -> None:
+        self._landed = {
+            known: _after_clearing(blocks, self._cleared)
+            for known, blocks in list(self._landed.items())[-PIECES_REMEMBERED:]
+        }
+        at_rest = next(frame.falling for frame in reversed(shown.frames) if frame.falling is not None)
+        self._cleared = shown.settled.cleared
+        self._landed[step] = _after_clearing(tuple(at_rest.cells()), self._cleared)
+
+
+def _after_clearing(blocks: Blocks, cleared: tuple[int, ...]) -> Blocks:
+    """Return where blocks are when rows have gone: what was above them is lower."""
+    return tuple(
+        (row - sum(gone < row for gone in cleared), column) for row, column in blocks if row not in cleared
+    )
