@@ -8,7 +8,6 @@ from pathlib import Path
 import click
 
 from arl_tui.app import facts
-from arl_tui.command_line import GAMES, recordings_option, seed_option
 from arl_tui.commands.exact import read_or_stop, run_again
 from arl_tui.commands.play import run_live
 from arl_tui.games.registry import screens_called, words_of
@@ -19,24 +18,6 @@ from core.numerics.clock import wall_time_utc
 from core.session.protocol import Protocol
 
 PARTICIPANT = "demo"
-
-
-@click.command(short_help="See the whole path in a minute: watch, press, record, replay.")
-@click.argument("game", type=GAMES, default="tetris")
-@click.option(
-    "--person",
-    metavar="NAME",
-    help="Who presses: expert (the default), lay, myopic, hesitant, noisy, useless, adversary, instructed, bursty, hasty, "
-    "slow, tiring or leaves.",
-)
-@seed_option
-@recordings_option(to_write=True)
-def demo(game: str, person: str | None, seed: int | None, recordings: Path) -> None:
-    """Show the whole path in about a minute: watch, press, record, replay, summary.
-
-    A simulated participant presses keys; you may press, too. Without a terminal the same happens unseen.
-    """
-    run_demo(game, person_name=person, seed=seed, recordings=recordings)
 
 
 def demo_protocol(game: str, participant: TrainerConfig | None = None) -> Protocol:

@@ -8,7 +8,6 @@ from pathlib import Path
 import click
 import msgspec
 
-from arl_tui.command_line import ToWrite, recordings_option
 from arl_tui.home import elsewhere, recordings_folder, why_here
 from arl_tui.recordings import CALIBRATION_FOLDER, all_recordings
 from core.recording.reader import Recording, RecordingError, read_recording
@@ -49,26 +48,6 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
     ended: str = ""
     """A word that never changes: finished, participant, window-closed, ... (`core.recording.summary`)."""
     ended_in_words: str = ""
-
-
-@click.command(name="recordings", short_help="List the recordings there are, and check each.")
-@recordings_option(to_write=False)
-@click.option("--csv", "csv_path", type=ToWrite(), help="Write the list to a file, with everything it says.")
-@click.option(
-    "--publish",
-    type=ToWrite(folder=True),
-    metavar="DIR",
-    help="Copy all sound recordings into a new folder, without dates in headers and names, chained anew.",
-)
-def list_recordings(recordings: Path, csv_path: Path | None, publish: Path | None) -> None:
-    """List the recordings there are, with what each holds and how its session ended, and check each.
-
-    Status 1 where a file is damaged: each of them is named with its reason, and hides no other.
-    """
-    if publish is not None:
-        publish_all(recordings, publish)
-        return
-    list_all(recordings, csv_path=csv_path)
 
 
 def list_all(folder: Path, *, csv_path: Path | None = None) -> None:

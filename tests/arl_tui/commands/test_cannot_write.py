@@ -10,6 +10,7 @@ from click.testing import CliRunner, Result
 
 from arl_tui.cli import main
 from arl_tui.command_line import ToWrite, why_not_writable
+from tests.arl_tui.command_tree import members
 from tests.data_folder import REPOSITORY
 
 GOLDEN = REPOSITORY / "recordings" / "reference" / "tetris-linear-equation-4.jsonl"
@@ -60,7 +61,7 @@ def options_that_write(command: click.Command, name: str = "") -> set[str]:
     if isinstance(command, click.Group):
         return {
             found
-            for below, inner in command.commands.items()
+            for below, inner in members(command)
             for found in options_that_write(inner, f"{name} {below}".strip())
         }
     return {f"{name} {option.opts[0]}" for option in command.params if isinstance(option.type, ToWrite)}
