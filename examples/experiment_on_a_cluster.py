@@ -15,10 +15,9 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from core.combination.config import AgentConfig, EnvironmentOnly, Linear
+from core import AgentConfig, Protocol, SessionConfig, read_recording
+from core.combination.config import EnvironmentOnly, Linear
 from core.events import EpisodeEnded
-from core.recording.reader import read_recording
-from core.session.protocol import Protocol, SessionConfig
 from studies.demo import simulate_session
 from studies.experiments.run import run_sweep
 from studies.experiments.sweep import Condition, Experiment, load_experiment

@@ -14,11 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.stats import lognorm
 
-from core.feedback.config import CreditConfig
+from core import CreditConfig, Protocol, SessionConfig, read_recording, relearn, watched_steps
 from core.feedback.credit import HORIZON_MASS, DelayDensity, GammaDelay, credit
-from core.recording.reader import read_recording
-from core.session.protocol import Protocol, SessionConfig
-from core.session.what_if import relearn, watched_steps
 from studies.demo import simulate_session
 
 

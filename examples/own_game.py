@@ -10,18 +10,21 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from core.combination.agent import ArlAgent
-from core.combination.config import AgentConfig
-from core.domain import Choices, Transition
+from core import (
+    AgentConfig,
+    ArlAgent,
+    Choices,
+    CreditConfig,
+    CurrentStep,
+    ManualClock,
+    Session,
+    SessionConfig,
+    Transition,
+    play_unseen,
+)
 from core.events import EpisodeEnded, FrameShown, Input, KeyPressed, StepTaken
-from core.feedback.config import CreditConfig
-from core.feedback.delays import CurrentStep
 from core.learners.cross_entropy import CrossEntropyLearner
 from core.learners.cross_entropy_config import CrossEntropyConfig
-from core.numerics.clock import ManualClock
-from core.session.protocol import SessionConfig
-from core.session.rollout import play_unseen
-from core.session.session import Session
 
 LAST = 8
 STEP_NS = 500_000_000
@@ -32,6 +35,7 @@ class Corridor:
 
     name = "corridor"
     feature_names = ("left", "right")
+    observation_names = ()  # each action is described by a row of features, the state by nothing more
     feedback_feature_names = ("left", "right")
 
     def initial(self, episode_seed: int) -> tuple[int, int]:
@@ -49,7 +53,7 @@ class Corridor:
     def transition(self, state: tuple[int, int], action: int) -> Transition[tuple[int, int]]:
         """Go one place; the right end pays 1."""
         place = state[0] + (1 if action else -1)
-        return Transition((place, state[1] + 1), reward=float(place == LAST))
+        return Transition((place, state[1] + 1), reward=float(place == LAST), duration=1)
 
     def performance(self, state: tuple[int, int]) -> float:
         """Return 1 at the right end, else 0."""

@@ -12,14 +12,20 @@ from typing import ClassVar
 
 import msgspec
 
-from core.combination.config import AgentConfig, BootstrapConfig
+from core import (
+    AgentConfig,
+    BootstrapConfig,
+    Evidence,
+    Needs,
+    Protocol,
+    SessionConfig,
+    Trust,
+    build_session,
+    read_recording,
+    replay_exactly,
+)
 from core.combination.ranking import EpisodeReport
-from core.combination.trust.contract import Evidence, Needs, Trust
 from core.events import EpisodeEnded
-from core.recording.reader import read_recording
-from core.session.protocol import Protocol, SessionConfig
-from core.session.replay import replay_exactly
-from core.session.session import build_session
 from studies.demo import simulate_session
 
 

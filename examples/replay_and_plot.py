@@ -11,11 +11,8 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
+from core import Protocol, SessionConfig, build_session, protocol_from, read_recording, replay_exactly
 from core.events import EpisodeEnded
-from core.recording.reader import read_recording
-from core.session.protocol import Protocol, SessionConfig, protocol_from
-from core.session.replay import replay_exactly
-from core.session.session import build_session
 from studies.demo import simulate_session
 
 

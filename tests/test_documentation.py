@@ -16,7 +16,7 @@ import click
 import pytest
 
 from arl_tui.cli import main
-from core.session.protocol_reading import protocol_from
+from core import protocol_from
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 DOCS = REPOSITORY / "docs"

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from arl_tui.command_line import ToWrite, recordings_option
+from arl_tui.command_line import FILE, ToWrite, recordings_option
 
 
 @click.command(name="recordings", short_help="List the recordings there are, and check each.")
@@ -16,13 +16,36 @@ from arl_tui.command_line import ToWrite, recordings_option
     metavar="DIR",
     help="Copy all sound recordings into a new folder, without dates in headers and names, chained anew.",
 )
-def list_recordings(recordings: Path, csv_path: Path | None, publish: Path | None) -> None:
+@click.option(
+    "--verify",
+    type=FILE,
+    metavar="KEY",
+    help="Say of each recording whether it was signed with this key (KEY.pub); status 1 where one was not.",
+)
+@click.option(
+    "--make-key",
+    type=ToWrite(),
+    metavar="FILE",
+    help="Make a key for signatures: FILE, which stays with you, and FILE.pub. Sessions sign where ARL_SIGNING_KEY names "
+    "FILE.",
+)
+def list_recordings(
+    recordings: Path, csv_path: Path | None, publish: Path | None, verify: Path | None, make_key: Path | None
+) -> None:
     """List the recordings there are, with what each holds and how its session ended, and check each.
 
     Status 1 where a file is damaged: each of them is named with its reason, and hides no other.
     """
     from arl_tui.commands.recordings import list_all, publish_all
 
+    if make_key is not None or verify is not None:
+        from arl_tui.commands.signatures import make_new_key, verify_all
+
+        if make_key is not None:
+            make_new_key(make_key)
+        if verify is not None:
+            verify_all(recordings, verify)
+        return
     if publish is not None:
         publish_all(recordings, publish)
         return

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from arl_tui.command_line import say
 from arl_tui.commands.credit import what_if_delays
 from arl_tui.commands.exact import GETTING_READY, need_outputs, protocol_of, read_or_stop, run_again
 from arl_tui.commands.play import read_protocol
@@ -43,14 +44,14 @@ def replay_recording(
     if not credits and not schemes:
         if csv_path or plot_path:
             raise click.UsageError("--csv and --plot write what --credit and --scheme compare: name a rule")
-        click.echo(GETTING_READY, err=True)
+        say(GETTING_READY, err=True)
         run_again(recording)
         return
     need_outputs(recording)
     chosen = protocol_of(recording) if protocol is None else read_protocol(protocol)
     if protocol is not None:
         for each in idle(chosen, DEFAULTS[chosen.game], ["what-if"]):
-            click.echo(f"Beware: {each}.", err=True)
+            say(f"Beware: {each}.", err=True)
     delays = what_if_delays(credits or [chosen.delay_of], recording, chosen)
     rows = compare(
         recording.path,
@@ -62,21 +63,21 @@ def replay_recording(
         workers=workers,
     )
     units = words_of(chosen.game).units[1]
-    click.echo("\n".join(table(rows, units)))
-    click.echo(OFF_POLICY)
+    say("\n".join(table(rows, units)))
+    say(OFF_POLICY)
     from studies.statistics import few_trials_note
 
     few = few_trials_note(games, "games")
     if few is not None:
-        click.echo(few)
+        say(few)
     if csv_path is not None:
         write_csv(csv_path, rows, {describe(delay): source for delay, source in delays.items()}, units)
-        click.echo(f"Table: {csv_path}")
+        say(f"Table: {csv_path}")
     if plot_path is not None:
         from arl_tui.commands.what_if_figure import draw
 
         draw(rows, plot_path, units)
-        click.echo(f"Figure: {plot_path}")
+        say(f"Figure: {plot_path}")
 
 
 def compare(

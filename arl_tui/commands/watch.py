@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from arl_tui.command_line import say
+
 if TYPE_CHECKING:
     from arl_tui.screens.watch import WatchApp
     from core.keepaway.pitch import KeepawayConfig
@@ -124,7 +126,7 @@ def run(app: "WatchApp") -> None:
     if app.trouble is not None:
         raise click.ClickException(str(app.trouble))
     if told is not None:
-        click.echo(told)
+        say(told)
     if app.thread.is_alive():
         # The viewer left before everything was compiled: nothing is lost by not waiting for that.
         sys.stdout.flush()
@@ -213,6 +215,8 @@ def heading(policy: str, saved: "SavedPolicy | None", config: "KeepawayConfig", 
     """Return what is watched, in lines of at most 34 characters, in markup."""
     from rich.markup import escape
 
+    from core.system.foreign_text import printable
+
     lines = [
         f"[b]Keepaway {config.n_keepers} against {config.n_takers}[/], {config.length_m:g} m x {config.width_m:g} m"
     ]
@@ -221,7 +225,7 @@ def heading(policy: str, saved: "SavedPolicy | None", config: "KeepawayConfig", 
     else:
         header = saved.header
         lines += [
-            f"Policy   {escape(Path(policy).name[:25])}",
+            f"Policy   {escape(printable(Path(policy).name)[:25])}",
             f"         {header.hours:.3g} h Sarsa, {header.episodes:,} episodes"[:34],
         ]
     lines.append(f"Players  see {sight(config)}")

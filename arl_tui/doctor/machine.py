@@ -116,9 +116,11 @@ def load_finding(cores: int, load: float) -> Finding:
 def compiled_finding() -> Finding:
     """Return whether compiled code can be kept, and whether there is any."""
     from core.numerics import compiled
+    from core.numerics.kernel_files import SUFFIX
 
-    folder = Path(os.environ.get("NUMBA_CACHE_DIR", ""))
-    kept = sum(1 for _ in folder.rglob("*.nbc")) if folder.is_dir() else 0
+    folder, _ = compiled.cache_folder(compiled.sources_digest())
+    kept = sum(1 for _ in folder.glob(f"*{SUFFIX}"))
+    there = next(above for above in (folder, *folder.parents) if above.exists())
     if compiled.JIT_DISABLED:
         return Finding(
             "compiled code",
@@ -126,7 +128,7 @@ def compiled_finding() -> Finding:
             "beware",
             "unset it: sessions are many times slower",
         )
-    if not (folder.is_dir() and os.access(folder, os.W_OK)):
+    if not (there.is_dir() and os.access(there, os.W_OK | os.X_OK)):
         return Finding(
             "compiled code",
             "cannot be kept: its folder is not writable",
@@ -139,7 +141,7 @@ def compiled_finding() -> Finding:
             "compiled code",
             "none yet",
             "beware",
-            "run `arl demo </dev/null` once before the first participant: compiling takes a minute",
+            "run `arl warm-up` once before the first participant: compiling takes a minute",
             private=str(folder),
         )
     return Finding("compiled code", f"{kept} kernels", private=str(folder))

@@ -11,6 +11,7 @@ import msgspec
 
 from core.recording.reader import CHAIN_MARK, Recording, read_recording
 from core.recording.recorder import Chain
+from core.recording.schema import End, encode
 from core.recording.undo import as_recorded
 
 REMOVED = "(date removed)"
@@ -33,6 +34,9 @@ def publish_copy(recording: Recording, target: Path) -> None:
     n_lines = 1 + len(recording.events) + recording.complete
     payloads = [line.rpartition(CHAIN_MARK)[0] + b"}" for line in lines[:n_lines]]
     payloads[0] = _without_dates(payloads[0])
+    if recording.signature:
+        # It was about the lines with their dates.
+        payloads[-1] = encode(End(events=len(recording.events)))
     chain = Chain()
     target.parent.mkdir(parents=True, exist_ok=True)
     with target.open("xb") as file:
@@ -76,7 +80,7 @@ def publish_folder(paths: list[Path], into: Path) -> list[tuple[Path, Path]]:
     numbers: dict[str, int] = {}
     copies = []
     for recording in recordings:
-        code = re.sub(r"[^\w-]", "_", recording.header.participant)
+        code = re.sub(r"[^\w-]", "_", recording.header.participant)[:40]
         numbers[code] = numbers.get(code, 0) + 1
         target = into / f"{code}-{numbers[code]}.jsonl"
         publish_copy(recording, target)

@@ -144,7 +144,7 @@ def summarise_recording(recording: Recording) -> RecordingSummary:
         games_finished=_finished(recording),
         games_begun=_count(recording, EpisodeStarted),
         games_planned=None if imported else _planned(protocol),
-        steps=_count(recording, StepTaken),
+        steps=_count(recording, StepTaken) + recording.steps_left_out,
         presses_counted=len(counted),
         presses_simulated=sum(press.source == "simulated" for press in counted),
         presses_taken_back=len(taken_back & presses.keys()),

@@ -30,9 +30,10 @@ from core.events import (
 from core.numerics.streams import stream_seed
 from core.recording.reader import Recording, RecordingError
 from core.registry import Player, game_of
+from core.session.inputs import check_inputs
 from core.session.protocol import Protocol
 from core.session.protocol_reading import protocol_from
-from core.session.replay import Recorded
+from core.session.replay import Recorded, naming_the_input
 from core.session.rollout import FeedbackIntake, Played
 
 
@@ -70,10 +71,15 @@ def watched_steps(recording: Recording, protocol: Protocol) -> dict[int, Watched
     """Return every watched step by its number, with the features that `protocol` asks for.
 
     Raises:
-        RecordingError: the protocol is about another game; or a step's state was not recorded, and the game plays
-            otherwise now than it did then.
+        RecordingError: the protocol is about another game; a step's state was not recorded, and the game plays
+            otherwise now than it did then; or an input cannot have happened where it stands.
     """
-    recorded = protocol_from(recording.header.protocol).game
+    try:
+        own = protocol_from(recording.header.protocol)
+    except ValueError as error:
+        raise RecordingError(f"{recording.path}:1: the protocol cannot be used: {error}") from error
+    check_inputs(recording, own.keys)
+    recorded = own.game
     if recorded != protocol.game:
         raise RecordingError(
             f"{recording.path}: a recording of {recorded}, and the protocol is about {protocol.game}"
@@ -102,16 +108,16 @@ def watched_steps(recording: Recording, protocol: Protocol) -> dict[int, Watched
             case StepTaken():
                 try:
                     steps[output.step] = WatchedStep(output.step, *game.recorded(domain, output))
-                except ValueError as error:
+                except (ValueError, LookupError, ArithmeticError) as error:
                     raise RecordingError(
-                        f"{recording.path}: {error}: is the protocol's game of another size?"
+                        f"{recording.path}: step {output.step}: {error}: is the protocol's game of another size?"
                     ) from error
     return steps
 
 
 def _could_be(taken: StepTaken, choices: Choices, domain: Domain[Any], state: Any) -> bool:
     """Return whether a recorded step can be one of these choices in this state."""
-    return taken.action < len(choices.ruled_out) and domain.detail(state, taken.action) == taken.detail
+    return 0 <= taken.action < len(choices.ruled_out) and domain.detail(state, taken.action) == taken.detail
 
 
 def relearn(
@@ -138,26 +144,27 @@ def relearn(
     watched = _Watched(steps, game.time_at_end)
     imported = recording.header.origin == "imported"
     session = protocol.session
-    for output in recording.outputs:
-        if not isinstance(output, CreditGiven):
-            source.taken_before_next_output = output.inputs
-            relearned.credits.extend(intake.attend(-1))
-        match output:
-            case EpisodeStarted():
-                if imported:
-                    count = session.unseen_between if relearned.trust else session.unseen_before
-                    _play_unseen(agent, play, protocol, root_seed, count)
-                watched.begin(agent.begin_episode(exploring=session.watched == "proposed", watched=True))
-            case StepTaken():
-                watched.take(agent, intake, output)
-            case EpisodeEnded():
-                agent.learn_from_domain(watched.policy, watched.played(output))
-                relearned.trust.append(agent.trust)
-            case SessionEnded():
-                agent.finish(output.time_ns)
-            case UnseenPlayed():
-                _play_unseen(agent, play, protocol, root_seed, len(output.policies))
-    relearned.credits.extend(_attend_rest(intake, source, recording))
+    with naming_the_input(recording, source):
+        for output in recording.outputs:
+            if not isinstance(output, CreditGiven):
+                source.taken_before_next_output = output.inputs
+                relearned.credits.extend(intake.attend(-1))
+            match output:
+                case EpisodeStarted():
+                    if imported:
+                        count = session.unseen_between if relearned.trust else session.unseen_before
+                        _play_unseen(agent, play, protocol, root_seed, count)
+                    watched.begin(agent.begin_episode(exploring=session.watched == "proposed", watched=True))
+                case StepTaken():
+                    watched.take(agent, intake, output)
+                case EpisodeEnded():
+                    agent.learn_from_domain(watched.policy, watched.played(output))
+                    relearned.trust.append(agent.trust)
+                case SessionEnded():
+                    agent.finish(output.time_ns)
+                case UnseenPlayed():
+                    _play_unseen(agent, play, protocol, root_seed, len(output.policies))
+        relearned.credits.extend(_attend_rest(intake, source, recording))
     return relearned
 
 
@@ -177,15 +184,16 @@ def replay_human_model(
     source = Recorded(inputs)
     intake = FeedbackIntake(human, source)
     credits: list[CreditGiven] = []
-    for output in recording.outputs:
-        if not isinstance(output, CreditGiven):
-            source.taken_before_next_output = output.inputs
-            credits.extend(intake.attend(-1))
-        if isinstance(output, StepTaken):
-            intake.expect(output.step, steps[output.step].taken)
-        elif isinstance(output, SessionEnded):
-            human.finish(output.time_ns)
-    credits.extend(_attend_rest(intake, source, recording))
+    with naming_the_input(recording, source):
+        for output in recording.outputs:
+            if not isinstance(output, CreditGiven):
+                source.taken_before_next_output = output.inputs
+                credits.extend(intake.attend(-1))
+            if isinstance(output, StepTaken):
+                intake.expect(output.step, steps[output.step].taken)
+            elif isinstance(output, SessionEnded):
+                human.finish(output.time_ns)
+        credits.extend(_attend_rest(intake, source, recording))
     return HumanModelReplay(human, credits)
 
 
@@ -201,7 +209,8 @@ class _Watched:
 
     @property
     def policy(self) -> EpisodePolicy:
-        assert self._policy is not None, "an episode ends after it has started"
+        if self._policy is None:
+            raise ValueError("a step or an end of an episode that has not started")
         return self._policy
 
     def begin(self, policy: EpisodePolicy) -> None:
