@@ -45,6 +45,7 @@ WRITING: dict[str, tuple[str | Path, ...]] = {
     "study simulate --recordings": ("study", "simulate", GOLDEN),
     "study withdraw --recordings": ("study", "withdraw", GOLDEN, "P01"),
     "study drop --recordings": ("study", "drop", GOLDEN, "P01"),
+    "recordings --make-key": ("recordings", "--recordings", GOLDEN.parent),
     "experiment run --out": ("experiment", "run", "fig5", "--quick", "--trials", "1"),
     "experiment report --into": ("experiment", "report", "fig5"),
     "experiment report --out": ("experiment", "report", "fig5"),
