@@ -96,9 +96,11 @@ def tell_one(path: Path, folder: Path, recording: Recording | None, reason: str)
         say(f"    {printable(reason, longest=None)}")
         return
     header = recording.header
-    when = header.created_utc.removesuffix("+00:00").replace("T", " ")
+    when = header.created_utc
+    if when[:1].isdigit():  # else it was removed
+        when = when.removesuffix("+00:00").replace("T", " ") + " UTC"
     say(name, nl=False, bold=True)
-    say(printable(f"  {header.participant}  {header.origin}  {when} UTC"))
+    say(printable(f"  {header.participant}  {header.origin}  {when}"))
     say(f"    {printable(summarise_recording(recording).words)}")
     for note in recording.notes:
         say(f"    beware: {printable(note, longest=None)}")

@@ -5,16 +5,22 @@ from pathlib import Path
 import click
 
 from arl_tui.command_line import FILE, ToWrite, recordings_option
+from arl_tui.commands.recordings_format import schema, upgrade
 
 
-@click.command(name="recordings", short_help="List the recordings there are, and check each.")
+@click.group(
+    name="recordings",
+    invoke_without_command=True,
+    short_help="List the recordings there are, and check each.",
+)
 @recordings_option(to_write=False)
 @click.option("--csv", "csv_path", type=ToWrite(), help="Write the list to a file, with everything it says.")
 @click.option(
     "--publish",
     type=ToWrite(folder=True),
     metavar="DIR",
-    help="Copy all sound recordings into a new folder, without dates in headers and names, chained anew.",
+    help="Copy all sound recordings into a new folder, without dates in headers and names, chained anew. `arl anonymise` removes "
+    "more.",
 )
 @click.option(
     "--verify",
@@ -29,13 +35,25 @@ from arl_tui.command_line import FILE, ToWrite, recordings_option
     help="Make a key for signatures: FILE, which stays with you, and FILE.pub. Sessions sign where ARL_SIGNING_KEY names "
     "FILE.",
 )
+@click.pass_context
 def list_recordings(
-    recordings: Path, csv_path: Path | None, publish: Path | None, verify: Path | None, make_key: Path | None
+    context: click.Context,
+    recordings: Path,
+    csv_path: Path | None,
+    publish: Path | None,
+    verify: Path | None,
+    make_key: Path | None,
 ) -> None:
     """List the recordings there are, with what each holds and how its session ended, and check each.
 
     Status 1 where a file is damaged: each of them is named with its reason, and hides no other.
     """
+    if context.invoked_subcommand is not None:
+        if any((csv_path, publish, verify, make_key)):
+            raise click.UsageError(
+                f"--csv, --publish, --verify and --make-key are not for {context.invoked_subcommand}: leave them out"
+            )
+        return
     from arl_tui.commands.recordings import list_all, publish_all
 
     if make_key is not None or verify is not None:
@@ -50,3 +68,7 @@ def list_recordings(
         publish_all(recordings, publish)
         return
     list_all(recordings, csv_path=csv_path)
+
+
+list_recordings.add_command(upgrade)
+list_recordings.add_command(schema)

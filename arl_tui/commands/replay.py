@@ -4,7 +4,7 @@ import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -24,6 +24,34 @@ if TYPE_CHECKING:
     from studies.what_if import WhatIfRow
 
 OFF_POLICY = "Steps and presses are as recorded (off-policy): another agent would have shown, and been told, something else."
+
+
+def replay_recordings(paths: Sequence[Path], **options: Any) -> None:
+    """Replay several recordings, one after the other; none hides another. Options as in `replay_recording`.
+
+    Raises:
+        click.ClickException: some recordings differ or cannot be used; each has been named with its reason.
+    """
+    if len(paths) == 1:
+        replay_recording(paths[0], **options)
+        return
+    if options["csv_path"] or options["plot_path"]:
+        raise click.UsageError(
+            "--csv and --plot write the table of one recording: name one; or use `arl compare`"
+        )
+    failed: list[Path] = []
+    for path in paths:
+        say(f"\n{path}")
+        try:
+            replay_recording(path, **options)
+        except click.UsageError:
+            raise  # the options are wrong for all of them
+        except click.ClickException as error:
+            say(f"Error: {error.format_message()}", err=True)
+            failed.append(path)
+    if failed:
+        names = ", ".join(str(path) for path in failed)
+        raise click.ClickException(f"{len(failed)} of {len(paths)} recordings failed: {names}")
 
 
 def replay_recording(

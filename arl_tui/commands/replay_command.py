@@ -7,8 +7,8 @@ import click
 from arl_tui.command_line import FILE, ToWrite, protocol_option, seed_option
 
 
-@click.command(short_help="Replay a recording exactly, or under other learning rules.")
-@click.argument("recording", type=FILE)
+@click.command(short_help="Replay recordings exactly, or under other learning rules.")
+@click.argument("recordings", type=FILE, nargs=-1, required=True, metavar="RECORDINGS...")
 @click.option(
     "--credit",
     "credits",
@@ -52,7 +52,7 @@ from arl_tui.command_line import FILE, ToWrite, protocol_option, seed_option
     help="Take a recording that was cut off for what it holds.",
 )
 def replay(
-    recording: Path,
+    recordings: tuple[Path, ...],
     credits: tuple[str, ...],
     schemes: tuple[str, ...],
     protocol: Path | None,
@@ -63,11 +63,11 @@ def replay(
     plot_path: Path | None,
     allow_truncated: bool,
 ) -> None:
-    """Run RECORDING again: exactly (status 1 and the first difference if it differs), or as a what-if."""
-    from arl_tui.commands.replay import replay_recording
+    """Run RECORDINGS again: exactly (status 1 and the first difference if one differs), or as a what-if."""
+    from arl_tui.commands.replay import replay_recordings
 
-    replay_recording(
-        recording,
+    replay_recordings(
+        recordings,
         credits=credits,
         schemes=schemes,
         protocol=protocol,

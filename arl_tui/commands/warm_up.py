@@ -4,7 +4,8 @@ import time
 
 import click
 
-from arl_tui.ahead import Ahead, Order, fill, is_compiled, match_order, session_order
+from arl_tui.ahead import Ahead, fill
+from arl_tui.app.compile_order import Order, is_compiled, match_order, session_order
 from arl_tui.command_line import say
 from arl_tui.games.registry import BUILT_IN, screens_called
 from core.plugins import plugin_called
