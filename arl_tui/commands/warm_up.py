@@ -16,15 +16,6 @@ STEPS = 200
 """Of a bar."""
 
 
-@click.command(name="warm-up", short_help="Compile now what the first games would compile.")
-def warm_up_command() -> None:
-    """Compile everything now that sessions and matches compile when they are first played: half a minute, once.
-
-    Nothing has to be: a first game begins at once and compiles meanwhile.
-    """
-    warm_up()
-
-
 def warm_up() -> None:
     """Compile the kernels of the program's own games, with a bar for each part of the work."""
     from core.keepaway.pitch import KeepawayConfig

@@ -199,7 +199,7 @@ def run(app: "WatchApp") -> None:
     if told is not None:
         say(told)
     if app.thread.is_alive():
-        # Somebody left before everything was compiled: nothing is lost by not waiting for that.
+        # The viewer left before everything was compiled: nothing is lost by not waiting for that.
         sys.stdout.flush()
         os._exit(0)
 

@@ -81,12 +81,12 @@ def row_of(
         ("human", decision.human_action),
         ("policy", policy.policy_id),
         ("form", policy.weights.form),
-        ("handed", known and takes_control(policy.share_seed, number, policy.weights.share)),
+        ("handed", known and takes_control(policy.handover_seed, number, policy.weights.handover)),
         ("known", known),
         ("trust", policy.trust),
         ("weight", policy.weights.w_h),
         ("w_r", policy.weights.w_r),
-        ("share", policy.weights.share),
+        ("share", policy.weights.handover),
     )
     for name, value in facts:
         row[name] = value

@@ -10,6 +10,7 @@ from click.testing import CliRunner, Result
 
 from arl_tui.cli import main
 from arl_tui.command_line import ToWrite, why_not_writable
+from tests.arl_tui.command_tree import members
 from tests.data_folder import REPOSITORY
 
 GOLDEN = REPOSITORY / "recordings" / "reference" / "tetris-linear-equation-4.jsonl"
@@ -50,6 +51,7 @@ WRITING: dict[str, tuple[str | Path, ...]] = {
     "fit --json": ("fit", GOLDEN),
     "fit --html": ("fit", GOLDEN),
     "fit --out": ("fit", GOLDEN),
+    "recordings --make-key": ("recordings", "--recordings", GOLDEN.parent),
     "experiment run --out": ("experiment", "run", "fig5", "--quick", "--trials", "1"),
     "experiment report --into": ("experiment", "report", "fig5"),
     "experiment report --out": ("experiment", "report", "fig5"),
@@ -71,7 +73,7 @@ def test_a_place_that_cannot_be_written_is_refused_in_a_sentence(case: str, tmp_
 def options_that_write(command: click.Command, name: str = "") -> set[str]:
     """Return every option whose type says that it writes, as "command --option"."""
     found = {f"{name} {option.opts[0]}" for option in command.params if isinstance(option.type, ToWrite)}
-    for below, inner in command.commands.items() if isinstance(command, click.Group) else ():
+    for below, inner in members(command) if isinstance(command, click.Group) else ():
         found |= options_that_write(inner, f"{name} {below}".strip())
     return found
 
