@@ -277,6 +277,17 @@ def test_a_result_begins_with_its_answer_in_three_sentences(page: Path):
     )
 
 
+@pytest.mark.parametrize("name", ["fig5", "fig6", "fig7", "credit"])
+def test_the_answer_of_a_page_is_that_of_its_claims(name: str):
+    from studies.experiments.page import in_short
+
+    text = (DOCS / "results" / f"{name}.md").read_text(encoding="utf-8")
+    table = text.split("| held | ratio |", 1)[1].split("\n\n", 1)[0].splitlines()[2:]
+    claims = [tuple(cell.strip() for cell in row.strip("|").split(" | ")) for row in table]
+    assert all(len(claim) == 3 for claim in claims)
+    assert in_short([(words, held, ratio) for words, held, ratio in claims]) in text
+
+
 def test_the_readme_is_one_screen_to_the_first_success():
     text = FENCE.sub("", (REPOSITORY / "README.md").read_text(encoding="utf-8"))
     words = re.sub(r"\(([^)]*)\)|[|`*#\[\]>-]", " ", text).split()
