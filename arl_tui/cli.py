@@ -5,10 +5,22 @@ import click
 from arl_tui.command_line import Arl, Listed
 
 COMMANDS = (
+    Listed(
+        "anonymise",
+        "anonymise:anonymise",
+        "Copy recordings without dates, terminal facts, free text and codes.",
+    ),
+    Listed(
+        "archive",
+        "archive:archive",
+        "Make a folder ready for OSF or Zenodo: anonymised data, tables, codebook.",
+    ),
     Listed("calibrate", "calibrate:calibrate", "Measure how long a participant takes to react and to judge."),
+    Listed("compare", "compare:compare", "Compare sessions: participants, conditions or protocols."),
     Listed("demo", "demo:demo", "See the whole path in a minute: watch, press, record, replay."),
     Listed("doctor", "doctor:doctor", "Check this machine and terminal: go or no go."),
     Listed("experiment", "experiment:experiment", "Run the experiments behind the figures, and report them."),
+    Listed("export", "export:export", "Write data as tables, BIDS or Minari."),
     Listed("fit", "fit:fit", "Fit delay densities to reaction times in files."),
     Listed("import", "import_log:import_group", "Turn other programs' logs into recordings."),
     Listed("play", "play:play", "Watch an agent learn a game and judge it by key presses."),
@@ -20,7 +32,7 @@ COMMANDS = (
         "Print a complete protocol of a game: a file to start from.",
     ),
     Listed("recordings", "recordings:list_recordings", "List the recordings there are, and check each."),
-    Listed("replay", "replay:replay", "Replay a recording exactly, or under other learning rules."),
+    Listed("replay", "replay:replay", "Replay recordings exactly, or under other learning rules."),
     Listed("study", "study:study", "Run a whole study from one file."),
     Listed("timing", "timing:timing", "Test how exactly this machine measures reaction times."),
     Listed("train", "train:train", "Let keepers learn by Sarsa, unseen, and keep the policy."),

@@ -12,6 +12,7 @@ from typing import Any, TextIO, TypeVar
 import click
 
 from arl_tui.home import VARIABLE, recordings_folder
+from core.system.foreign_text import printable_lines
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -54,10 +55,11 @@ def pseudonym(_context: click.Context, _parameter: click.Parameter, value: str) 
     Raises:
         click.BadParameter: it has other signs than letters, digits, "-" and "_", or more than 32.
     """
-    if not value or len(value) > 32 or not all(letter.isalnum() or letter in "-_" for letter in value):
-        raise click.BadParameter(
-            f"{value!r}: a code of up to 32 letters, digits, '-' or '_', such as P01 - never a name"
-        )
+    from arl_tui.participants import wrong_code
+
+    reason = wrong_code(value)
+    if reason:
+        raise click.BadParameter(reason)
     return value
 
 
@@ -115,6 +117,9 @@ class Arl(click.Group):
         """Run a subcommand; stop with a message where a file or folder cannot be used."""
         try:
             return super().invoke(ctx)
+        except click.ClickException as error:
+            vars(error)["message"] = printable_lines(error.message)  # it may quote a file
+            raise
         except OSError as error:
             if error.errno == errno.EPIPE or error.filename is None:
                 raise
@@ -126,6 +131,19 @@ class Arl(click.Group):
 
         with formatter.section("Recordings and calibrations"):
             formatter.write_text(f"{recordings_folder()} ({why_here()}). Another folder: --recordings DIR.")
+
+
+def say(text: object = "", *, err: bool = False, nl: bool = True, **style: Any) -> None:
+    """Print a text that may hold something from a file: the one way in which commands print.
+
+    Args:
+        text: of one line or several; what a terminal would obey in it is written out (`core.system.foreign_text`).
+        err: print it to the error output.
+        nl: end the line.
+        style: as `click.style` takes it.
+    """
+    shown = printable_lines(str(text), longest=None)
+    click.echo(click.style(shown, **style) if style else shown, err=err, nl=nl)
 
 
 def cannot_use(error: OSError) -> str:

@@ -24,6 +24,7 @@ from arl_tui.recordings import create_new, rescue, rescue_whole
 from arl_tui.screens.closing import ClosingScreen
 from arl_tui.screens.play import PlayScreen
 from arl_tui.screens.welcome import WelcomeScreen
+from arl_tui.signing import NoKey, signer_in_use
 from core.events import EpisodeEnded, EpisodeStarted, Event, StopReason
 from core.feedback.keys import nanoseconds
 from core.numerics.clock import NS_PER_S, Clock, MonotonicClock, wall_time_utc
@@ -128,9 +129,18 @@ class ArlApp(SessionControls):
 
         def create(path: Path) -> Recorder:
             return Recorder(
-                path, header, on_news=lambda: _call_soon(loop, self._on_disk_news), clock=self._clock
+                path,
+                header,
+                on_news=lambda: _call_soon(loop, self._on_disk_news),
+                clock=self._clock,
+                sign=sign,
             )
 
+        try:
+            sign = signer_in_use()
+        except NoKey as error:
+            self._on_over(str(error))
+            return
         try:
             self._recorder = create_new(self.setup.recordings, self.setup.participant, created_utc, create)
         except OSError as error:

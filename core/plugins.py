@@ -24,6 +24,7 @@ GROUP = "arl.games"
 BUILT_IN = {
     "tetris": "core.tetris.plugin:PLUGIN",
     "keepaway": "core.keepaway.plugin:PLUGIN",
+    "gymnasium": "core.interop.gymnasium.plugin:PLUGIN",
 }
 """Name to where the program's own games are; found whatever the installation's metadata say."""
 

@@ -5,11 +5,10 @@ listener (the screens).
 """
 
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Literal, Protocol
 
-from arl_tui.app.frames import FrameLedger
 from arl_tui.app.link import (
     Alive,
     Begin,
@@ -42,7 +41,8 @@ from core.events import (
     UnseenPlayed,
     WrongPressAsked,
 )
-from core.feedback.keys import KeyConfig, PressGate
+from core.feedback.frames import FrameLedger
+from core.feedback.keys import KeyConfig, PressGate, WrongPressPlan
 from core.numerics.clock import NS_PER_S, Clock
 
 Cover = Literal["pause", "help", "quit-dialogue", "resize", "gap", "count-down"]
@@ -108,15 +108,6 @@ def weight_in_use(episode: EpisodeStarted) -> float:
     return episode.share if episode.share > 0 else episode.weight
 
 
-def uniform_draws(root_seed: int) -> Iterator[float]:
-    """Yield the numbers in [0, 1) of the stream that says which presses are asked to be wrong."""
-    from core.numerics.streams import stream  # not at the top: the first picture need not wait for numpy
-
-    rng = stream(root_seed, "wrong-press")
-    while True:
-        yield float(rng.random())
-
-
 class LiveSession:
     """One session from the start key to the end line.
 
@@ -159,9 +150,7 @@ class LiveSession:
         self._on_over = on_over
         self._sink: EventSink | None = None
         self._accepted: dict[int, float] = {}
-        self._root_seed = root_seed
-        self._draws: Iterator[float] | None = None
-        self._wrong_next = self._draw_wrong()
+        self._wrong_presses = WrongPressPlan(keys.wrong_press_rate, root_seed)
         self._worker_error: str | None = None
         self._unconfirmed: deque[Unconfirmed] = deque()
         self._taken: dict[int, TakenFor] = {}
@@ -359,9 +348,7 @@ class LiveSession:
             self._on_over(None)
 
     def _ask_wrong_press(self, step: int) -> None:
-        if self._wrong_next and not self.gate.wrong_asked and self.gate.presses_left > 0:
-            self._wrong_next = False
-            self.gate.wrong_asked = True
+        if self._wrong_presses.due(self.gate):
             self._enter(WrongPressAsked(time_ns=self._clock.now_ns(), step=step))
 
     # --- both ---------------------------------------------------------------------------------------------------
@@ -373,7 +360,7 @@ class LiveSession:
             change = -1
         elif record.verdict == "accepted" and record.value is not None:
             value = self._accepted[record.press] = record.value
-            self._wrong_next = self._draw_wrong()
+            self._wrong_presses.accepted()
             change = 1
         else:
             return
@@ -381,14 +368,6 @@ class LiveSession:
             self.tally.good += change
         else:
             self.tally.bad += change
-
-    def _draw_wrong(self) -> bool:
-        rate = self.gate.config.wrong_press_rate
-        if rate == 0.0:
-            return False
-        if self._draws is None:
-            self._draws = uniform_draws(self._root_seed)
-        return next(self._draws) < rate
 
     def _enter(self, event: Input) -> None:
         """Record an input, send it to the worker, tell the screens: of a press only when it is in the file."""

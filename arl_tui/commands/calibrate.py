@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
-from arl_tui.command_line import FILE, pseudonym, recordings_option, seed_option
+from arl_tui.command_line import FILE, pseudonym, recordings_option, say, seed_option
 from arl_tui.commands.play import need_terminal, read_protocol
 from arl_tui.drawing_rate import FRAMES_PER_S
 from arl_tui.recordings import CALIBRATION_FOLDER
@@ -125,7 +125,7 @@ def run_calibration(
     if dry_run:
         from studies.reaction_time.schedule import describe
 
-        click.echo("\n".join(describe(part.schedule) for part in new_parts(setup)), nl=False)
+        say("\n".join(describe(part.schedule) for part in new_parts(setup)), nl=False)
         return
     refuse_where_times_mean_nothing()
     need_terminal("arl calibrate", instead="arl calibrate --dry-run")
@@ -181,10 +181,10 @@ def check_files(recordings: Path, participant: str) -> None:
 def tell(outcome: "Outcome") -> None:
     """Print where everything is, and the results; leave with status 1 where something failed."""
     for path in outcome.files:
-        click.echo(f"Trials: {path}")
+        say(f"Trials: {path}")
     tell_fit(outcome.fitted)
     if outcome.files and not outcome.finished and outcome.trouble is None:
-        click.echo("Not finished: run the same command within 12 hours to go on.")
+        say("Not finished: run the same command within 12 hours to go on.")
     if outcome.trouble is not None:
         raise click.ClickException(outcome.trouble)
 
@@ -218,16 +218,16 @@ def tell_fit(fitted: "Fitted") -> None:
     """Print each task's delay, and why there is none."""
     for delay in fitted.delays:
         mean = delay.mean_s
-        click.echo(
+        say(
             f"{delay.key}: mean {mean.estimate:.3f} s (95 %: {mean.low:.3f} to {mean.high:.3f} s), "
             f"{delay.n_observed} responses, {delay.family}"
         )
         for warning in delay.warnings:
-            click.echo(f"  beware: {warning}")
+            say(f"  beware: {warning}")
         if delay.pooled is not None:
             mean_s = delay.pooled.offset_s + delay.pooled.shape * delay.pooled.scale_s
-            click.echo(f"  pooled with {delay.pooled_people - 1} others: mean {mean_s:.3f} s")
+            say(f"  pooled with {delay.pooled_people - 1} others: mean {mean_s:.3f} s")
     for task, reason in fitted.failures.items():
-        click.echo(f"{task}: no fit: {reason}")
+        say(f"{task}: no fit: {reason}")
     if fitted.kept_in:
-        click.echo(f"Delays: {fitted.kept_in}")
+        say(f"Delays: {fitted.kept_in}")

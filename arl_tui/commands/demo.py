@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from arl_tui.app import facts
-from arl_tui.command_line import GAMES, recordings_option, seed_option
+from arl_tui.command_line import GAMES, recordings_option, say, seed_option
 from arl_tui.commands.exact import read_or_stop, run_again
 from arl_tui.commands.play import run_live
 from arl_tui.games.registry import screens_called, words_of
@@ -68,14 +68,14 @@ def run_demo(game: str, *, somebody: str | None, seed: int | None, recordings: P
     else:
         from studies.demo import simulate_session
 
-        click.echo(f"Playing {protocol.session.episodes} games of {game} with a simulated participant ...")
+        say(f"Playing {protocol.session.episodes} games of {game} with a simulated participant ...")
         software = facts.software()
 
         def create(new: Path) -> Path:
             return simulate_session(protocol, root_seed, new, software=software)
 
         path = create_new(recordings, PARTICIPANT, wall_time_utc(), create)
-    click.echo(f"Recording: {path}")
+    say(f"Recording: {path}")
     recording = read_or_stop(path, allow_truncated=True)
     run_again(recording)
     tell_summary(path)
@@ -89,20 +89,20 @@ def tell_summary(path: Path) -> None:
     words = words_of(summary.game)
     performances = ", ".join(f"{value:.4g}" for value in summary.performances)
     unseen = ", ".join(f"{value:.1f}" for value in summary.unseen_means)
-    click.echo(
+    say(
         f"Games watched: {summary.episodes}; {words.performance[0].lower()}{words.performance[1:]}: {performances}"
     )
-    click.echo(
+    say(
         f"Games practised unseen: {summary.unseen_episodes}; {words.units[1]} per game in each block: {unseen or '-'}"
     )
-    click.echo(
+    say(
         f"Presses that counted: {summary.accepted}, {summary.praised} of them praise; other keys and presses: "
         f"{summary.other_presses}"
     )
-    click.echo(
+    say(
         f"Weight of the human in the last game: {summary.weight:.2f}; trust in the human after it: {summary.trust:.2f}"
     )
-    click.echo(
+    say(
         f"What would another credit rule have learned? arl replay {shlex.quote(str(path))} --credit previous "
         "--credit gamma"
     )

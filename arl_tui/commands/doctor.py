@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from arl_tui.command_line import recordings_option
+from arl_tui.command_line import recordings_option, say
 
 if TYPE_CHECKING:
     from arl_tui.doctor.findings import Finding
@@ -32,10 +32,10 @@ def doctor(quick: bool, report: bool, recordings: Path) -> None:
 
     findings = list(_look(recordings, quick=quick))
     for line in lines(findings, report=report):
-        click.echo(line)
-    click.echo("")
+        say(line)
+    say()
     for line in conclusions(findings):
-        click.echo(line)
+        say(line)
     if stopped(findings, "session"):
         raise click.exceptions.Exit(1)
 
@@ -44,7 +44,7 @@ def _look(recordings: Path, *, quick: bool) -> "Iterator[Finding]":
     from arl_tui.doctor.machine import machine_findings
     from arl_tui.doctor.screen import terminal_findings
 
-    yield from terminal_findings(lambda line: click.echo(line, err=True), quick=quick)
+    yield from terminal_findings(lambda line: say(line, err=True), quick=quick)
     yield from machine_findings(recordings)
     if not quick and sys.platform != "win32":
         yield _timing()

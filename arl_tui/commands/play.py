@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 import click
 import msgspec
 
-from arl_tui.command_line import GAMES, protocol_option, pseudonym, recordings_option, seed_option
+from arl_tui.command_line import GAMES, protocol_option, pseudonym, recordings_option, say, seed_option
 from arl_tui.drawing_rate import FRAMES_PER_S
+from arl_tui.signing import NoKey, signer_in_use
 from core.session.protocol import Protocol
 from core.session.protocol_reading import load_protocol
 
@@ -126,6 +127,10 @@ def run_live(
     source: Mapping[str, str] | None = None,
 ) -> "Outcome":
     """Start the worker, then the app; return what is left when both are gone."""
+    try:
+        signer_in_use()
+    except NoKey as error:
+        raise click.ClickException(str(error)) from error
     os.environ.setdefault("TEXTUAL_FPS", FRAMES_PER_S)
     root_seed = secrets.randbits(63) if seed is None else seed
     gc.disable()  # start-up leaves nothing to collect; `GarbageControl` takes over with the app
@@ -150,7 +155,7 @@ def run_live(
         link.close()
     if app.ended_by is not None:
         if outcome is not None and outcome.recording is not None:
-            click.echo(f"Recording: {outcome.recording}")
+            say(f"Recording: {outcome.recording}")
         raise SystemExit(128 + app.ended_by)
     if outcome is None:
         raise click.ClickException("the app ended without a result; see the message above")
@@ -160,8 +165,8 @@ def run_live(
 def tell(outcome: "Outcome") -> None:
     """Print where the recording is; leave with status 1 where something failed."""
     if outcome.recording is not None:
-        click.echo(f"Recording: {outcome.recording}")
+        say(f"Recording: {outcome.recording}")
     if outcome.warning:
-        click.echo(f"Beware: {outcome.warning}", err=True)
+        say(f"Beware: {outcome.warning}", err=True)
     if outcome.trouble is not None:
         raise click.ClickException(outcome.trouble)

@@ -5,7 +5,7 @@ import secrets
 
 import click
 
-from arl_tui.command_line import seed_option
+from arl_tui.command_line import say, seed_option
 from arl_tui.commands.play import need_terminal
 from arl_tui.drawing_rate import FRAMES_PER_S
 
@@ -29,4 +29,4 @@ def practise(game: str, *, seed: int | None) -> None:
     if app.ended_by is not None:
         raise SystemExit(128 + app.ended_by)
     if lines is not None:
-        click.echo(f"Your last game: {lines} {'line' if lines == 1 else 'lines'}")
+        say(f"Your last game: {lines} {'line' if lines == 1 else 'lines'}")

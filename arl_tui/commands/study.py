@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from arl_tui.command_line import recordings_option
+from arl_tui.command_line import recordings_option, say
 
 if TYPE_CHECKING:
     from studies.lab.ledger import Ledger
@@ -40,8 +40,8 @@ def new(folder: Path, name: str) -> None:
     with _plain_errors():
         files = copy_ready_study(name, folder)
     for file in files:
-        click.echo(str(file))
-    click.echo(f"Next: arl study check {shlex.quote(str(files[0]))}")
+        say(str(file))
+    say(f"Next: arl study check {shlex.quote(str(files[0]))}")
 
 
 @study.command(short_help="Say what the study will do, and what is missing.")
@@ -54,30 +54,30 @@ def check(file: Path, pages: bool) -> None:
 
     with _plain_errors():
         loaded = load_study(file)
-        click.echo("Playing simulated sessions of every condition ...", err=True)
+        say("Playing simulated sessions of every condition ...", err=True)
         found = forecast(loaded)
     for number, sitting in enumerate(loaded.study.sittings):
-        click.echo(f"\n{sitting.name}: about {found.minutes(number):.0f} minutes")
+        say(f"\n{sitting.name}: about {found.minutes(number):.0f} minutes")
         for step in found.steps:
             if step.sitting == number:
                 remark = f"  ({step.remark})" if step.remark else ""
-                click.echo(f"  {step.step + 1:2}  {step.kind:14} {step.minutes:5.1f} min{remark}")
-    click.echo("\nConditions, from simulated sessions:")
+                say(f"  {step.step + 1:2}  {step.kind:14} {step.minutes:5.1f} min{remark}")
+    say("\nConditions, from simulated sessions:")
     for block in found.blocks:
-        click.echo(
+        say(
             f"  {block.condition:20} {block.games} games, {block.minutes:.1f} min, {block.presses:.0f} presses that count"
         )
-    click.echo("\nOrders, by place:")
+    say("\nOrders, by place:")
     for place, order in enumerate(found.orders, 1):
-        click.echo(f"  {place:3}  {', '.join(order)}")
+        say(f"  {place:3}  {', '.join(order)}")
     if pages:
         for name, text in loaded.texts.items():
-            click.echo(f"\n--- {name} ---\n{text.strip()}")
+            say(f"\n--- {name} ---\n{text.strip()}")
     for sentence in found.missing:
-        click.echo(f"\nMissing: {sentence}")
+        say(f"\nMissing: {sentence}")
     if found.missing:
         raise click.exceptions.Exit(1)
-    click.echo("\nNothing is missing.")
+    say("\nNothing is missing.")
 
 
 @study.command(short_help="Lead a participant through their next sitting.")
@@ -106,7 +106,7 @@ def run(file: Path, code: str | None, recordings: Path) -> None:
         "nothing": "left before consent; nothing was kept",
     }[result.how]
     who = "The participant" if result.how in ("declined", "nothing") else result.code
-    click.echo(f"{who} {said}.")
+    say(f"{who} {said}.")
     if result.trouble:
         raise click.ClickException(result.trouble)
 
@@ -152,8 +152,8 @@ def simulate(file: Path, participants: int, recordings: Path) -> None:
                     clock=clock,
                     any_time=True,
                 )
-                click.echo(f"{code} ({habits.kind}): {result.how}, {clock.now_ns() / 60e9:.0f} min")
-    click.echo(f"Data: {ledger.folder}")
+                say(f"{code} ({habits.kind}): {result.how}, {clock.now_ns() / 60e9:.0f} min")
+    say(f"Data: {ledger.folder}")
 
 
 @study.command(short_help="Show who is where, and whose data are worth a look.")
@@ -172,21 +172,21 @@ def status(file: Path, simulated: bool, recordings: Path) -> None:
         loaded = load_study(file)
         folder = data_folder(recordings, loaded.study.name, simulated=simulated)
         if not (folder / "ledger.jsonl").exists():
-            click.echo(f"Nobody has taken part yet: there is no {folder / 'ledger.jsonl'}")
+            say(f"Nobody has taken part yet: there is no {folder / 'ledger.jsonl'}")
             return
         found = status_of(loaded.study, folder, moment(wall_time_utc()))
-    click.echo(f"{found.finished} of {found.planned} have finished; {found.declined} did not consent.\n")
+    say(f"{found.finished} of {found.planned} have finished; {found.declined} did not consent.\n")
     for row in found.rows:
         presses = "-" if row.presses_per_game is None else f"{row.presses_per_game:.1f}"
-        click.echo(
+        say(
             f"{row.code:14} place {row.place + 1:<4} {row.state:12} {row.where}; {row.minutes:.0f} min, "
             f"{row.games} games, {presses} presses a game"
         )
         for flag in row.flags:
-            click.echo(f"{'':14} ! {flag}")
-    click.echo("\nFinished with each order:")
+            say(f"{'':14} ! {flag}")
+    say("\nFinished with each order:")
     for order, count in found.orders:
-        click.echo(f"  {count:3}  {', '.join(order)}")
+        say(f"  {count:3}  {', '.join(order)}")
 
 
 @study.command(short_help="Remove everything of a participant who withdraws.")
@@ -203,9 +203,7 @@ def withdraw(file: Path, code: str, yes: bool, recordings: Path) -> None:
     with _plain_errors():
         _, ledger = _open(file, recordings)
         tombstone = remove(ledger, code)
-    click.echo(
-        f"{tombstone.files_removed} files removed. The ledger holds {tombstone.code} in place of the code."
-    )
+    say(f"{tombstone.files_removed} files removed. The ledger holds {tombstone.code} in place of the code.")
 
 
 @study.command(short_help="Count a participant as dropped out.")
@@ -226,7 +224,7 @@ def drop(file: Path, code: str, reason: str, recordings: Path) -> None:
             )
         ledger.append(DroppedOut(code=code, reason=reason))
     rule = "is given to the next participant" if loaded.study.dropouts.replace else "stays empty"
-    click.echo(f"{code} counts as dropped out. The place {rule} ([dropouts] replace).")
+    say(f"{code} counts as dropped out. The place {rule} ([dropouts] replace).")
 
 
 def _open(file: Path, recordings: Path, *, simulated: bool = False) -> "tuple[LoadedStudy, Ledger]":

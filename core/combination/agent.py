@@ -94,6 +94,8 @@ class ArlAgent:
         self._policy_values = environment_values
         # Of the decision last made: how the sides were combined, and H of each action.
         self._decided: tuple[EpisodeWeights, NDArray[np.float64]] = (ENVIRONMENT_WEIGHTS, np.zeros(0))
+        self.last_values: tuple[NDArray[np.float64], NDArray[np.float64]] = (np.zeros(0), np.zeros(0))
+        """R and H of each action of the decision last made, shape (n,) each; H is 0 while there is no human policy."""
 
     @property
     def trust(self) -> float:
@@ -183,6 +185,7 @@ class ArlAgent:
         human = HumanPreference(human_values, policy.weights, policy.chance_seed, step, handed_over)
         action = self._environment.act(env_values, choices, preferred, human)
         self._decided = (policy.weights, human_values)
+        self.last_values = (env_values, human_values)
         return Decision(action, environment_action, human_action, human_worst_action, of_participants)
 
     def learn_from_step(

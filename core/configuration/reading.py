@@ -18,6 +18,7 @@ import msgspec
 from core.configuration.catalogue import TAG, Kind, Struct, settings_of, tables_of, tag_of
 from core.configuration.fields import plain
 from core.configuration.open_table import decode_open_table
+from core.system import foreign_text
 
 Path = tuple[str | int, ...]
 LONGEST_SHOWN = 60
@@ -357,7 +358,7 @@ def shown(value: object) -> str:
 
 def printable(text: str) -> str:
     """Return a text without anything that a terminal could take for a command."""
-    return "".join(letter if letter.isprintable() else f"\\u{ord(letter):04x}" for letter in text)
+    return foreign_text.printable(text, longest=None)
 
 
 def _quoted(names: Sequence[str]) -> str:

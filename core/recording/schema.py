@@ -51,6 +51,8 @@ class Header(Record, frozen=True, kw_only=True, omit_defaults=False, tag="header
             raise ValueError(
                 f"version {self.version} of the format; this program reads versions 1 to {VERSION}"
             )
+        if self.root_seed < 0:
+            raise ValueError(f"root_seed is >= 0, got {self.root_seed}")
 
 
 class End(Record, frozen=True, kw_only=True, tag="end"):
@@ -58,6 +60,8 @@ class End(Record, frozen=True, kw_only=True, tag="end"):
 
     events: int
     """Number of lines between the header and this one."""
+    signature: str = ""
+    """Ed25519 signature of all lines before, hex (`core.recording.signature`); "" where there is none."""
 
 
 Line = Header | Event | End

@@ -18,6 +18,7 @@ from core.events import (
 )
 from core.recording.reader import Recording
 from core.recording.schema import FIRST_GAME
+from core.recording.upgrade import recorded_version
 
 HAS_REASONS = 2
 """First version that tells a closed window, a signal and a full disk from a participant's stop."""
@@ -68,7 +69,7 @@ def ending_of(recording: Recording) -> Ending:
 
 def _stop_words(recording: Recording, stop: StopAsked, *, last_word: bool) -> str:
     words = _STOPS[stop.reason]
-    if stop.reason == "participant" and recording.header.version < HAS_REASONS:
+    if stop.reason == "participant" and recorded_version(recording.header) < HAS_REASONS:
         words += _V1_STOP
     if not last_word and stop.reason != "worker-died":
         words += ", and the worker gave no answer"
@@ -140,11 +141,11 @@ def summarise_recording(recording: Recording) -> RecordingSummary:
     return RecordingSummary(
         game=_game(protocol),
         protocol=str(protocol.get("name", "default")),
-        condition=str(recording.header.source.get("condition", protocol.get("condition", ""))),
+        condition=_condition(recording.header.source, protocol),
         games_finished=_finished(recording),
         games_begun=_count(recording, EpisodeStarted),
         games_planned=None if imported else _planned(protocol),
-        steps=_count(recording, StepTaken),
+        steps=_count(recording, StepTaken) + recording.steps_left_out,
         presses_counted=len(counted),
         presses_simulated=sum(press.source == "simulated" for press in counted),
         presses_taken_back=len(taken_back & presses.keys()),
@@ -152,6 +153,11 @@ def summarise_recording(recording: Recording) -> RecordingSummary:
         focus_lost=_count(recording, FocusLost),
         ending=ending_of(recording),
     )
+
+
+def _condition(source: Mapping[str, str], protocol: Mapping[str, Any]) -> str:
+    """Return the condition of a session; "" where there is none. Sessions of a study say theirs in the header."""
+    return str(source.get("study.condition") or source.get("condition") or protocol.get("condition", ""))
 
 
 def _count(recording: Recording, kind: type) -> int:

@@ -141,6 +141,8 @@ def read_questions(name: str, folder: Path) -> QuestionList:
         ) from error
     except (OSError, ValueError) as error:
         raise QuestionsError(f"{where}: {error}") from error
+    except RecursionError as error:
+        raise QuestionsError(f"{where}: lists or tables in each other, too deep to be read") from error
 
 
 def refusal(question: Question, answer: Answer) -> str | None:

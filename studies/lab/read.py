@@ -68,8 +68,10 @@ def load_study(path: Path) -> LoadedStudy:
         raise StudyError(
             f"{path}: not UTF-8 at byte {error.start}: save the file as UTF-8 in your editor"
         ) from error
-    except (tomllib.TOMLDecodeError, ValueError) as error:
+    except ValueError as error:
         raise StudyError(f"{path}: {error}") from error
+    except RecursionError as error:
+        raise StudyError(f"{path}: lists or tables in each other, too deep to be read") from error
     trouble: list[str] = []
     texts = _texts(study, path.parent, trouble)
     questionnaires = _questionnaires(study, path.parent, trouble)
@@ -105,7 +107,7 @@ def _texts(study: Study, folder: Path, trouble: list[str]) -> dict[str, str]:
         if isinstance(step, Consent | TextPage | Debriefing | Break) and step.text:
             try:
                 texts[step.text] = (folder / step.text).read_text(encoding="utf-8-sig")
-            except (OSError, UnicodeDecodeError) as error:
+            except (OSError, ValueError) as error:
                 trouble.append(
                     f"{folder / step.text}: needed by step {place + 1} of sitting {sitting + 1}: {_reason(error)}"
                 )
@@ -129,7 +131,7 @@ def _protocols(study: Study, path: Path, trouble: list[str]) -> dict[str, Protoc
         file = path.parent / study.protocol_file
         try:
             base = tomllib.loads(file.read_text(encoding="utf-8-sig"))
-        except (OSError, ValueError) as error:
+        except (OSError, ValueError, RecursionError) as error:
             trouble.append(f"{file}: {_reason(error)}")
             return {}
     protocols: dict[str, Protocol] = {}

@@ -2,7 +2,6 @@
 
 import pytest
 
-from arl_tui.app.frames import FRAMES_REMEMBERED, FrameLedger
 from arl_tui.app.link import Alive, Begin, Crashed, Ready
 from arl_tui.app.live_session import LiveSession
 from core.events import (
@@ -14,6 +13,7 @@ from core.events import (
     StopAsked,
     WrongPressAsked,
 )
+from core.feedback.frames import FRAMES_REMEMBERED, FrameLedger
 from core.feedback.keys import KeyConfig
 from core.numerics.clock import ManualClock
 from tests.arl_tui.fakes import FakeLink, ListSink, episode_ended, episode_started, session_ended, step_taken

@@ -1,4 +1,4 @@
-"""Which frame of a session was on screen when."""
+"""Which frame of a session was on screen when: kept by the live screen, and followed again by replay."""
 
 from collections import deque
 
@@ -25,9 +25,13 @@ class FrameLedger:
 
     def flushed(self, frame: int, time_ns: int) -> FrameShown:
         """Note when a frame's last byte left."""
-        step = self._steps.pop(frame)
-        self._shown.append((time_ns, frame, step))
-        return FrameShown(frame=frame, step=step, flushed_ns=time_ns)
+        shown = FrameShown(frame=frame, step=self._steps.pop(frame), flushed_ns=time_ns)
+        self.recorded(shown)
+        return shown
+
+    def recorded(self, shown: FrameShown) -> None:
+        """Note a frame as a recording tells it."""
+        self._shown.append((shown.flushed_ns, shown.frame, shown.step))
 
     def dropped(self, frame: int) -> None:
         """Note that a frame does not count: something else covered it."""

@@ -1,0 +1,101 @@
+"""Gymnasium environments as protocols know them (`core.plugins`). Neither Gymnasium nor compiled code is imported."""
+
+from collections.abc import Iterator, Mapping
+from functools import cache
+from typing import TYPE_CHECKING, Annotated, ClassVar
+
+import msgspec
+
+from core.combination.config import AgentConfig
+from core.configuration.fields import number
+from core.configuration.reading import Path, Problem
+from core.feedback.config import CreditConfig, TrainerConfig
+from core.feedback.delays import GammaDelay
+from core.interop.gymnasium import REVISION
+from core.learners.human_config import TileModel
+from core.learners.sarsa_config import SarsaConfig
+from core.plugins import DomainConfig, GamePlugin
+from core.session.protocol import Protocol, ScreenConfig, SessionConfig
+
+if TYPE_CHECKING:
+    from core.registry import Game
+
+
+class GymnasiumConfig(msgspec.Struct, DomainConfig, frozen=True, forbid_unknown_fields=True, tag="gymnasium"):
+    """A Gymnasium environment with discrete actions and box or discrete observations."""
+
+    env: str = "CartPole-v1"
+    """Its id, as `gymnasium.make` takes it, or `module:function` of a factory of your own: it is called without
+    arguments, and with `render_mode="rgb_array"` where the environment is shown."""
+    tilings: Annotated[int, number("tilings", ge=1, le=64)] = 8
+    """Tilings of each number of a box observation, each variable tiled alone. (Sutton & Barto 2018, section 10.1: 8.)"""
+    tiles: Annotated[int, number("tiles", ge=1, le=1000)] = 8
+    """Tiles across the range of each number. (Sutton & Barto 2018, section 10.1: 8.)"""
+    largest: Annotated[float, number(gt=0, le=1e6)] = 3.0
+    """Range of a number without bounds: -largest to largest; beyond, it counts as its end. (Our choice.)"""
+
+
+class GymnasiumPlugin(GamePlugin):
+    """Whatever `gymnasium.make` gives."""
+
+    name = "gymnasium"
+    title = "Gymnasium"
+    config = GymnasiumConfig
+    revision = REVISION
+    learners = (SarsaConfig,)
+    human_models = (TileModel,)
+    steps = "steps"
+    idle: ClassVar[Mapping[str, str]] = {
+        "screen.speed": "",
+        "session.watched": "Sarsa changes at every step, and no policy of it comes back",
+    }
+
+    @cache  # noqa: B019 - there is one instance
+    def default(self) -> Protocol:
+        """Return Sarsa on the pole, slow enough to judge."""
+        return Protocol(
+            domain=GymnasiumConfig(),
+            learner=SarsaConfig(step_size=0.5, exploration=0.02),
+            agent=AgentConfig(credit=CreditConfig(delay=GammaDelay()), human_model=TileModel()),
+            trainer=TrainerConfig(knowledge="myopic"),
+            session=SessionConfig(episodes=10, unseen_between=10, watched_steps=200, unseen_steps=500),
+            screen=ScreenConfig(tick_ms=200),
+        )
+
+    def expected_game_s(self, protocol: Protocol) -> float:
+        """Return the time of a game of all its steps: how long one lasts only the environment knows."""
+        return protocol.session.watched_steps * protocol.screen.tick_ms / 1000
+
+    def load(self) -> "Game":
+        """Return the game.
+
+        Raises:
+            GameError: Gymnasium is not installed.
+        """
+        from core.interop.gymnasium.game import GymnasiumGame
+
+        return GymnasiumGame()
+
+    def contradictions(self, protocol: Protocol) -> Iterator[Problem]:
+        """Yield the simulated participants who would have to know the environment."""
+        for number_of, trainer in enumerate((protocol.trainer, *protocol.others)):
+            if trainer.knowledge != "myopic":
+                where: Path = ("others", number_of - 1) if number_of else ("trainer",)
+                yield Problem(
+                    (*where, "knowledge"),
+                    "nobody is an expert of an environment that the program does not know; "
+                    '"myopic" judges by the reward of the step',
+                    trainer.knowledge,
+                )
+
+    def departures(self, protocol: Protocol) -> list[str]:
+        """Return what is particular to it."""
+        assert isinstance(protocol.domain, GymnasiumConfig), "a protocol of Gymnasium"
+        return [
+            f"the domain is the Gymnasium environment {protocol.domain.env}, without its own time limit",
+            "every episode counts as one policy, because the learner changes all the time",
+            "each number of the observation is tiled alone; the human model sees the learner's tiles",
+        ]
+
+
+PLUGIN = GymnasiumPlugin()
