@@ -81,7 +81,7 @@ def command_lines() -> list[tuple[str, str]]:
         (block.where, line.split(" #")[0].strip())
         for block in BLOCKS
         if block.language == "sh"
-        for line in block.text.splitlines()
+        for line in block.text.replace("\\\n", " ").splitlines()
     ]
     for page in PAGES:
         text = FENCE.sub("", page.read_text(encoding="utf-8"))
