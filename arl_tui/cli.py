@@ -43,7 +43,7 @@ COMMANDS = (
     Listed("timing", "timing:timing", "Test how exactly this machine measures reaction times."),
     Listed("train", "train:train", "Let keepers learn by Sarsa, unseen, and keep the policy."),
     Listed("warm-up", "warm_up_command:warm_up_command", "Compile now what the first games would compile."),
-    Listed("watch", "watch:watch", "Look at a policy playing Keepaway, at any speed."),
+    Listed("watch", "watch:watch", "See a recorded session again, or look at a policy of Keepaway."),
 )
 
 

@@ -19,7 +19,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 
 
-OWN_GAMES = ("tetris", "keepaway")
+OWN_GAMES = ("tetris", "keepaway", "gymnasium")
 """`core.plugins.BUILT_IN`, written out here so that `--help` need not load it; a test compares."""
 
 

@@ -9,15 +9,15 @@ import zlib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Final, Protocol
+from typing import Final, Protocol
 
 import click
 from PIL import Image
-from textual.app import App
 
 from arl_tui.viewer.pictures import pictures_of
-from arl_tui.viewer.raster import CELL, Cells, cells_of, picture_of
+from arl_tui.viewer.raster import CELL, Cells, picture_of
 from arl_tui.viewer.reading import Viewing
+from arl_tui.viewer.screenshot import screen_cells
 from core.numerics.clock import NS_PER_S, ManualClock
 
 FRAMES_PER_S: Final = 10
@@ -27,35 +27,6 @@ SIZE: Final = (120, 40)
 MOST_GIF_FRAMES: Final = 3000
 """A GIF is put together in memory."""
 ENDINGS: Final = (".gif", ".mp4", ".cast")
-
-
-def screen_cells(app: App[Any]) -> Cells:
-    """Return what an app shows, character by character."""
-    # Textual draws its own screenshots from here, too.
-    return cells_of(app.screen._compositor.render_strips())
-
-
-def save_screen(app: App[Any], recording: Path, after_ns: int) -> str:
-    """Save the screen as SVG and PNG in the app's folder; return where, or why not.
-
-    Args:
-        app: whose screen it is; its `saved_in` says where.
-        recording: whose name the files get.
-        after_ns: time since the session's beginning, part of the name.
-    """
-    folder: Path = getattr(app, "saved_in", Path.cwd())
-    stem = f"{recording.name.removesuffix('.jsonl')}-{after_ns / NS_PER_S:.2f}s"
-    number, path = 2, folder / f"{stem}.svg"
-    while path.exists() or path.with_suffix(".png").exists():
-        path = folder / f"{stem}-{number}.svg"
-        number += 1
-    png = path.with_name(path.name.removesuffix(".svg") + ".png")
-    try:
-        path.write_text(app.export_screenshot(title=f"arl watch {recording.name}"), encoding="utf-8")
-        picture_of(screen_cells(app)).save(png)
-    except OSError as error:
-        return f"{folder} cannot be written: {error.strerror}"
-    return f"Saved {path} and .png"
 
 
 class _Film(Protocol):

@@ -338,7 +338,7 @@ class ViewerScreen(Screen[str], inherit_bindings=False):
 
     def action_picture(self) -> None:
         """Save the screen."""
-        from arl_tui.viewer.film import save_screen
+        from arl_tui.viewer.screenshot import save_screen
 
         self.say(save_screen(self.app, self.viewing.path, self.transport.time_ns - self.session.start_ns))
 
