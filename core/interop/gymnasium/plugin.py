@@ -4,6 +4,8 @@ from collections.abc import Iterator, Mapping
 from functools import cache
 from typing import TYPE_CHECKING, ClassVar
 
+import msgspec
+
 from core.combination.config import AgentConfig
 from core.configuration.reading import Path, Problem
 from core.feedback.config import CreditConfig, TrainerConfig
