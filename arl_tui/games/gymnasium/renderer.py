@@ -6,7 +6,6 @@ import numpy as np
 
 from arl_tui.games.rendering import Place, Shot
 from core.events import EpisodeStarted, StepTaken
-from core.interop.gymnasium.game import make_env
 from core.interop.gymnasium.picture import EnvPicture
 from core.plugins import GameError
 
