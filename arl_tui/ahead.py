@@ -75,7 +75,7 @@ def fill(order: Order, *, noted: bool = True) -> None:
 
 
 def warm_up_match(task: KeepawayConfig) -> None:
-    """Play a match that is watched until somebody has decided, and set up the next episode."""
+    """Play a match that is watched until a keeper has decided, and set up the next episode."""
     from core.keepaway.viewed_match import ViewedMatch
 
     match = ViewedMatch(task, "hand", 0)

@@ -12,31 +12,39 @@ from typing import Any, TextIO, TypeVar
 import click
 
 from arl_tui.home import VARIABLE, recordings_folder
+from core.system.foreign_text import printable_lines
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 
 
+OWN_GAMES = ("tetris", "keepaway", "gymnasium")
+"""`core.plugins.BUILT_IN`, written out here so that `--help` need not load it; a test compares."""
+
+
 class GameChoice(click.ParamType):  # type: ignore[type-arg] # not generic in click 8.1
-    """The name of a game, or "game:variant" ("gymnasium:CartPole-v1"), looked up when a name is read or help is printed: `arl` alone starts without."""
+    """The name of a game, or "game:variant" ("gymnasium:CartPole-v1").
+
+    It is looked up when a name is read or help is printed: `arl` alone starts without.
+    """
 
     name = "game"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
         """Return the name; a usage error lists all games, those of other packages too."""
-        from core.plugins import BUILT_IN, game_names
-
         game, colon, variant = str(value).partition(":")
-        names = BUILT_IN if game in BUILT_IN else game_names()
-        chosen: str = click.Choice(list(names)).convert(game, param, ctx)
+        names = list(OWN_GAMES)
+        if game not in OWN_GAMES:
+            from core.plugins import game_names
+
+            names = list(game_names())
+        chosen: str = click.Choice(names).convert(game, param, ctx)
         return f"{chosen}{colon}{variant}"
 
     def get_metavar(self, param: click.Parameter, ctx: click.Context) -> str | None:
         """Return the program's own games, as click shows a choice."""
-        from core.plugins import BUILT_IN
-
-        return click.Choice(list(BUILT_IN)).get_metavar(param, ctx)
+        return click.Choice(list(OWN_GAMES)).get_metavar(param, ctx)
 
 
 GAMES = GameChoice()
@@ -55,10 +63,11 @@ def pseudonym(_context: click.Context, _parameter: click.Parameter, value: str) 
     Raises:
         click.BadParameter: it has other signs than letters, digits, "-" and "_", or more than 32.
     """
-    if not value or len(value) > 32 or not all(letter.isalnum() or letter in "-_" for letter in value):
-        raise click.BadParameter(
-            f"{value!r}: a code of up to 32 letters, digits, '-' or '_', such as P01 - never a name"
-        )
+    from arl_tui.participants import wrong_code
+
+    reason = wrong_code(value)
+    if reason:
+        raise click.BadParameter(reason)
     return value
 
 
@@ -116,6 +125,9 @@ class Arl(click.Group):
         """Run a subcommand; stop with a message where a file or folder cannot be used."""
         try:
             return super().invoke(ctx)
+        except click.ClickException as error:
+            vars(error)["message"] = printable_lines(error.message)  # it may quote a file
+            raise
         except OSError as error:
             if error.errno == errno.EPIPE or error.filename is None:
                 raise
@@ -127,6 +139,19 @@ class Arl(click.Group):
 
         with formatter.section("Recordings and calibrations"):
             formatter.write_text(f"{recordings_folder()} ({why_here()}). Another folder: --recordings DIR.")
+
+
+def say(text: object = "", *, err: bool = False, nl: bool = True, **style: Any) -> None:
+    """Print a text that may hold something from a file: the one way in which commands print.
+
+    Args:
+        text: of one line or several; what a terminal would obey in it is written out (`core.system.foreign_text`).
+        err: print it to the error output.
+        nl: end the line.
+        style: as `click.style` takes it.
+    """
+    shown = printable_lines(str(text), longest=None)
+    click.echo(click.style(shown, **style) if style else shown, err=err, nl=nl)
 
 
 def cannot_use(error: OSError) -> str:

@@ -13,6 +13,7 @@ import msgspec
 
 from core.feedback.delays import Delay, GammaDelay, describe, parse_delay
 from core.numerics.clock import wall_time_utc
+from core.system.foreign_text import printable
 from core.system.private_files import make_private_folder, write_private
 from studies.reaction_time.protocol import Task
 
@@ -27,6 +28,10 @@ MEASURED = ("participant", "feedback-lag", "simple", "pooled")
 """Those of them that need a fit of the participant's."""
 FEWEST_TRUSTED = 20
 """Fewer responses than this do not make a density of one's own (`docs/trusting-a-fit.md`)."""
+
+LONGEST_CODE = 32
+LARGEST_FILE = 1 << 20
+"""Bytes of a file of delays: it has some hundred per task."""
 
 LATE_MS = 60
 """A stimulus waits for the next frame, 33 ms at most, and for being drawn. Later says that the program was held up."""
@@ -141,8 +146,28 @@ class CreditChoice(msgspec.Struct, frozen=True):
     warnings: tuple[str, ...] = ()
 
 
+def wrong_code(text: str) -> str:
+    """Return why a text is no participant's code, wherever it comes from; "" where it is one.
+
+    Codes become names of files.
+    """
+    if 0 < len(text) <= LONGEST_CODE and all(letter.isalnum() or letter in "-_" for letter in text):
+        return ""
+    return (
+        f"{printable(text)!r}: a participant's code has up to {LONGEST_CODE} letters, digits, '-' or '_', such as "
+        "P01 - never a name"
+    )
+
+
 def delays_path(recordings: Path, participant: str) -> Path:
-    """Return where a participant's delays are kept."""
+    """Return where a participant's delays are kept.
+
+    Raises:
+        ParticipantError: the code is none; it may come from somebody else's file.
+    """
+    reason = wrong_code(participant)
+    if reason:
+        raise ParticipantError(reason)
     return recordings / FOLDER / f"{participant}.json"
 
 
@@ -150,16 +175,19 @@ def read_delays(recordings: Path, participant: str) -> ParticipantDelays | None:
     """Return what is known of a participant; None where nothing is.
 
     Raises:
-        ParticipantError: the file is damaged, of another version, or somebody else's.
+        ParticipantError: the file is damaged, of another version, or another participant's.
     """
     path = delays_path(recordings, participant)
     try:
-        content = path.read_bytes()
+        with path.open("rb") as file:
+            content = file.read(LARGEST_FILE + 1)
     except FileNotFoundError:
         return None
+    if len(content) > LARGEST_FILE:
+        raise ParticipantError(f"{path}: more than {LARGEST_FILE:,} bytes: not a participant's delays")
     try:
         delays = msgspec.json.decode(content, type=ParticipantDelays)
-    except msgspec.MsgspecError as error:
+    except (msgspec.MsgspecError, ValueError, RecursionError) as error:
         raise ParticipantError(f"{path}: not a participant's delays: {error}") from error
     if (delays.format, delays.version, delays.participant) != (FORMAT, VERSION, participant):
         raise ParticipantError(

@@ -17,6 +17,9 @@ ENDINGS = (".jsonl", ".jsonl.gz", ".jsonl.bz2", ".jsonl.xz", ".jsonl.zip", ".jso
 CALIBRATION_FOLDER = "calibration"
 """Trials of the reaction-time study: files of another format, in a folder of their own."""
 
+STUDIES = "studies"
+"""Folder of studies (`studies.lab.folder`): recordings of participants, and records of other formats."""
+
 Created = TypeVar("Created")
 
 
@@ -78,8 +81,17 @@ def all_recordings(
     for here, folders, names in os.walk(folder, onerror=on_error):
         if Path(here).name == CALIBRATION_FOLDER:
             continue
-        found += [Path(here, name) for name in (*names, *folders) if name.endswith(ENDINGS)]
+        found += [
+            Path(here, name)
+            for name in (*names, *folders)
+            if name.endswith(ENDINGS) and not (STUDIES in Path(here).parts and is_study_record(name))
+        ]
     yield from sorted(found)
+
+
+def is_study_record(name: str) -> bool:
+    """Return whether a file in a study's folder is a record of another format: ledger, notes, or a sitting."""
+    return name in ("ledger.jsonl", "notes.jsonl") or name.startswith("sitting-")
 
 
 def rescue(unwritten: "Iterable[Event]", stem: str) -> Path:

@@ -6,14 +6,14 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from textual import constants, events
 
 from arl_tui.app.driver import FlushClock, stamped_driver
 from arl_tui.app.gaps import LOOKS_PER_S, GapWatch
 from arl_tui.app.garbage import GarbageControl
-from arl_tui.app.link import Link, Preparing, PressSuggested, Ready
+from arl_tui.app.link import Link, Preparing, PressSuggested, Ready, TakenFor
 from arl_tui.app.live_session import LiveSession, Occurrence
 from arl_tui.app.once import after
 from arl_tui.app.outcome import Outcome, SessionControls
@@ -24,12 +24,16 @@ from arl_tui.recordings import create_new, rescue, rescue_whole
 from arl_tui.screens.closing import ClosingScreen
 from arl_tui.screens.play import PlayScreen
 from arl_tui.screens.welcome import WelcomeScreen
+from arl_tui.signing import NoKey, signer_in_use
 from core.events import EpisodeEnded, EpisodeStarted, Event, StopReason
 from core.feedback.keys import nanoseconds
 from core.numerics.clock import NS_PER_S, Clock, MonotonicClock, wall_time_utc
 from core.recording.recorder import Recorder
 from core.recording.schema import Header, to_plain
 from core.session.protocol import Protocol
+
+if TYPE_CHECKING:
+    from core.recording.joined import FinishedPart
 
 PATIENCE_S = 20.0
 """The worker gets this long to say its last word, seconds."""
@@ -62,6 +66,12 @@ class SessionSetup:
     """A simulated participant presses keys, too."""
     source: Mapping[str, str] = field(default_factory=dict)
     """Where the credit rule comes from, for the recording's header."""
+    study: Mapping[str, str] = field(default_factory=dict)
+    """Where the session belongs in a study, for the recording's header; empty outside of studies."""
+    kept: "FinishedPart | None" = None
+    """What the session had done before it broke off; None where it begins."""
+    practice: bool = False
+    """Nothing counts; it ends after the game in which both keys have been pressed in time."""
 
 
 class ArlApp(SessionControls):
@@ -89,12 +99,21 @@ class ArlApp(SessionControls):
             clock=self._clock,
             listener=self._on_occurrence,
             on_over=self._on_over,
+            earlier=() if setup.kept is None else setup.kept.events,
         )
         self.live.take_stamps = self._take_stamps
         self.live.gate.reader = self.reader
         palette = palette_for(setup.protocol.screen.palette, self.console.color_system)
         self.play = PlayScreen(setup.protocol, self.live, palette)
-        self.welcome = WelcomeScreen(setup.protocol, setup.participant, simulated=setup.simulated)
+        if setup.kept is not None:
+            self.play.go_on_after(setup.kept.outputs)
+        self.welcome = WelcomeScreen(
+            setup.protocol,
+            setup.participant,
+            simulated=setup.simulated,
+            games_done=0 if setup.kept is None else setup.kept.games,
+            practice=setup.practice,
+        )
         self._link = link
         self._garbage = GarbageControl()
         self._recorder: Recorder | None = None
@@ -102,6 +121,8 @@ class ArlApp(SessionControls):
         self._stamps_without_driver: list[tuple[int, int]] = []
         self._simulated_keys: set[int] = set()
         self._outcome: Outcome | None = None
+        self._practised: set[bool] = set()
+        """Which keys have been pressed in time: True for the good one."""
 
     # --- life ---------------------------------------------------------------------------------------------------
 
@@ -128,9 +149,18 @@ class ArlApp(SessionControls):
 
         def create(path: Path) -> Recorder:
             return Recorder(
-                path, header, on_news=lambda: _call_soon(loop, self._on_disk_news), clock=self._clock
+                path,
+                header,
+                on_news=lambda: _call_soon(loop, self._on_disk_news),
+                clock=self._clock,
+                sign=sign,
             )
 
+        try:
+            sign = signer_in_use()
+        except NoKey as error:
+            self._on_over(str(error))
+            return
         try:
             self._recorder = create_new(self.setup.recordings, self.setup.participant, created_utc, create)
         except OSError as error:
@@ -193,6 +223,8 @@ class ArlApp(SessionControls):
             terminal=terminal | timing_facts(self.setup.recordings, terminal, created_utc),
             departures=protocol.departures(),
             source=dict(self.setup.source) | pace_facts(self._worker_ready),
+            study=dict(self.setup.study),
+            resumes=None if self.setup.kept is None else self.setup.kept.resumes,
         )
 
     # --- keys and frames ----------------------------------------------------------------------------------------
@@ -248,6 +280,10 @@ class ArlApp(SessionControls):
                 self._garbage.hold()
             case EpisodeEnded():
                 self._garbage.collect()
+                if self.setup.practice and len(self._practised) == 2:
+                    self.ask_to_stop("practised")
+            case TakenFor(step=step, value=value) if step >= 0:
+                self._practised.add(value > 0)
             case PressSuggested(key=key, time_ns=time_ns):
                 delay_s = max(0, time_ns - self._clock.now_ns()) / NS_PER_S
                 after(self, delay_s, lambda: self._press_simulated(key))
@@ -304,7 +340,9 @@ class ArlApp(SessionControls):
             trouble = "\n\n".join(part for part in (problem, trouble) if part) or None
         setup = self.setup
         warning = "" if setup.simulated else pace_warning(setup.protocol, self._worker_ready)
-        outcome = self._outcome = Outcome(path, self.live.tally, trouble, kept=kept, warning=warning)
+        outcome = self._outcome = Outcome(
+            path, self.live.tally, trouble, kept=kept, warning=warning, stopped=self.live.stop_reason
+        )
         if self.ended_by is not None:
             self._go(outcome)
             return
@@ -312,7 +350,13 @@ class ArlApp(SessionControls):
             self.pop_screen()
         protocol = self.setup.protocol
         self.push_screen(
-            ClosingScreen(outcome, words_of(protocol.game), show_weight=protocol.screen.show_weight)
+            ClosingScreen(
+                outcome,
+                words_of(protocol.game),
+                show_weight=protocol.screen.show_weight,
+                show_file=not self.setup.study,
+                practice=self.setup.practice,
+            )
         )
 
     def _on_loop_error(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:

@@ -42,6 +42,8 @@ from core.session.protocol import Protocol
 from core.system.processes import leave_with
 
 if TYPE_CHECKING:
+    from core.recording.joined import FinishedPart
+    from core.session.resume import ResumedSession
     from core.session.session import Session
 
 LOG_PREFIX = "arl-worker-"
@@ -52,13 +54,16 @@ LAST_WORDS = 4000
 """Characters of a dead worker's error output that are shown."""
 
 
-def start_worker(protocol: Protocol, root_seed: int, *, simulated: bool = False) -> WorkerLink:
+def start_worker(
+    protocol: Protocol, root_seed: int, *, simulated: bool = False, kept: "FinishedPart | None" = None
+) -> WorkerLink:
     """Start the learner's process; call this before the app runs.
 
     Args:
         protocol: what is to be played.
         root_seed: of the session.
         simulated: let a simulated participant press keys, too.
+        kept: what the session had done before it broke off; the agent is rebuilt from it.
     """
     context = multiprocessing.get_context("spawn")
     ours, theirs = context.Pipe()
@@ -66,7 +71,9 @@ def start_worker(protocol: Protocol, root_seed: int, *, simulated: bool = False)
     handle, log_path = tempfile.mkstemp(prefix=f"{LOG_PREFIX}{os.getpid()}-", suffix=".log")
     os.close(handle)
     process = context.Process(
-        target=worker_main, args=(theirs, protocol, root_seed, simulated, log_path, os.getpid()), daemon=True
+        target=worker_main,
+        args=(theirs, protocol, root_seed, simulated, log_path, os.getpid(), kept),
+        daemon=True,
     )
     process.start()
     theirs.close()
@@ -101,13 +108,21 @@ def _last_words(log: Path) -> str:
 
 
 def worker_main(
-    connection: Connection, protocol: Protocol, root_seed: int, simulated: bool, log_path: str, parent: int
+    connection: Connection,
+    protocol: Protocol,
+    root_seed: int,
+    simulated: bool,
+    log_path: str,
+    parent: int,
+    kept: "FinishedPart | None" = None,
 ) -> None:
     """Run in the worker process until the session is over or the screen's process is gone."""
     _leave_the_terminal(log_path)
     leave_with(parent, started_by_main_thread=True)
     line = WorkerLine(connection)
     clock = MonotonicClock()
+    from core.recording.joined import ResumeError
+
     try:
         before_ns = clock.now_ns()
         # Here, not above: these compile, and the screen's process imports this module.
@@ -118,13 +133,31 @@ def worker_main(
         session = build_session(protocol, root_seed)
         demo_participant = DemoParticipant(session, protocol, root_seed) if simulated else None
         reach = reach_of(protocol)
+        resumed = None if kept is None else caught_up(session, kept)
         line.send(Ready(warm_up_ns=clock.now_ns() - before_ns, reach=reach.share, step_s=reach.step_s))
-        SessionPlayer(line, protocol, clock, demo_participant, ahead).run(session)
+        player = SessionPlayer(line, protocol, clock, demo_participant, ahead)
+        player.run(session if resumed is None else resumed)
+    except ResumeError as error:
+        with contextlib.suppress(OSError):
+            line.send(Crashed(error=str(error), trace=""))
     except (EOFError, BrokenPipeError, ConnectionResetError):
         return  # Nobody is looking any more.
     except Exception as error:  # noqa: BLE001 - whatever it was, the participant must be told
         with contextlib.suppress(OSError):
             line.send(Crashed(error=f"{type(error).__name__}: {error}", trace=traceback.format_exc()))
+
+
+def caught_up(session: "Session", kept: "FinishedPart") -> "ResumedSession":
+    """Return a session that has done again what was recorded of it.
+
+    Raises:
+        ResumeError: something comes out otherwise than recorded.
+    """
+    from core.session.resume import ResumedSession
+
+    resumed = ResumedSession(session, kept)
+    resumed.catch_up()
+    return resumed
 
 
 def _leave_the_terminal(log_path: str) -> None:
@@ -200,7 +233,7 @@ class SessionPlayer:
         arrived, self._arrived = self._arrived, []
         return arrived
 
-    def run(self, session: "Session") -> None:
+    def run(self, session: "Session | ResumedSession") -> None:
         """Wait for the start, then play to the end; each output is sent before it is shown."""
         while not self._begun:
             self._take_in(None)

@@ -11,6 +11,11 @@ from typing import Literal
 
 import msgspec
 
+CoverReason = Literal["pause", "help", "quit-dialogue", "resize", "gap", "count-down"]
+"""What lay over the game on screen."""
+Verdict = Literal["accepted", "other", "repeat", "no-presses-left", "covered", "not-playing"]
+"""What became of a press: only accepted ones are learned from."""
+
 
 class Record(
     msgspec.Struct,
@@ -41,7 +46,7 @@ class ScreenCleared(Record, frozen=True, kw_only=True, tag="screen-cleared"):
     """The step on screen was covered: a pause, a help page, a dialogue."""
 
     time_ns: int
-    reason: Literal["pause", "help", "quit-dialogue", "resize", "gap", "count-down"]
+    reason: CoverReason
     """`gap`: the session paused by itself after a `TimeGap`. `count-down`: a game is about to begin or to go on;
     the participant sees a number in its place."""
 
@@ -61,7 +66,7 @@ class KeyPressed(Record, frozen=True, kw_only=True, tag="key-pressed"):
     """Frame on screen at `time_ns`; -1 before the first."""
     step: int
     """Watched step on screen at `time_ns`; -1 when there was none."""
-    verdict: Literal["accepted", "other", "repeat", "no-presses-left", "covered", "not-playing"]
+    verdict: Verdict
     """Only accepted presses are learned from; the rest say why not."""
     asked_wrong: bool = False
     """The participant had been asked to press the wrong key deliberately."""
@@ -108,6 +113,8 @@ class TimeGap(Record, frozen=True, kw_only=True, tag="time-gap"):
     """When it ran again."""
     suspended_ns: int = 0
     """How long the machine was suspended: this clock does not count that time on Linux. >= 0."""
+    joint: bool = False
+    """The session was broken off, and goes on here in another file: first event of a resumed session."""
 
 
 class FocusLost(Record, frozen=True, kw_only=True, tag="focus-lost"):
@@ -122,12 +129,15 @@ class FocusRegained(Record, frozen=True, kw_only=True, tag="focus-regained"):
     time_ns: int
 
 
-StopReason = Literal["participant", "window-closed", "signal", "worker-died", "time-limit", "disk-failed"]
+StopReason = Literal[
+    "participant", "window-closed", "signal", "worker-died", "time-limit", "disk-failed", "practised"
+]
 """Why a session ends before its last game.
 
 `participant`: by a key. `window-closed`: the terminal went away (SIGHUP, or its end of the line closed). `signal`: the
 process was asked to end (SIGTERM). `worker-died`: the learner failed or did not answer. `time-limit`: the protocol's
-time was over. `disk-failed`: the recording could not be written any more.
+time was over. `disk-failed`: the recording could not be written any more. `practised`: in a practice, both keys had
+been pressed in time.
 
 Version 1 knows participant, worker-died and time-limit only: there, "participant" may also be a closed window, a
 signal or a full disk.

@@ -33,6 +33,7 @@ def simulate_session(
     software: dict[str, str],
     participant: str = "simulated",
     source: Mapping[str, str] | None = None,
+    study: Mapping[str, str] | None = None,
 ) -> Path:
     """Play a session with a simulated participant, as fast as the machine can, and record it.
 
@@ -42,7 +43,8 @@ def simulate_session(
         target: the recording to write; must not exist.
         software: versions for the header.
         participant: code for the header.
-        source: where the session belongs, for the header.
+        source: where the credit rule comes from, for the header.
+        study: where the session belongs in a study, for the header.
     """
     clock = ManualClock()
     session = build_session(protocol, root_seed)
@@ -76,6 +78,7 @@ def simulate_session(
         software=software,
         departures=protocol.departures(),
         source=dict(source or {}),
+        study=dict(study or {}),
     )
     writer = LineWriter(target, header)
     for output in session.run(simulated, clock):

@@ -17,7 +17,8 @@ from core.combination.human_learner import HumanLearner
 from core.events import CreditGiven, KeyPressed, PressRetracted
 from core.feedback.credit import Delay, describe
 from core.numerics.streams import stream, stream_seed
-from core.recording.reader import Recording, read_recording
+from core.recording.joined import read_session
+from core.recording.reader import Recording
 from core.registry import game_of
 from core.session.protocol import Protocol
 from core.session.what_if import WatchedStep, relearn, replay_human_model, watched_steps
@@ -73,7 +74,7 @@ class WhatIfRow:
     """How many of the episodes before were watched."""
     weight: float
     """Weight w_h of the human's values that the scheme used where the agent was judged."""
-    share: float
+    handover: float
     """Probability of handing the choice to the human model there (control sharing), else 0."""
     shaping: float
     """Reward per unit of H there (reward shaping), else 0."""
@@ -189,7 +190,7 @@ def _with(protocol: Protocol, delay: Delay, scheme: str) -> Protocol:
 
 
 def _row(path: Path, protocol: Protocol, settings: WhatIfSettings) -> Judged:
-    recording = read_recording(path)
+    recording = read_session(path)
     steps = watched_steps(recording, protocol)
     imported = recording.header.origin == "imported"
     root_seed = settings.root_seed if imported else recording.header.root_seed
@@ -205,7 +206,7 @@ def _row(path: Path, protocol: Protocol, settings: WhatIfSettings) -> Judged:
         episode=judged.episode,
         watched=agent.so_far.watched,
         weight=judged.weights.w_h,
-        share=judged.weights.share,
+        handover=judged.weights.handover,
         shaping=judged.weights.shaping,
         held_out=held_out_log_loss(recording, protocol, steps),
         credited=account.credited / account.presses if account.presses else math.nan,

@@ -109,6 +109,36 @@ _to_worker = msgspec.msgpack.Decoder(ToWorker)
 _from_worker = msgspec.msgpack.Decoder(FromWorker, dec_hook=decode_open_table)
 
 
+class LinkError(ValueError):
+    """A message of the other process cannot be understood."""
+
+
+def from_worker(message: bytes) -> FromWorker:
+    """Return what the worker says.
+
+    Raises:
+        LinkError: it is no message of a worker.
+    """
+    try:
+        said: FromWorker = _from_worker.decode(message)
+    except (msgspec.DecodeError, ValueError, RecursionError) as error:
+        raise LinkError(str(error)) from error
+    return said
+
+
+def to_worker(message: bytes) -> ToWorker:
+    """Return what is said to the worker.
+
+    Raises:
+        LinkError: it is no message to a worker.
+    """
+    try:
+        said: ToWorker = _to_worker.decode(message)
+    except (msgspec.DecodeError, ValueError, RecursionError) as error:
+        raise LinkError(str(error)) from error
+    return said
+
+
 class Link(Protocol):
     """The screen's end, as the app sees it: a real one or a test's."""
 
@@ -189,8 +219,8 @@ class WorkerLink:
     def _read_all(self) -> None:
         try:
             while self._loop is not None and self._connection.poll():
-                self._on_message(_from_worker.decode(self._connection.recv_bytes()))
-        except msgspec.ValidationError as error:
+                self._on_message(from_worker(self._connection.recv_bytes()))
+        except LinkError as error:
             self.stop_listening()
             self._on_lost(f"The learner's process sent something that cannot be understood: {error}")
         except (EOFError, OSError):
@@ -227,6 +257,7 @@ class WorkerLine:
 
         Raises:
             EOFError: the screen's process has gone.
+            LinkError: it sent something that is no message.
         """
         messages: list[ToWorker] = []
         left_s = math.inf if timeout_s is None else timeout_s
@@ -236,5 +267,5 @@ class WorkerLine:
                 return messages
             self.send(Alive())
         while self._connection.poll(0.0):
-            messages.append(_to_worker.decode(self._connection.recv_bytes()))
+            messages.append(to_worker(self._connection.recv_bytes()))
         return messages

@@ -5,11 +5,11 @@ listener (the screens).
 """
 
 from collections import deque
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import count
 from typing import Literal, Protocol
 
-from arl_tui.app.frames import FrameLedger
 from arl_tui.app.link import (
     Alive,
     Begin,
@@ -22,12 +22,13 @@ from arl_tui.app.link import (
     Ready,
     TakenFor,
 )
+from arl_tui.app.tally import Tally
 from core.events import (
-    EpisodeEnded,
     EpisodeStarted,
     Event,
     FocusLost,
     FocusRegained,
+    FrameShown,
     Input,
     KeyPressed,
     Output,
@@ -39,11 +40,12 @@ from core.events import (
     StopAsked,
     StopReason,
     TimeGap,
-    UnseenPlayed,
     WrongPressAsked,
 )
-from core.feedback.keys import KeyConfig, PressGate
+from core.feedback.frames import FrameLedger
+from core.feedback.keys import KeyConfig, PressGate, WrongPressPlan
 from core.numerics.clock import NS_PER_S, Clock
+from core.recording.joined import latest_ns
 
 Cover = Literal["pause", "help", "quit-dialogue", "resize", "gap", "count-down"]
 Occurrence = Event | Picture | PressSuggested | Preparing | Ready | TakenFor
@@ -83,40 +85,6 @@ class Unconfirmed:
     since_ns: int
 
 
-@dataclass
-class Tally:
-    """What the summary at the end tells the participant."""
-
-    performances: list[float] = field(default_factory=list)
-    """Of the watched episodes."""
-    unseen: int = 0
-    """Episodes played out of sight."""
-    practised: list[float] = field(default_factory=list)
-    """Mean performance of each block of them."""
-    good: int = 0
-    bad: int = 0
-    taken_back: int = 0
-    trust: float = 0.0
-    """What the rule of trust says of the participant, after the last episode."""
-    weight: float | None = None
-    """Weight of the participant's judgement in the last watched game; None before the first."""
-    steps: int = 0
-
-
-def weight_in_use(episode: EpisodeStarted) -> float:
-    """Return the weight that the human has in an episode: in control sharing, the chance of a handover."""
-    return episode.share if episode.share > 0 else episode.weight
-
-
-def uniform_draws(root_seed: int) -> Iterator[float]:
-    """Yield the numbers in [0, 1) of the stream that says which presses are asked to be wrong."""
-    from core.numerics.streams import stream  # not at the top: the first picture need not wait for numpy
-
-    rng = stream(root_seed, "wrong-press")
-    while True:
-        yield float(rng.random())
-
-
 class LiveSession:
     """One session from the start key to the end line.
 
@@ -132,6 +100,7 @@ class LiveSession:
         clock: Clock,
         listener: Callable[[Occurrence], None],
         on_over: Callable[[str | None], None],
+        earlier: Sequence[Event] = (),
     ) -> None:
         """Prepare; nothing is recorded before `begin`.
 
@@ -142,9 +111,13 @@ class LiveSession:
             clock: the clock of key and flush times.
             listener: told of everything that happens, in order.
             on_over: called once when nothing more will happen; with the reason if the worker failed.
+            earlier: what the session had done before it broke off, up to its last finished game.
         """
-        self.gate = PressGate(keys)
+        presses = [event.press for event in earlier if isinstance(event, KeyPressed)]
+        self.gate = PressGate(keys, numbers=count(max(presses, default=-1) + 1))
         self.tally = Tally()
+        self.stop_reason: StopReason | None = None
+        """Why the session was asked to end; None while it was not."""
         self.phase: Literal["waiting", "running", "stopping", "over"] = "waiting"
         self.ready = False
         self.take_stamps: Callable[[], list[tuple[int, int]]] = list
@@ -152,16 +125,15 @@ class LiveSession:
         self.find_gap: Callable[[], TimeGap | None] = lambda: None
         """Returns a gap in time that has just ended (`arl_tui.app.gaps`); set by the app, asked before all that comes in."""
         self._has_focus = True
-        self._frames = FrameLedger()
+        frames = [event.frame for event in earlier if isinstance(event, FrameShown)]
+        self._frames = FrameLedger(first=max(frames, default=-1) + 1)
         self._link = link
         self._clock = clock
         self._listener = listener
         self._on_over = on_over
         self._sink: EventSink | None = None
         self._accepted: dict[int, float] = {}
-        self._root_seed = root_seed
-        self._draws: Iterator[float] | None = None
-        self._wrong_next = self._draw_wrong()
+        self._wrong_presses = WrongPressPlan(keys.wrong_press_rate, root_seed)
         self._worker_error: str | None = None
         self._unconfirmed: deque[Unconfirmed] = deque()
         self._taken: dict[int, TakenFor] = {}
@@ -170,6 +142,9 @@ class LiveSession:
         self._heard_ns = clock.now_ns()
         self.presses_left = self.gate.presses_left
         """Presses that are left of the budget, as far as presses have been confirmed."""
+        self._ended_before_ns = latest_ns(earlier) if earlier else None
+        """When the session broke off; None where it has just begun."""
+        self._take_up(earlier)
 
     # --- from the screens ---------------------------------------------------------------------------------------
 
@@ -180,8 +155,31 @@ class LiveSession:
             self.phase = "running"
             self._heard_ns = self._clock.now_ns()
             self._link.send(Begin())
+            self._mark_joint()
             if not self._has_focus:
                 self._enter(FocusLost(time_ns=self._clock.now_ns()))
+
+    def _take_up(self, earlier: Sequence[Event]) -> None:
+        """Count what had been done before the session broke off, and draw the same wrong presses again."""
+        for event in earlier:
+            match event:
+                case KeyPressed() | PressRetracted():
+                    self._count(event)
+                    if isinstance(event, KeyPressed) and event.verdict == "accepted":
+                        self.gate.wrong_asked = False
+                case WrongPressAsked():
+                    self._wrong_presses.asked(self.gate)
+                case _:
+                    if isinstance(event, Output):
+                        self.tally.note(event)
+
+    def _mark_joint(self) -> None:
+        """Record where a session goes on: no press is credited to what was on screen before it broke off."""
+        if self._ended_before_ns is not None:
+            assert self._sink is not None, "the session has begun"
+            joint = TimeGap(last_ns=self._ended_before_ns, time_ns=self._clock.now_ns(), joint=True)
+            self._sink.record(joint)
+            self._link.send(joint)  # not to the screens: the participant has not been interrupted now
 
     def press(
         self, key: str, time_ns: int, *, source: Literal["participant", "simulated"] = "participant"
@@ -290,6 +288,7 @@ class LiveSession:
         if self.phase == "running":
             self.collect_frames()
             self.phase = "stopping"
+            self.stop_reason = reason
             self._enter(StopAsked(time_ns=self._clock.now_ns(), reason=reason))
 
     def give_up(self, reason: str) -> None:
@@ -337,31 +336,20 @@ class LiveSession:
         # What was flushed before this message arrived comes before it in the file.
         self.collect_frames()
         self._sink.record(output)
-        match output:
-            case EpisodeStarted():
-                self.gate.episode_started()
-                self._episodes_begun += 1
-                self.presses_left = self.gate.presses_left
-                self.tally.weight = weight_in_use(output)
-            case StepTaken():
-                self.tally.steps += 1
-                self._ask_wrong_press(output.step)
-            case EpisodeEnded():
-                self.tally.performances.append(output.performance)
-                self.tally.trust = output.trust
-            case UnseenPlayed():
-                self.tally.unseen += len(output.policies)
-                self.tally.practised.append(sum(output.performances) / len(output.performances))
-                self.tally.trust = output.trust
+        self.tally.note(output)
+        if isinstance(output, EpisodeStarted):
+            self.gate.episode_started()
+            self._episodes_begun += 1
+            self.presses_left = self.gate.presses_left
+        elif isinstance(output, StepTaken):
+            self._ask_wrong_press(output.step)
         self._listener(output)
         if isinstance(output, SessionEnded):
             self.phase = "over"
             self._on_over(None)
 
     def _ask_wrong_press(self, step: int) -> None:
-        if self._wrong_next and not self.gate.wrong_asked and self.gate.presses_left > 0:
-            self._wrong_next = False
-            self.gate.wrong_asked = True
+        if self._wrong_presses.due(self.gate):
             self._enter(WrongPressAsked(time_ns=self._clock.now_ns(), step=step))
 
     # --- both ---------------------------------------------------------------------------------------------------
@@ -373,7 +361,7 @@ class LiveSession:
             change = -1
         elif record.verdict == "accepted" and record.value is not None:
             value = self._accepted[record.press] = record.value
-            self._wrong_next = self._draw_wrong()
+            self._wrong_presses.accepted()
             change = 1
         else:
             return
@@ -381,14 +369,6 @@ class LiveSession:
             self.tally.good += change
         else:
             self.tally.bad += change
-
-    def _draw_wrong(self) -> bool:
-        rate = self.gate.config.wrong_press_rate
-        if rate == 0.0:
-            return False
-        if self._draws is None:
-            self._draws = uniform_draws(self._root_seed)
-        return next(self._draws) < rate
 
     def _enter(self, event: Input) -> None:
         """Record an input, send it to the worker, tell the screens: of a press only when it is in the file."""

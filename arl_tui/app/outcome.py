@@ -4,8 +4,8 @@ from abc import abstractmethod
 from dataclasses import dataclass
 from pathlib import Path
 
-from arl_tui.app.live_session import Tally
 from arl_tui.app.plain_app import PlainApp
+from arl_tui.app.tally import Tally
 from core.events import StopReason
 from core.recording.recorder import Kept
 
@@ -23,6 +23,8 @@ class Outcome:
     """How much of the session is in the file, and how much of that the disk has confirmed."""
     warning: str = ""
     """What the experimenter is told of the pace, if presses often miss their step."""
+    stopped: StopReason | None = None
+    """Why the session was asked to end before its last game; None where it was not."""
 
 
 class SessionControls(PlainApp[Outcome]):

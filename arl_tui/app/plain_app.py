@@ -7,7 +7,7 @@ import asyncio
 import os
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, NoReturn, TypeVar
 
@@ -44,6 +44,8 @@ class PlainApp(App[Result], inherit_bindings=False):
         """The signal that has ended this app; SIGHUP also where the terminal was found to be gone."""
         self._guard = TerminalGuard()
         self._event_loop: asyncio.AbstractEventLoop | None = None
+        self.before_leaving: Callable[[], None] = lambda: None
+        """Called before the process ends because the terminal is gone: the last chance to write something."""
 
     # --- life and its end ---------------------------------------------------------------------------------------
 
@@ -102,8 +104,11 @@ class PlainApp(App[Result], inherit_bindings=False):
 
     def leave_at_once(self) -> NoReturn:
         """End this process now; the guard restores what there is of the terminal."""
-        self._guard.tell(QUIET)
-        os._exit(128 + (self.ended_by or signal.SIGTERM))
+        try:
+            self.before_leaving()
+        finally:
+            self._guard.tell(QUIET)
+            os._exit(128 + (self.ended_by or signal.SIGTERM))
 
     # --- size ---------------------------------------------------------------------------------------------------
 

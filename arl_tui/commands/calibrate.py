@@ -6,11 +6,11 @@ import shlex
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import click
 
-from arl_tui.command_line import FILE, pseudonym, recordings_option, seed_option
+from arl_tui.command_line import say
 from arl_tui.commands.play import need_terminal, read_protocol
 from arl_tui.drawing_rate import FRAMES_PER_S
 from arl_tui.recordings import CALIBRATION_FOLDER
@@ -26,67 +26,6 @@ HINDRANCES = {
     "tmux": "a terminal multiplexer (tmux)",
     "screen": "a terminal multiplexer (screen)",
 }
-
-
-@click.command(short_help="Measure how long a participant takes to react and to judge.")
-@click.option("--participant", callback=pseudonym, required=True, help="Code of the participant.")
-@click.option(
-    "--tasks",
-    default="simple,choice,feedback-lag",
-    show_default=True,
-    metavar="LIST",
-    help="Which: simple, choice, go-no-go, memory-search, visual-search, recognition, feedback-lag.",
-)
-@click.option("--trials", type=click.IntRange(1), help="Scored trials per task; 40 by default.")
-@click.option("--practice", type=click.IntRange(0), help="Practice trials per task; 8 by default.")
-@seed_option
-@recordings_option(to_write=True)
-@click.option("--dry-run", is_flag=True, help="Print every trial as it would be run, and stop.")
-@click.option(
-    "--game",
-    type=click.Choice(["tetris", "keepaway"]),
-    default="tetris",
-    show_default=True,
-    help="Which game is watched and judged in feedback-lag.",
-)
-@click.option(
-    "--protocol",
-    type=FILE,
-    help="TOML file of the sessions to come: feedback-lag shows its game at its pace.",
-)
-@click.option(
-    "--refit",
-    is_flag=True,
-    help="Measure nothing: fit the newest finished trials again, pooled with everybody there is by now.",
-)
-def calibrate(
-    participant: str,
-    tasks: str,
-    trials: int | None,
-    practice: int | None,
-    seed: int | None,
-    recordings: Path,
-    dry_run: bool,
-    game: Literal["tetris", "keepaway"],
-    protocol: Path | None,
-    refit: bool,
-) -> None:
-    """Measure how long a participant takes to react, and to judge what the agent does.
-
-    The delay of judging (feedback-lag) is the one by which `arl play --credit participant` assigns credit.
-    """
-    run_calibration(
-        participant,
-        tasks=tasks,
-        seed=seed,
-        trials=trials,
-        practice=practice,
-        recordings=recordings,
-        dry_run=dry_run,
-        refit=refit,
-        game=game,
-        protocol=protocol,
-    )
 
 
 def run_calibration(
@@ -125,7 +64,7 @@ def run_calibration(
     if dry_run:
         from studies.reaction_time.schedule import describe
 
-        click.echo("\n".join(describe(part.schedule) for part in new_parts(setup)), nl=False)
+        say("\n".join(describe(part.schedule) for part in new_parts(setup)), nl=False)
         return
     refuse_where_times_mean_nothing()
     need_terminal("arl calibrate", instead="arl calibrate --dry-run")
@@ -181,10 +120,10 @@ def check_files(recordings: Path, participant: str) -> None:
 def tell(outcome: "Outcome") -> None:
     """Print where everything is, and the results; leave with status 1 where something failed."""
     for path in outcome.files:
-        click.echo(f"Trials: {path}")
+        say(f"Trials: {path}")
     tell_fit(outcome.fitted)
     if outcome.files and not outcome.finished and outcome.trouble is None:
-        click.echo("Not finished: run the same command within 12 hours to go on.")
+        say("Not finished: run the same command within 12 hours to go on.")
     if outcome.trouble is not None:
         raise click.ClickException(outcome.trouble)
 
@@ -218,16 +157,16 @@ def tell_fit(fitted: "Fitted") -> None:
     """Print each task's delay, and why there is none."""
     for delay in fitted.delays:
         mean = delay.mean_s
-        click.echo(
+        say(
             f"{delay.key}: mean {mean.estimate:.3f} s (95 %: {mean.low:.3f} to {mean.high:.3f} s), "
             f"{delay.n_observed} responses, {delay.family}"
         )
         for warning in delay.warnings:
-            click.echo(f"  beware: {warning}")
+            say(f"  beware: {warning}")
         if delay.pooled is not None:
             mean_s = delay.pooled.offset_s + delay.pooled.shape * delay.pooled.scale_s
-            click.echo(f"  pooled with {delay.pooled_people - 1} others: mean {mean_s:.3f} s")
+            say(f"  pooled with {delay.pooled_people - 1} others: mean {mean_s:.3f} s")
     for task, reason in fitted.failures.items():
-        click.echo(f"{task}: no fit: {reason}")
+        say(f"{task}: no fit: {reason}")
     if fitted.kept_in:
-        click.echo(f"Delays: {fitted.kept_in}")
+        say(f"Delays: {fitted.kept_in}")

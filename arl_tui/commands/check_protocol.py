@@ -5,9 +5,9 @@ import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-import click
 import msgspec
 
+from arl_tui.command_line import say
 from arl_tui.commands.credit import credit_lines
 from core.configuration.reading import printable
 from core.feedback.delays import GammaDelay, describe
@@ -25,7 +25,7 @@ ENOUGH = 0.70
 
 def check_protocol(path: Path, protocol: Protocol) -> None:
     """Print what a session of a protocol file will do; compiled code is loaded for the last lines."""
-    click.echo(f"{printable(str(path))}: can be used.")
+    say(f"{printable(str(path))}: can be used.")
     topics = plan(protocol)
     topics["Compiled"] = _compiled(protocol)  # before anything is
     topics["Reach"] = _reach(protocol)
@@ -39,7 +39,7 @@ def tell_start(protocol: Protocol, source: Mapping[str, str], recordings: Path, 
     Neither the protocol's name nor the weight of the participant is in it: the participant may see this page.
     """
     topics = plan(protocol)
-    click.echo(f"Session of {participant}:")
+    say(f"Session of {participant}:")
     credit = "; ".join(credit_lines(source, recordings, participant, protocol.game))
     _tell([*((topic, topics[topic]) for topic in ("Games", "Presses", "Time")), ("Credit", credit)])
     _tell([("Beware", f"{sentence}.") for sentence in notes(protocol)])
@@ -50,7 +50,7 @@ def _tell(topics: Sequence[tuple[str, str]]) -> None:
     width = max(40, min(shutil.get_terminal_size().columns, WIDEST))
     for topic, text in topics:
         indent = " " * (INDENT + 2)
-        click.echo(
+        say(
             textwrap.fill(
                 f"  {topic:{INDENT - 2}}  {text}", width, subsequent_indent=indent, break_on_hyphens=False
             )
@@ -82,12 +82,8 @@ def _reach(protocol: Protocol) -> str:
 
 
 def _compiled(protocol: Protocol) -> str:
-    import os
+    from arl_tui.app.compile_order import is_compiled, session_order
 
-    import core.numerics.compiled  # noqa: F401 - sets the cache folder
-
-    folder = Path(os.environ["NUMBA_CACHE_DIR"])
-    kept = sum(1 for _ in folder.rglob("*.nbc"))
-    if kept:
-        return f"the kernels of {protocol.game}; {kept} compiled parts of the program are kept in {folder}"
+    if is_compiled(session_order(protocol)):
+        return f"the kernels of {protocol.game}, already"
     return f"the kernels of {protocol.game}, at the first start: a minute or two"

@@ -7,6 +7,7 @@ from typing import assert_never
 import click
 import msgspec
 
+from arl_tui.command_line import say
 from arl_tui.participants import (
     CHOICES,
     MEASURED,
@@ -38,7 +39,7 @@ def credit_of(text: str, recordings: Path, participant: str, game: str) -> Credi
     if reason:
         raise click.BadParameter(reason, param_hint="--credit")
     for warning in choice.warnings:
-        click.echo(f"Credit of {participant}: beware: {warning}", err=True)
+        say(f"Credit of {participant}: beware: {warning}", err=True)
     return choice
 
 
@@ -139,6 +140,6 @@ def what_if_delays(texts: Sequence[str], recording: Recording, protocol: Protoco
             choice = _choice_of(protocol, text, home_of(recording.path), recording.header.participant)
         words = "; ".join(f"{name.removeprefix('credit_')} {value}" for name, value in choice.source.items())
         if text in CHOICES:
-            click.echo(f"Credit: {words}")
+            say(f"Credit: {words}")
         found[choice.delay] = words
     return found

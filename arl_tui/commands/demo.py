@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from arl_tui.app import facts
-from arl_tui.command_line import GAMES, recordings_option, seed_option
+from arl_tui.command_line import say
 from arl_tui.commands.exact import read_or_stop, run_again
 from arl_tui.commands.play import run_live
 from arl_tui.games.registry import screens_called, words_of
@@ -21,38 +21,20 @@ from core.session.protocol import Protocol
 PARTICIPANT = "demo"
 
 
-@click.command(short_help="See the whole path in a minute: watch, press, record, replay.")
-@click.argument("game", type=GAMES, default="tetris")
-@click.option(
-    "--person",
-    metavar="NAME",
-    help="Who presses: expert (the default), lay, myopic, hesitant, noisy, useless, adversary, instructed, bursty, hasty, "
-    "slow, tiring or leaves.",
-)
-@seed_option
-@recordings_option(to_write=True)
-def demo(game: str, person: str | None, seed: int | None, recordings: Path) -> None:
-    """Show the whole path in about a minute: watch, press, record, replay, summary.
-
-    A simulated participant presses keys; you may press, too. Without a terminal the same happens unseen.
-    """
-    run_demo(game, somebody=person, seed=seed, recordings=recordings)
-
-
-def demo_protocol(game: str, somebody: TrainerConfig | None = None) -> Protocol:
+def demo_protocol(game: str, participant: TrainerConfig | None = None) -> Protocol:
     """Return a session of about a minute with a participant who presses often; faster than real ones.
 
     Args:
         game: its name.
-        somebody: who presses; by default whoever the game's own protocol has.
+        participant: who presses; by default whoever the game's own protocol has.
     """
-    return screens_called(game).demo(somebody)
+    return screens_called(game).demo(participant)
 
 
-def run_demo(game: str, *, somebody: str | None, seed: int | None, recordings: Path) -> None:
+def run_demo(game: str, *, person_name: str | None, seed: int | None, recordings: Path) -> None:
     """Show the whole path; in a terminal on screen, elsewhere as fast as the machine can."""
     try:
-        protocol = demo_protocol(game, person(somebody) if somebody else None)
+        protocol = demo_protocol(game, person(person_name) if person_name else None)
     except ValueError as error:
         raise click.BadParameter(str(error), param_hint="--person") from error
     root_seed = secrets.randbits(63) if seed is None else seed
@@ -68,14 +50,14 @@ def run_demo(game: str, *, somebody: str | None, seed: int | None, recordings: P
     else:
         from studies.demo import simulate_session
 
-        click.echo(f"Playing {protocol.session.episodes} games of {game} with a simulated participant ...")
+        say(f"Playing {protocol.session.episodes} games of {game} with a simulated participant ...")
         software = facts.software()
 
         def create(new: Path) -> Path:
             return simulate_session(protocol, root_seed, new, software=software)
 
         path = create_new(recordings, PARTICIPANT, wall_time_utc(), create)
-    click.echo(f"Recording: {path}")
+    say(f"Recording: {path}")
     recording = read_or_stop(path, allow_truncated=True)
     run_again(recording)
     tell_summary(path)
@@ -89,20 +71,20 @@ def tell_summary(path: Path) -> None:
     words = words_of(summary.game)
     performances = ", ".join(f"{value:.4g}" for value in summary.performances)
     unseen = ", ".join(f"{value:.1f}" for value in summary.unseen_means)
-    click.echo(
+    say(
         f"Games watched: {summary.episodes}; {words.performance[0].lower()}{words.performance[1:]}: {performances}"
     )
-    click.echo(
+    say(
         f"Games practised unseen: {summary.unseen_episodes}; {words.units[1]} per game in each block: {unseen or '-'}"
     )
-    click.echo(
+    say(
         f"Presses that counted: {summary.accepted}, {summary.praised} of them praise; other keys and presses: "
         f"{summary.other_presses}"
     )
-    click.echo(
+    say(
         f"Weight of the human in the last game: {summary.weight:.2f}; trust in the human after it: {summary.trust:.2f}"
     )
-    click.echo(
+    say(
         f"What would another credit rule have learned? arl replay {shlex.quote(str(path))} --credit previous "
         "--credit gamma"
     )

@@ -1,5 +1,6 @@
 """Running a recording again: shared by `arl replay` and `arl demo`."""
 
+import sys
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -7,8 +8,10 @@ import click
 import msgspec
 
 from arl_tui.app import facts
+from arl_tui.command_line import say
 from core.events import SessionEnded
-from core.recording.reader import Recording, RecordingError, read_recording
+from core.recording.joined import read_session
+from core.recording.reader import Recording, RecordingError
 from core.recording.summary import summarise_recording
 from core.session.protocol import Protocol
 from core.session.protocol_reading import protocol_from
@@ -16,16 +19,20 @@ from core.system.foreign_text import printable
 
 GETTING_READY = "Getting ready; the first time this takes a minute or two ..."
 """Said where everything may have to be compiled first."""
+WORTH_A_BAR = 20_000
+"""Outputs from which on a replay shows how far it is."""
 
 
 def read_or_stop(path: Path, *, allow_truncated: bool) -> Recording:
-    """Read a recording and say what is unusual about its file; stop where it cannot be read."""
+    """Read a session and say what is unusual about its files; stop where they cannot be read."""
     try:
-        recording = read_recording(path, allow_truncated=allow_truncated)
+        recording = read_session(path, allow_truncated=allow_truncated)
     except (RecordingError, OSError) as error:
         raise click.ClickException(printable(str(error), longest=None)) from error
     for note in recording.notes:
-        click.echo(f"Beware: {printable(note, longest=None)}", err=True)
+        say(f"Beware: {printable(note, longest=None)}", err=True)
+    for older in recording.older:
+        say(f"Goes on with {printable(str(older), longest=None)}: both are taken as one session.", err=True)
     return recording
 
 
@@ -59,8 +66,18 @@ def run_again(recording: Recording) -> None:
 
     need_outputs(recording)
     session = build_session(protocol_of(recording), recording.header.root_seed)
+    n_outputs = len(recording.outputs)
+    # A session of some minutes is replayed at once.
+    bar = click.progressbar(
+        length=n_outputs,
+        label="Replaying",
+        file=sys.stderr,
+        hidden=n_outputs < WORTH_A_BAR,
+        update_min_steps=1000,
+    )
     try:
-        result = replay_exactly(recording, session)
+        with bar:
+            result = replay_exactly(recording, session, on_progress=bar.update)
     except RecordingError as error:
         raise click.ClickException(str(error)) from error
     if result.difference is not None:
@@ -69,11 +86,11 @@ def run_again(recording: Recording) -> None:
             f"{why_different(recording.header.software)}"
         )
     whole = isinstance(recording.outputs[-1], SessionEnded)
-    click.echo(
+    say(
         f"Replay: exact ({result.outputs} outputs equal"
         + (", the weights bit for bit)" if whole else "; the recording ends there, before the session's end)")
     )
-    click.echo(f"Session: {printable(summarise_recording(recording).words)}")
+    say(f"Session: {printable(summarise_recording(recording).words)}")
 
 
 def why_different(software: Mapping[str, str]) -> str:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Self
 
 import click
 
-from arl_tui.command_line import ToWrite
+from arl_tui.command_line import ToWrite, say
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -84,13 +84,14 @@ def run(
                 only=only,
                 software=facts.software(),
                 on_progress=progress.show,
+                on_damaged=lambda path, reason: say(f"Damaged, played again: {path}: {reason}", err=True),
             )
     except (SweepError, ValueError) as error:
         raise click.ClickException(str(error)) from error
     following = ["arl", "experiment", "report", name, "--out", str(out)]
     following += ["--quick"] if quick else []
     following += [word for condition in only for word in ("--only", condition)]
-    click.echo(f"{len(files)} trials in {folder}. Next: {shlex.join(following)}")
+    say(f"{len(files)} trials in {folder}. Next: {shlex.join(following)}")
 
 
 @experiment.command()
@@ -132,10 +133,10 @@ def report(name: str, out: Path, quick: bool, into: Path | None, only: tuple[str
     except SweepError as error:
         raise click.ClickException(str(error)) from error
     for path in written:
-        click.echo(str(path))
+        say(str(path))
     few = few_trials_note(len(results.seeds))
     if few is not None:
-        click.echo(few, err=True)
+        say(few, err=True)
 
 
 def _loaded(name: str) -> "Experiment":
@@ -197,6 +198,6 @@ class _Progress:
         if self._first_done is None:
             self._first_done = done
             if done:
-                click.echo(f"{done} of {planned} trials are there already")
+                say(f"{done} of {planned} trials are there already")
         # Those of an earlier run took no time now: they would spoil the estimate.
         self._progress.update(self._task, completed=done - self._first_done, total=planned - self._first_done)

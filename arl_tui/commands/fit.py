@@ -221,7 +221,7 @@ def fit_files(files: Sequence[Path], request: Request) -> None:
         write_report(
             request.out, task=task, files=names, rows=rows, samples=samples, selection=selection, group=group
         )
-        click.echo(f"Report: {request.out}", err=True)
+        say(f"Report: {request.out}", err=True)
 
 
 def fit_with_bar(samples: "Mapping[str, Sample]", request: Request) -> "GroupFit":
@@ -261,14 +261,14 @@ def show(group: "GroupFit", samples: "Mapping[str, Sample]", request: Request) -
     people = list(group.participants.values())
     if len(people) <= IN_FULL:
         for one in people:
-            click.echo()
+            say()
             say("\n".join(participant_lines(one, samples[one.participant])))
     else:
-        click.echo()
+        say()
         say("\n".join(group_lines(group)))
         say(f"One participant in full, with plots: --only {shlex.quote(people[0].participant)}")
     if request.pooled:
-        click.echo()
+        say()
         say("\n".join(pooled_lines(group)))
 
 
@@ -276,13 +276,15 @@ def write(result: "Result", samples: "Mapping[str, Sample]", request: Request) -
     """Write the files that were asked for, and say so."""
     import msgspec
 
+    from core.system.foreign_text import printable_json
+
     if request.json_path is not None:
         text = msgspec.json.format(msgspec.json.encode(result), indent=1).decode()
         if request.json_path == "-":
-            click.echo(text)
+            say(printable_json(text))
         else:
             Path(request.json_path).write_text(text, encoding="utf-8")
-            click.echo(f"JSON: {request.json_path}", err=True)
+            say(f"JSON: {request.json_path}", err=True)
     if request.figure is not None:
         from arl_tui.commands.fit_figure import draw_fit
 
@@ -290,9 +292,9 @@ def write(result: "Result", samples: "Mapping[str, Sample]", request: Request) -
             draw_fit(result.group, samples, request.figure)
         except ValueError as error:
             raise click.BadParameter(str(error), param_hint="--figure") from error
-        click.echo(f"Figure: {request.figure}", err=True)
+        say(f"Figure: {request.figure}", err=True)
     if request.html is not None:
         from studies.reaction_time.report import html_report
 
         request.html.write_text(html_report(result, samples), encoding="utf-8")
-        click.echo(f"Page: {request.html}", err=True)
+        say(f"Page: {request.html}", err=True)

@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from core.system.foreign_text import in_plot
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
@@ -70,7 +72,9 @@ def means_figure(group: "GroupFit") -> "Figure":
             color="#d55e00",
             label="pooled mean",
         )
-    axes.set_yticks(list(rows) if named else [], [one.participant for one in people] if named else [])
+    axes.set_yticks(
+        list(rows) if named else [], [in_plot(one.participant) for one in people] if named else []
+    )
     axes.set_xlim(left=0.0)
     axes.set_xlabel("reaction time (s), shifted gamma")
     axes.set_ylabel(f"{len(people)} participants")

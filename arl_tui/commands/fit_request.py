@@ -6,10 +6,13 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
+from arl_tui.command_line import say
 from core.system.foreign_text import printable_lines
 
 if TYPE_CHECKING:
     from studies.reaction_time.tables.contract import Unit
+
+__all__ = ["FAULTS", "InputError", "Request", "say"]
 
 FAULTS = ("negative", "absurd")
 """Verdicts that no participant can cause."""
@@ -23,11 +26,6 @@ class InputError(click.ClickException):
     def format_message(self) -> str:
         """Return the message without anything from a file that a terminal would obey."""
         return printable_lines(self.message)
-
-
-def say(text: str, *, err: bool = False) -> None:
-    """Print text that may hold names from files."""
-    click.echo(printable_lines(text), err=err)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,57 +4,23 @@ import gc
 import os
 import secrets
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 import msgspec
 
-from arl_tui.command_line import GAMES, protocol_option, pseudonym, recordings_option, seed_option
+from arl_tui.command_line import say
 from arl_tui.drawing_rate import FRAMES_PER_S
+from arl_tui.signing import NoKey, signer_in_use
 from core.session.protocol import Protocol
 from core.session.protocol_reading import load_protocol
 
 if TYPE_CHECKING:
     from arl_tui.app.outcome import Outcome
-
-
-@click.command(short_help="Watch an agent learn a game and judge it by key presses.")
-@click.argument("game", type=GAMES, default="tetris")
-@protocol_option
-@click.option(
-    "--participant", callback=pseudonym, default="P00", show_default=True, help="Code of the participant."
-)
-@seed_option
-@click.option("--episodes", type=click.IntRange(1), help="How many games are watched.")
-@click.option(
-    "--credit",
-    metavar="RULE",
-    help="How presses are shared out among steps: the participant's own delay (participant, feedback-lag, simple, "
-    "pooled; see `arl calibrate`), paper, or a rule as in `arl replay`. By default the protocol's choice (delay_of), the "
-    "same for every participant; without a file that is a rule: previous in Tetris, gamma:2.5,0.3 in Keepaway.",
-)
-@recordings_option(to_write=True)
-def play(
-    game: str,
-    protocol: Path | None,
-    participant: str,
-    seed: int | None,
-    episodes: int | None,
-    credit: str | None,
-    recordings: Path,
-) -> None:
-    """Watch an agent learn GAME, and tell it by key presses what you think of it."""
-    play_session(
-        game,
-        protocol=protocol,
-        participant=participant,
-        seed=seed,
-        episodes=episodes,
-        recordings=recordings,
-        credit=credit,
-    )
+    from arl_tui.session_app import ArlApp
+    from core.recording.joined import FinishedPart
 
 
 def play_session(
@@ -124,8 +90,63 @@ def run_live(
     recordings: Path,
     simulated: bool = False,
     source: Mapping[str, str] | None = None,
+    study: Mapping[str, str] | None = None,
+    kept: "FinishedPart | None" = None,
 ) -> "Outcome":
-    """Start the worker, then the app; return what is left when both are gone."""
+    """Start the worker, then the app; return what is left when both are gone.
+
+    The arguments are those of `live_app`.
+    """
+    app, outcome = live_app(
+        protocol,
+        participant=participant,
+        seed=seed,
+        recordings=recordings,
+        simulated=simulated,
+        source=source,
+        study=study,
+        kept=kept,
+    )
+    if app.ended_by is not None:
+        if outcome is not None and outcome.recording is not None:
+            say(f"Recording: {outcome.recording}")
+        raise SystemExit(128 + app.ended_by)
+    if outcome is None:
+        raise click.ClickException("the app ended without a result; see the message above")
+    return outcome
+
+
+def live_app(
+    protocol: Protocol,
+    *,
+    participant: str,
+    seed: int | None,
+    recordings: Path,
+    simulated: bool = False,
+    source: Mapping[str, str] | None = None,
+    study: Mapping[str, str] | None = None,
+    kept: "FinishedPart | None" = None,
+    practice: bool = False,
+    on_gone: Callable[[], None] = lambda: None,
+) -> "tuple[ArlApp, Outcome | None]":
+    """Start the worker, then the app; return the app and its result when both are gone.
+
+    Args:
+        protocol: what is played, its credit rule in numbers.
+        participant: pseudonym.
+        seed: root seed; a new one by default.
+        recordings: folder of the new recording.
+        simulated: a simulated participant presses keys, too.
+        source: where the credit rule comes from, for the header.
+        study: where the session belongs in a study, for the header.
+        kept: what the session had done before it broke off; None where it begins.
+        practice: nothing counts.
+        on_gone: called where the window is closed and this process is about to end.
+    """
+    try:
+        signer_in_use()
+    except NoKey as error:
+        raise click.ClickException(str(error)) from error
     os.environ.setdefault("TEXTUAL_FPS", FRAMES_PER_S)
     root_seed = secrets.randbits(63) if seed is None else seed
     gc.disable()  # start-up leaves nothing to collect; `GarbageControl` takes over with the app
@@ -134,7 +155,7 @@ def run_live(
 
     # Before the app runs, because no process can be started from inside it; but after everything is imported: on two
     # hardware threads of one core a worker that compiles slows the first picture down by a third.
-    link = start_worker(protocol, root_seed, simulated=simulated)
+    link = start_worker(protocol, root_seed, simulated=simulated, kept=kept)
     try:
         setup = SessionSetup(
             protocol=protocol,
@@ -143,25 +164,22 @@ def run_live(
             recordings=recordings,
             simulated=simulated,
             source=source or {},
+            study=study or {},
+            kept=kept,
+            practice=practice,
         )
         app = build_app(setup, link)
-        outcome = app.run_in_terminal()
+        app.before_leaving = on_gone
+        return app, app.run_in_terminal()
     finally:
         link.close()
-    if app.ended_by is not None:
-        if outcome is not None and outcome.recording is not None:
-            click.echo(f"Recording: {outcome.recording}")
-        raise SystemExit(128 + app.ended_by)
-    if outcome is None:
-        raise click.ClickException("the app ended without a result; see the message above")
-    return outcome
 
 
 def tell(outcome: "Outcome") -> None:
     """Print where the recording is; leave with status 1 where something failed."""
     if outcome.recording is not None:
-        click.echo(f"Recording: {outcome.recording}")
+        say(f"Recording: {outcome.recording}")
     if outcome.warning:
-        click.echo(f"Beware: {outcome.warning}", err=True)
+        say(f"Beware: {outcome.warning}", err=True)
     if outcome.trouble is not None:
         raise click.ClickException(outcome.trouble)

@@ -3,19 +3,9 @@
 import os
 import secrets
 
-import click
-
-from arl_tui.command_line import seed_option
+from arl_tui.command_line import say
 from arl_tui.commands.play import need_terminal
 from arl_tui.drawing_rate import FRAMES_PER_S
-
-
-@click.command(short_help="Play Tetris yourself with the agent's own four moves.")
-@click.argument("game", type=click.Choice(["tetris"]), default="tetris")
-@seed_option
-def practice(game: str, seed: int | None) -> None:
-    """Play GAME yourself, with the agent's own four moves."""
-    practise(game, seed=seed)
 
 
 def practise(game: str, *, seed: int | None) -> None:
@@ -29,4 +19,4 @@ def practise(game: str, *, seed: int | None) -> None:
     if app.ended_by is not None:
         raise SystemExit(128 + app.ended_by)
     if lines is not None:
-        click.echo(f"Your last game: {lines} {'line' if lines == 1 else 'lines'}")
+        say(f"Your last game: {lines} {'line' if lines == 1 else 'lines'}")

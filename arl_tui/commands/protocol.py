@@ -6,9 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import click
 import msgspec
 
+from arl_tui.command_line import say
 from arl_tui.commands.play import read_protocol
 from core.configuration.catalogue import TAG, Kind, Setting, Struct, settings_of, table_docs, tag_of
 from core.session.effects import MODES, idle, uses_of
@@ -20,7 +20,7 @@ WIDE = 100
 
 def print_protocol(game: str | None, path: Path | None) -> None:
     """Print a protocol (a game's default, or a file's) with every setting and what it means, as TOML."""
-    click.echo("\n".join(protocol_lines(read_protocol(path, game))))
+    say("\n".join(protocol_lines(read_protocol(path, game))))
 
 
 def protocol_lines(protocol: Protocol) -> Iterator[str]:

@@ -3,9 +3,9 @@
 import dataclasses
 from collections.abc import Iterator
 
-import click
 import msgspec
 
+from arl_tui.command_line import say
 from arl_tui.commands.protocol import toml_value
 from core.configuration.catalogue import TAG, Kind, Setting, Struct, settings_of, table_docs, tables_of
 from core.session.effects import uses
@@ -28,7 +28,7 @@ The wider range holds for headers of recordings: what was once run can always be
 
 def print_page() -> None:
     """Print the page."""
-    click.echo(page(), nl=False)
+    say(page(), nl=False)
 
 
 def page() -> str:

@@ -2,16 +2,18 @@
 
 import csv
 import shlex
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 import click
 import msgspec
 
-from arl_tui.command_line import ToWrite, recordings_option
+from arl_tui.command_line import say
 from arl_tui.home import elsewhere, recordings_folder, why_here
 from arl_tui.recordings import CALIBRATION_FOLDER, all_recordings
-from core.recording.reader import Recording, RecordingError, read_recording
+from core.recording.joined import joined
+from core.recording.reader import Recording, RecordingError
+from core.recording.skim import skim_recording
 from core.recording.summary import RecordingSummary, summarise_recording
 from core.system.foreign_text import printable
 
@@ -29,6 +31,8 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
     """Why it is damaged."""
     notes: str = ""
     """What is unusual about a sound file, separated by "; "."""
+    goes_on_with: str = ""
+    """Older recordings that are part of the session, separated by "; ": they have no line of their own."""
     participant: str = ""
     origin: str = ""
     created_utc: str = ""
@@ -51,44 +55,24 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
     ended_in_words: str = ""
 
 
-@click.command(name="recordings", short_help="List the recordings there are, and check each.")
-@recordings_option(to_write=False)
-@click.option("--csv", "csv_path", type=ToWrite(), help="Write the list to a file, with everything it says.")
-@click.option(
-    "--publish",
-    type=ToWrite(folder=True),
-    metavar="DIR",
-    help="Copy all sound recordings into a new folder, without dates in headers and names, chained anew.",
-)
-def list_recordings(recordings: Path, csv_path: Path | None, publish: Path | None) -> None:
-    """List the recordings there are, with what each holds and how its session ended, and check each.
-
-    Status 1 where a file is damaged: each of them is named with its reason, and hides no other.
-    """
-    if publish is not None:
-        publish_all(recordings, publish)
-        return
-    list_all(recordings, csv_path=csv_path)
-
-
 def list_all(folder: Path, *, csv_path: Path | None = None) -> None:
     """Print what each recording holds; leave with status 1 if one of them is damaged."""
     why = f" ({why_here()})" if folder == recordings_folder() else ""
     problems: list[OSError] = []
-    found = list(read_all(folder, problems))
+    found = as_sessions(read_all(folder, problems))
     if found:
-        click.echo(f"Recordings in {folder}{why}:")
+        say(f"Recordings in {folder}{why}:")
     else:
-        click.echo(f"There are no recordings in {folder}{why}. `arl demo` makes one.")
+        say(f"There are no recordings in {folder}{why}. `arl demo` makes one.")
     for path, recording, reason in found:
-        click.echo("\n".join(lines_of(path, folder, recording, reason)))
+        tell_one(path, folder, recording, reason)
     for error in problems:
-        click.echo(click.style(f"UNREADABLE  {error.filename}: {error.strerror}", fg="red"))
+        say(f"UNREADABLE  {error.filename}: {error.strerror}", fg="red")
     n_damaged = sum(recording is None for _, recording, _ in found)
     tell_rest(folder, found, n_damaged)
     if csv_path is not None:
         write_csv(csv_path, found)
-        click.echo(f"Table: {csv_path}")
+        say(f"Table: {csv_path}")
     if n_damaged or problems:
         raise SystemExit(1)
 
@@ -102,40 +86,61 @@ def read_all(folder: Path, problems: list[OSError]) -> Iterator[Found]:
     """
     for path in all_recordings(folder, problems.append):
         try:
-            yield path, read_recording(path), ""
+            yield path, skim_recording(path), ""
         except (RecordingError, OSError) as error:
             yield path, None, str(error)
 
 
-def lines_of(path: Path, folder: Path, recording: Recording | None, reason: str) -> Iterator[str]:
-    """Yield the lines about one file."""
-    name = printable(str(path.relative_to(folder)))
+def as_sessions(found: Iterable[Found]) -> list[Found]:
+    """Return one entry per session: a recording that another one goes on with is part of that one.
+
+    Where both cannot be joined, the newer one is named as damaged, and the older one stands for itself.
+    """
+    sessions: list[Found] = []
+    parts: set[Path] = set()
+    for path, recording, reason in found:
+        if recording is not None:
+            try:
+                recording = joined(recording)
+                parts.update(recording.older)
+            except (RecordingError, OSError) as error:
+                recording, reason = None, str(error)
+        sessions.append((path, recording, reason))
+    return [one for one in sessions if one[0] not in parts]
+
+
+def tell_one(path: Path, folder: Path, recording: Recording | None, reason: str) -> None:
+    """Print the lines about one file."""
+    name = printable(str(path.relative_to(folder)), longest=None)
     if recording is None:
-        yield click.style(f"{name}  DAMAGED", fg="red")
-        yield f"    {printable(reason, longest=None)}"
+        say(f"{name}  DAMAGED", fg="red")
+        say(f"    {printable(reason, longest=None)}")
         return
     header = recording.header
-    when = header.created_utc.removesuffix("+00:00").replace("T", " ")
-    yield click.style(name, bold=True) + printable(f"  {header.participant}  {header.origin}  {when} UTC")
-    yield f"    {printable(summarise_recording(recording).words)}"
+    when = header.created_utc
+    if when[:1].isdigit():  # else it was removed
+        when = when.removesuffix("+00:00").replace("T", " ") + " UTC"
+    say(name, nl=False, bold=True)
+    say(printable(f"  {header.participant}  {header.origin}  {when}"))
+    say(f"    {printable(summarise_recording(recording).words)}")
+    for older in recording.older:
+        say(f"    goes on with {printable(older.name)}: both are one session")
     for note in recording.notes:
-        yield f"    beware: {printable(note, longest=None)}"
+        say(f"    beware: {printable(note, longest=None)}")
 
 
 def tell_rest(folder: Path, found: Sequence[Found], n_damaged: int) -> None:
     """Print how many there are of what, and where there are others."""
     if found:
-        click.echo(f"{len(found) - n_damaged} sound, {n_damaged} damaged.")
+        say(f"{len(found) - n_damaged} sound, {n_damaged} damaged.")
     n_trials = sum(1 for _ in (folder / CALIBRATION_FOLDER).glob("*.jsonl"))
     if n_trials:
         files = "1 file" if n_trials == 1 else f"{n_trials} files"
-        click.echo(
-            f"Calibrations: {files} of trials in {folder / CALIBRATION_FOLDER} (`arl fit` reads them)."
-        )
+        say(f"Calibrations: {files} of trials in {folder / CALIBRATION_FOLDER} (`arl fit` reads them).")
     old = elsewhere(folder)
     if old is not None and folder == recordings_folder():
         move = shlex.join(["mv", str(old.absolute()), str(folder)])
-        click.echo(
+        say(
             f"There are recordings in {old.absolute()}, too, where earlier versions kept them: `arl "
             "recordings "
             f"--recordings {shlex.quote(str(old))}`, or move them: `{move}`"
@@ -152,6 +157,7 @@ def row_of(path: Path, recording: Recording | None, reason: str) -> Row:
         file=str(path),
         state="sound",
         notes="; ".join(recording.notes),
+        goes_on_with="; ".join(older.name for older in recording.older),
         participant=header.participant,
         origin=header.origin,
         created_utc=header.created_utc,
@@ -191,9 +197,9 @@ def publish_all(folder: Path, into: Path) -> None:
     problems: list[OSError] = []
     found = list(read_all(folder, problems))
     for path, copy in publish_folder([path for path, recording, _ in found if recording is not None], into):
-        click.echo(f"{path} -> {copy}")
+        say(f"{path} -> {copy}")
     damaged = [reason for _, recording, reason in found if recording is None]
     for reason in [*damaged, *map(str, problems)]:
-        click.echo(f"Not copied: {printable(reason, longest=None)}", err=True)
+        say(f"Not copied: {printable(reason, longest=None)}", err=True)
     if damaged or problems:
         raise SystemExit(1)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from arl_tui.command_line import recordings_option
+from arl_tui.command_line import recordings_option, say
 
 if TYPE_CHECKING:
     from studies.lab.ledger import Ledger
@@ -40,8 +40,8 @@ def new(folder: Path, name: str) -> None:
     with _plain_errors():
         files = copy_ready_study(name, folder)
     for file in files:
-        click.echo(str(file))
-    click.echo(f"Next: arl study check {shlex.quote(str(files[0]))}")
+        say(str(file))
+    say(f"Next: arl study check {shlex.quote(str(files[0]))}")
 
 
 @study.command(short_help="Say what the study will do, and what is missing.")
@@ -54,30 +54,38 @@ def check(file: Path, pages: bool) -> None:
 
     with _plain_errors():
         loaded = load_study(file)
-        click.echo("Playing simulated sessions of every condition ...", err=True)
+        say("Playing simulated sessions of every condition ...", err=True)
         found = forecast(loaded)
     for number, sitting in enumerate(loaded.study.sittings):
-        click.echo(f"\n{sitting.name}: about {found.minutes(number):.0f} minutes")
+        say(f"\n{sitting.name}: about {found.minutes(number):.0f} minutes")
         for step in found.steps:
             if step.sitting == number:
                 remark = f"  ({step.remark})" if step.remark else ""
-                click.echo(f"  {step.step + 1:2}  {step.kind:14} {step.minutes:5.1f} min{remark}")
-    click.echo("\nConditions, from simulated sessions:")
+                say(f"  {step.step + 1:2}  {step.kind:14} {step.minutes:5.1f} min{remark}")
+    say("\nConditions, from simulated sessions:")
     for block in found.blocks:
-        click.echo(
+        say(
             f"  {block.condition:20} {block.games} games, {block.minutes:.1f} min, {block.presses:.0f} presses that count"
         )
-    click.echo("\nOrders, by place:")
+    say("\nOrders, by place:")
     for place, order in enumerate(found.orders, 1):
-        click.echo(f"  {place:3}  {', '.join(order)}")
+        say(f"  {place:3}  {', '.join(order)}")
     if pages:
         for name, text in loaded.texts.items():
-            click.echo(f"\n--- {name} ---\n{text.strip()}")
+            say(f"\n--- {name} ---\n{text.strip()}")
     for sentence in found.missing:
-        click.echo(f"\nMissing: {sentence}")
+        say(f"\nMissing: {sentence}")
     if found.missing:
         raise click.exceptions.Exit(1)
-    click.echo("\nNothing is missing.")
+    say("\nNothing is missing.")
+
+
+@study.command(short_help="Print every key of a study file with what it means.")
+def settings() -> None:
+    """Print every key of a study file and of a questionnaire: what it takes, and what it means (docs/study.md)."""
+    from arl_tui.commands.study_page import page
+
+    click.echo(page(), nl=False)
 
 
 @study.command(short_help="Lead a participant through their next sitting.")
@@ -89,14 +97,15 @@ def run(file: Path, code: str | None, recordings: Path) -> None:
     from arl_tui.app.facts import software
     from arl_tui.commands.play import need_terminal
     from arl_tui.commands.study_blocks import player
-    from arl_tui.study.run import Terminal, run_sitting
+    from arl_tui.study.presenter import Terminal
+    from arl_tui.study.run import run_sitting
     from studies.lab.enrolment import drawn_code
 
     need_terminal("arl study run", instead="arl study simulate")
     with _plain_errors():
         loaded, ledger = _open(file, recordings)
         code = code or drawn_code(loaded.study, ledger)
-        result = run_sitting(loaded, ledger, code, Terminal(player(loaded, recordings)), software=software())
+        result = run_sitting(loaded, ledger, code, Terminal(player(loaded)), software=software())
     said = {
         "finished": "finished the sitting",
         "stopped": "stopped the sitting",
@@ -106,7 +115,9 @@ def run(file: Path, code: str | None, recordings: Path) -> None:
         "nothing": "left before consent; nothing was kept",
     }[result.how]
     who = "The participant" if result.how in ("declined", "nothing") else result.code
-    click.echo(f"{who} {said}.")
+    say(f"{who} {said}.")
+    for remark in result.remarks:
+        say(f"Beware: {remark}", err=True)
     if result.trouble:
         raise click.ClickException(result.trouble)
 
@@ -123,6 +134,7 @@ def simulate(file: Path, participants: int, recordings: Path) -> None:
     Their data lie in a folder of their own, whose name ends in "-simulated", and every file says that it is simulated.
     """
     from arl_tui.app.facts import software
+    from arl_tui.commands.study_blocks import settle_simulated
     from arl_tui.study.run import run_sitting
     from arl_tui.study.simulated import SimulatedPresenter, habits_of
     from core.numerics.clock import ManualClock
@@ -141,7 +153,14 @@ def simulate(file: Path, participants: int, recordings: Path) -> None:
             )
             seed = stream_seed(loaded.study.seed, "simulated", number)
             for _ in loaded.study.sittings:
-                presenter = SimulatedPresenter(loaded, habits, seed=seed, clock=clock, software=software())
+                presenter = SimulatedPresenter(
+                    loaded,
+                    habits,
+                    seed=seed,
+                    clock=clock,
+                    software=software(),
+                    settle=settle_simulated(loaded),
+                )
                 result = run_sitting(
                     loaded,
                     ledger,
@@ -152,18 +171,23 @@ def simulate(file: Path, participants: int, recordings: Path) -> None:
                     clock=clock,
                     any_time=True,
                 )
-                click.echo(f"{code} ({habits.kind}): {result.how}, {clock.now_ns() / 60e9:.0f} min")
-    click.echo(f"Data: {ledger.folder}")
+                say(f"{code} ({habits.kind}): {result.how}, {clock.now_ns() / 60e9:.0f} min")
+    say(f"Data: {ledger.folder}")
 
 
 @study.command(short_help="Show who is where, and whose data are worth a look.")
 @study_argument
 @click.option("--simulated", is_flag=True, help="Of the simulated participants.")
+@click.option("--watch", is_flag=True, help="Follow the running sittings, once a second, and take notes.")
 @recordings_option(to_write=False)
-def status(file: Path, simulated: bool, recordings: Path) -> None:
+def status(file: Path, simulated: bool, watch: bool, recordings: Path) -> None:
     """Show how far STUDY is: participants, orders, drop-outs, presses, and what looks wrong."""
+    if watch:
+        _watch(file, recordings, simulated=simulated)
+        return
     from core.numerics.clock import wall_time_utc
     from studies.lab.folder import data_folder
+    from studies.lab.notes import read_notes
     from studies.lab.progress import moment
     from studies.lab.read import load_study
     from studies.lab.status import status as status_of
@@ -172,21 +196,24 @@ def status(file: Path, simulated: bool, recordings: Path) -> None:
         loaded = load_study(file)
         folder = data_folder(recordings, loaded.study.name, simulated=simulated)
         if not (folder / "ledger.jsonl").exists():
-            click.echo(f"Nobody has taken part yet: there is no {folder / 'ledger.jsonl'}")
+            say(f"Nobody has taken part yet: there is no {folder / 'ledger.jsonl'}")
             return
         found = status_of(loaded.study, folder, moment(wall_time_utc()))
-    click.echo(f"{found.finished} of {found.planned} have finished; {found.declined} did not consent.\n")
+        notes = read_notes(folder)
+    say(f"{found.finished} of {found.planned} have finished; {found.declined} did not consent.\n")
     for row in found.rows:
         presses = "-" if row.presses_per_game is None else f"{row.presses_per_game:.1f}"
-        click.echo(
+        say(
             f"{row.code:14} place {row.place + 1:<4} {row.state:12} {row.where}; {row.minutes:.0f} min, "
             f"{row.games} games, {presses} presses a game"
         )
         for flag in row.flags:
-            click.echo(f"{'':14} ! {flag}")
-    click.echo("\nFinished with each order:")
+            say(f"{'':14} ! {flag}")
+    say("\nFinished with each order:")
     for order, count in found.orders:
-        click.echo(f"  {count:3}  {', '.join(order)}")
+        say(f"  {count:3}  {', '.join(order)}")
+    for note in notes:
+        say(f"Note of {note.at_utc}: {note.text}")
 
 
 @study.command(short_help="Remove everything of a participant who withdraws.")
@@ -203,9 +230,7 @@ def withdraw(file: Path, code: str, yes: bool, recordings: Path) -> None:
     with _plain_errors():
         _, ledger = _open(file, recordings)
         tombstone = remove(ledger, code)
-    click.echo(
-        f"{tombstone.files_removed} files removed. The ledger holds {tombstone.code} in place of the code."
-    )
+    say(f"{tombstone.files_removed} files removed. The ledger holds {tombstone.code} in place of the code.")
 
 
 @study.command(short_help="Count a participant as dropped out.")
@@ -226,7 +251,51 @@ def drop(file: Path, code: str, reason: str, recordings: Path) -> None:
             )
         ledger.append(DroppedOut(code=code, reason=reason))
     rule = "is given to the next participant" if loaded.study.dropouts.replace else "stays empty"
-    click.echo(f"{code} counts as dropped out. The place {rule} ([dropouts] replace).")
+    say(f"{code} counts as dropped out. The place {rule} ([dropouts] replace).")
+
+
+def _watch(file: Path, recordings: Path, *, simulated: bool) -> None:
+    """Follow the running sittings of a study from this terminal."""
+    from arl_tui.commands.play import need_terminal
+    from arl_tui.study.monitor import Monitor
+    from core.numerics.clock import wall_time_utc
+    from studies.lab.folder import data_folder
+    from studies.lab.ledger import read_ledger
+    from studies.lab.notes import add_note
+    from studies.lab.progress import moment, progress
+    from studies.lab.read import load_study
+    from studies.lab.watching import RunningRow, Watch
+
+    need_terminal("arl study status --watch", instead="arl study status")
+    with _plain_errors():
+        loaded = load_study(file)
+    data = data_folder(recordings, loaded.study.name, simulated=simulated)
+    watch = Watch(loaded.study, data)
+
+    def look() -> tuple[str, tuple[RunningRow, ...]]:
+        if not (data / "ledger.jsonl").exists():
+            return "Nobody has taken part yet.", ()
+        try:
+            so_far = progress(read_ledger(data / "ledger.jsonl"))
+        except ValueError as error:
+            return str(error), ()
+        last = len(loaded.study.sittings)
+        finished = sum(
+            not person.withdrawn and person.next_sitting(loaded.study) == last
+            for person in so_far.participants.values()
+        )
+        return f"{finished} of {loaded.study.participants} have finished.", watch.rows(
+            so_far, moment(wall_time_utc()).timestamp()
+        )
+
+    def note(text: str, running: tuple[str, ...]) -> str:
+        try:
+            data.mkdir(mode=0o700, parents=True, exist_ok=True)
+            return f"Noted at {add_note(data, text, running).at_utc}."
+        except (ValueError, OSError) as error:
+            return f"NOT noted: {error}"
+
+    Monitor(f"Study {loaded.study.name}", look, note).run_in_terminal()
 
 
 def _open(file: Path, recordings: Path, *, simulated: bool = False) -> "tuple[LoadedStudy, Ledger]":

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from arl_tui.command_line import ToWrite, recordings_option
+from arl_tui.command_line import ToWrite, recordings_option, say
 
 if TYPE_CHECKING:
     from arl_tui.timing.plan import Plan
@@ -69,18 +69,18 @@ def timing(
         tuple(scenes) or SCENE_NAMES, trials, longest, secrets.randbits(63) if seed is None else seed
     )
     for line in report_lines(result):
-        click.echo(line)
+        say(line)
     if json_path is not None:
         import msgspec
 
         json_path.write_bytes(msgspec.json.format(msgspec.json.encode(result), indent=1))
-        click.echo(f"JSON: {json_path}", err=True)
+        say(f"JSON: {json_path}", err=True)
     if gate is not None:
         stop_above(result, gate)
         return
     from arl_tui.timing.kept import keep_timing
 
-    click.echo(f"Kept for the headers of later sessions: {keep_timing(recordings, result)}", err=True)
+    say(f"Kept for the headers of later sessions: {keep_timing(recordings, result)}", err=True)
 
 
 def stop_above(result: "TimingResult", gate_ms: float) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from arl_tui.command_line import ToWrite
+from arl_tui.command_line import ToWrite, say
 from arl_tui.commands.watch import keepers_option, region_option, takers_option, task, vision_option
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ def train(
 
     config = task(None, keepers=keepers, takers=takers, size=size, vision=vision)
     learner = SarsaConfig(shared_weights=shared, trace_decay=trace_decay)
-    click.echo(GETTING_READY, err=True)
+    say(GETTING_READY, err=True)
     from core.keepaway.training import LearningRun
 
     run = LearningRun(config, learner, secrets.randbits(63) if seed is None else seed, hours)
@@ -72,9 +72,9 @@ def train(
     if len(durations) >= 2 * N_LAST:
         first, last = mean(durations[:N_LAST]), mean(durations[-N_LAST:])
         means = f"{first:.1f} s over the first {N_LAST}, {last:.1f} s over the last {N_LAST}"
-    click.echo(f"{len(durations):,} episodes in {hours:g} simulated hours; mean duration {means}")
-    click.echo(f"Policy: {save}")
-    click.echo(f"Look at it: {shlex.join(['arl', 'watch', 'keepaway', '--policy', str(save)])}")
+    say(f"{len(durations):,} episodes in {hours:g} simulated hours; mean duration {means}")
+    say(f"Policy: {save}")
+    say(f"Look at it: {shlex.join(['arl', 'watch', 'keepaway', '--policy', str(save)])}")
 
 
 def with_progress(run: "LearningRun") -> "tuple[Sarsa, list[LearningCurve]]":

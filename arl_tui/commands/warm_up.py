@@ -6,6 +6,7 @@ import click
 
 from arl_tui.ahead import Ahead, fill
 from arl_tui.app.compile_order import Order, is_compiled, match_order, session_order
+from arl_tui.command_line import say
 from arl_tui.games.registry import BUILT_IN, screens_called
 from core.plugins import plugin_called
 
@@ -13,15 +14,6 @@ LOOK_S = 0.2
 """How often the bar is drawn anew."""
 STEPS = 200
 """Of a bar."""
-
-
-@click.command(name="warm-up", short_help="Compile now what the first games would compile.")
-def warm_up_command() -> None:
-    """Compile everything now that sessions and matches compile when they are first played: half a minute, once.
-
-    Nothing has to be: a first game begins at once and compiles meanwhile.
-    """
-    warm_up()
 
 
 def warm_up() -> None:
@@ -34,18 +26,18 @@ def warm_up() -> None:
     orders["Watching Keepaway"] = match_order(KeepawayConfig())
     for name, order in orders.items():
         if is_compiled(order):
-            click.echo(f"{name}: compiled already.")
+            say(f"{name}: compiled already.")
         else:
             _compile(name, order)
     for line in kernel_notes():
-        click.echo(f"Note: {line}", err=True)
+        say(f"Note: {line}", err=True)
 
 
 def _compile(name: str, order: Order) -> None:
     from core.numerics.interpreting import CAN_INTERPRET, interpreting, progress
 
     if not CAN_INTERPRET:
-        click.echo(f"{name}: compiling ...")
+        say(f"{name}: compiling ...")
         fill(order)
         return
     with interpreting():

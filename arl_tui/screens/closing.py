@@ -24,19 +24,32 @@ class ClosingScreen(Page):
 
     VERTICAL_BREAKPOINTS = [(0, "-short"), (34, "-tall")]  # noqa: RUF012 - as Textual declares it
 
-    def __init__(self, outcome: Outcome, words: Words, *, show_weight: bool = False) -> None:
+    def __init__(
+        self,
+        outcome: Outcome,
+        words: Words,
+        *,
+        show_weight: bool = False,
+        show_file: bool = True,
+        practice: bool = False,
+    ) -> None:
         """Prepare.
 
         Args:
             outcome: what is left of the session.
             words: of its game.
             show_weight: whether the participant may see the weight that their feedback had.
+            show_file: say where the recording is; not to the participant of a study.
+            practice: nothing counted.
         """
         super().__init__()
         self.outcome = outcome
         self._show_weight = show_weight
+        self._show_file = show_file
         self._words = words
-        self.HEADING = "Thank you!" if outcome.trouble is None else "The session had to end early"
+        self.HEADING = "That was the practice" if practice else "Thank you!"
+        if outcome.trouble is not None:
+            self.HEADING = "The session had to end early"
 
     def body(self) -> Iterable[Widget]:
         """Return what happened, where it is recorded, and what went wrong."""

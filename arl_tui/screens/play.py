@@ -1,6 +1,6 @@
 """The game on screen: its picture, feedback, figures, and the keys that steer the session."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import ClassVar, cast
 
 from textual import events
@@ -12,8 +12,9 @@ from textual.widgets import Static
 
 from arl_tui.app.gaps import length_s
 from arl_tui.app.link import Picture, Preparing, TakenFor
-from arl_tui.app.live_session import Cover, LiveSession, Occurrence, weight_in_use
+from arl_tui.app.live_session import Cover, LiveSession, Occurrence
 from arl_tui.app.outcome import SessionControls
+from arl_tui.app.tally import weight_in_use
 from arl_tui.games.panel import Progress
 from arl_tui.games.registry import screens_of, words_of
 from arl_tui.palette import Palette
@@ -25,6 +26,7 @@ from core.events import (
     EpisodeEnded,
     EpisodeStarted,
     KeyPressed,
+    Output,
     PressRetracted,
     SessionEnded,
     StopAsked,
@@ -133,6 +135,14 @@ class PlayScreen(Screen[None], inherit_bindings=False):
             case StopAsked() | SessionEnded():
                 self._count_down.stop()
                 self._say("Stopping: everything is being saved ...")
+
+    def go_on_after(self, outputs: Iterable[Output]) -> None:
+        """Count the games that were finished before the session broke off."""
+        for output in outputs:
+            if isinstance(output, EpisodeStarted):
+                self._watched += 1
+                if self._shows_weight:
+                    self._human_weights.append(weight_in_use(output))
 
     def take_painted(self) -> int | None:
         """Return the step whose picture has been drawn since the last call; None where none has."""

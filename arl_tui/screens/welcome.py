@@ -34,9 +34,28 @@ class WelcomeScreen(Page):
     ]
 
     def __init__(
-        self, protocol: Protocol, participant: str, *, simulated: bool, clock: Clock | None = None
+        self,
+        protocol: Protocol,
+        participant: str,
+        *,
+        simulated: bool,
+        games_done: int = 0,
+        practice: bool = False,
+        clock: Clock | None = None,
     ) -> None:
+        """Prepare.
+
+        Args:
+            protocol: of the session.
+            participant: pseudonym.
+            simulated: a simulated participant presses keys, too.
+            games_done: watched games that were finished before the session broke off.
+            practice: nothing counts.
+            clock: tells how long ago the start key was pressed.
+        """
         super().__init__()
+        self._games_done = games_done
+        self._practice = practice
         self._protocol = protocol
         self._words = words_of(protocol.game)
         self.HEADING = self._words.heading
@@ -54,6 +73,13 @@ class WelcomeScreen(Page):
         games = "one game" if session.episodes == 1 else f"{session.episodes} games"
         presses = keys.max_presses_per_episode
         words = self._words
+        if self._practice:
+            yield Static(
+                "[b]This is practice: nothing counts yet.[/] The game is slow, and shows what each of your presses was "
+                "taken for. Try both keys.\n"
+            )
+        if self._games_done:
+            yield Static(f"[b]Your session goes on after {self._games_done} of {games}.[/]\n")
         practises = words.practises if session.unseen_between else ""
         yield Static(words.welcome.format(games=games, practises=practises))
         yield Static(f"\n{feedback_keys(keys)}\n")

@@ -1,7 +1,5 @@
 """Shows pages of a study one after the other, in an app of their own."""
 
-import asyncio
-import signal
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -34,19 +32,11 @@ class PageApp(PlainApp[Results]):
         self._pages = list(pages)
         self._on_result = on_result
         self.results: Results = []
-        self.closed_by: signal.Signals | None = None
-        """The signal that ended the app: the window was closed, or somebody ended the program."""
 
     def on_mount(self) -> None:
         """Show the first page."""
-        loop = asyncio.get_running_loop()
-        for number in (signal.SIGTERM, signal.SIGHUP):
-            loop.add_signal_handler(number, self._close, number)
+        super().on_mount()
         self._show_next()
-
-    def _close(self, number: signal.Signals) -> None:
-        self.closed_by = number
-        self.exit(self.results)
 
     def _show_next(self) -> None:
         if len(self.results) == len(self._pages):

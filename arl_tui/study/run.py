@@ -3,16 +3,28 @@
 import hashlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Literal, Protocol, assert_never
+from typing import Literal, assert_never
 
 from textual.screen import Screen
 
+from arl_tui.games.registry import words_of
 from arl_tui.study import words
-from arl_tui.study.page_app import PageApp, Results
+from arl_tui.study.page_app import Results
 from arl_tui.study.pages import BreakPage, ConsentPage, NoticePage, TextPage
+from arl_tui.study.presenter import (
+    BlockCall,
+    How,
+    OnResult,
+    Pages,
+    Played,
+    Presenter,
+    do_nothing,
+    ignore_result,
+)
 from arl_tui.study.question_pages import Answered, QuestionPage
 from core.numerics.clock import Clock, MonotonicClock, wall_time_utc
+from core.recording.reader import RecordingError
+from studies.lab.blocks import BlockSoFar, block_so_far
 from studies.lab.config import (
     ASSIGNED,
     Block,
@@ -32,6 +44,7 @@ from studies.lab.ledger import Declined, Ledger, SittingEnded, StepDone
 from studies.lab.progress import progress
 from studies.lab.questions import passed
 from studies.lab.read import LoadedStudy
+from studies.lab.running import only_sitting
 from studies.lab.sitting_log import (
     ConsentAnswered,
     FileRecorded,
@@ -43,74 +56,6 @@ from studies.lab.sitting_log import (
     StepEnded,
 )
 
-How = Literal["finished", "stopped", "window-closed", "failed"]
-Pages = Sequence[Callable[[], Screen[object]]]
-OnResult = Callable[[int, object], None]
-
-
-def ignore_result(number: int, result: object) -> None:
-    """Take a page's result and do nothing."""
-
-
-@dataclass(frozen=True, slots=True)
-class Played:
-    """What is left of a session, a practice or a calibration."""
-
-    how: How
-    file: str = ""
-    """Name of the recording in the participant's folder; empty where nothing was recorded."""
-    games: tuple[float, ...] = ()
-    """Performance of each watched game."""
-    presses: int = 0
-    """Accepted presses that were not taken back."""
-    unit: str = ""
-    """Of the performances."""
-    trouble: str = ""
-    """For the experimenter, where it failed."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class BlockCall:
-    """A session that a study asks for."""
-
-    step: Block | Practice | Calibration
-    condition: str
-    code: str
-    folder: Path
-    seed: int
-    resume: Path | None
-    """The recording that this session goes on with."""
-    facts: Mapping[str, str]
-    """Study, place, sitting and condition, for the recording's header."""
-
-
-class Presenter(Protocol):
-    """What shows pages and plays sessions: a terminal, or a simulated participant's headless screens."""
-
-    def pages(self, pages: Pages, on_result: OnResult = ignore_result) -> tuple[Results, bool]:
-        """Show pages; return their results, and whether the window was closed.
-
-        `on_result` is called with each page's number and result before the next page is shown.
-        """
-        ...
-
-    def play(self, call: BlockCall) -> Played:
-        """Run a session, a practice or a calibration."""
-        ...
-
-
-class Terminal:
-    """Pages in this terminal; `play` is handed in, because it belongs to the commands."""
-
-    def __init__(self, play: Callable[[BlockCall], Played]) -> None:
-        self.play = play
-
-    def pages(self, pages: Pages, on_result: OnResult = ignore_result) -> tuple[Results, bool]:
-        """Show pages in an app of their own."""
-        app = PageApp(pages, on_result)
-        results = app.run()
-        return (app.results if results is None else results), app.closed_by is not None or results is None
-
 
 @dataclass(slots=True)
 class Numbers:
@@ -119,6 +64,30 @@ class Numbers:
     games: list[float] = field(default_factory=list)
     presses: int = 0
     unit: str = ""
+
+
+def recorded_kind(step: Block | Practice | Calibration) -> Literal["block", "practice", "calibration"]:
+    """Return which kind of recording a step leaves."""
+    match step:
+        case Block():
+            return "block"
+        case Practice():
+            return "practice"
+        case Calibration():
+            return "calibration"
+        case other:
+            assert_never(other)
+
+
+def _played(block: BlockSoFar) -> Played:
+    """Return what is left of a block that is finished."""
+    return Played(
+        how="finished",
+        file=block.path.name,
+        games=block.performances,
+        presses=block.summary.presses_counted,
+        unit=words_of(block.summary.game).units[1],
+    )
 
 
 class _LeftEarly(Exception):
@@ -138,6 +107,8 @@ class SittingResult:
     """nothing: left before consent was given."""
     code: str
     trouble: str = ""
+    remarks: tuple[str, ...] = ()
+    """For the experimenter, where nothing failed."""
 
 
 def run_sitting(
@@ -177,8 +148,9 @@ def run_sitting(
                 ledger.append(Declined())
             return SittingResult(before, code)
         enrol(loaded.study, ledger, code, simulated=simulated)
-    attempt = begin_sitting(loaded.study, ledger, code, any_time=any_time)
-    return _Sitting(loaded, ledger, attempt, presenter, time, software, simulated=simulated).run(lines)
+    with only_sitting(participant_folder(ledger.folder, code), code):
+        attempt = begin_sitting(loaded.study, ledger, code, any_time=any_time)
+        return _Sitting(loaded, ledger, attempt, presenter, time, software, simulated=simulated).run(lines)
 
 
 def _ask_consent(
@@ -250,6 +222,8 @@ class _Sitting:
         self._simulated = simulated
         self._numbers = Numbers()
         self._folder = participant_folder(ledger.folder, attempt.code)
+        self._remarks_for_experimenter: list[str] = []
+        self._step = 0
 
     def run(self, lines_before: Sequence[SittingLine]) -> SittingResult:
         """Do the steps that are left; `lines_before` were earned before the participant had a place."""
@@ -258,6 +232,7 @@ class _Sitting:
         how: How = "finished"
         trouble = ""
         with SittingLog(path, self._header(), clock=self._clock) as log:
+            self._presenter.on_gone = lambda: self._gone(log)
             done = -1
             for line in lines_before:
                 log.write(line)
@@ -265,15 +240,50 @@ class _Sitting:
                     self._ledger.append(StepDone(code=attempt.code, sitting=attempt.sitting, step=line.step))
                     done = line.step
             try:
+                self._count_earlier(min(attempt.first_step, len(steps)))
                 for number in range(max(attempt.first_step, done + 1), len(steps)):
                     self._do(log, number, steps[number])
             except _LeftEarly as left:
                 how, trouble = left.how, left.trouble
             log.close(how)
+            self._presenter.on_gone = do_nothing
         self._ledger.append(SittingEnded(code=attempt.code, sitting=attempt.sitting, how=how))
         if how == "stopped":
             self._say(words.STOPPED.format(code=attempt.code))
-        return SittingResult(how, attempt.code, trouble)
+        return SittingResult(how, attempt.code, trouble, tuple(self._remarks_for_experimenter))
+
+    def _gone(self, log: SittingLog) -> None:
+        """Write that the window was closed; the process ends in a moment."""
+        log.write(StepEnded(step=self._step, time_ns=self._clock.now_ns(), how="window-closed"))
+        log.close("window-closed")
+        self._ledger.append(
+            SittingEnded(code=self._attempt.code, sitting=self._attempt.sitting, how="window-closed")
+        )
+
+    def _count_earlier(self, first_step: int) -> None:
+        """Count the blocks that an earlier attempt at this sitting has finished, for the last page."""
+        steps = self._study.sittings[self._attempt.sitting].steps
+        for number in range(first_step):
+            if isinstance(steps[number], Block) and (earlier := self._earlier(number)) is not None:
+                self._count(_played(earlier))
+
+    def _count(self, played: Played) -> None:
+        self._numbers.games += played.games
+        self._numbers.presses += played.presses
+        self._numbers.unit = played.unit or self._numbers.unit
+
+    def _earlier(self, number: int) -> BlockSoFar | None:
+        """Return what an earlier attempt at this sitting has recorded of a block.
+
+        Raises:
+            _LeftEarly: a recording is damaged; the experimenter decides.
+        """
+        if not self._attempt.resumed:
+            return None
+        try:
+            return block_so_far(self._folder, self._attempt.sitting, number, self._attempt.run)
+        except (RecordingError, OSError) as error:
+            raise _LeftEarly("failed", str(error)) from error
 
     def _header(self) -> SittingHeader:
         attempt = self._attempt
@@ -298,6 +308,7 @@ class _Sitting:
         Raises:
             _LeftEarly: the participant stopped, the window was closed, or the step failed.
         """
+        self._step = number
         log.write(StepBegun(step=number, kind=kind_of(step), time_ns=self._clock.now_ns()))
         try:
             self._show(log, number, step)
@@ -387,37 +398,55 @@ class _Sitting:
 
     def _play(self, log: SittingLog, number: int, step: Block | Practice | Calibration) -> None:
         condition = self._condition(number, step)
-        kind = kind_of(step)
-        played = self._presenter.play(
-            BlockCall(
-                step=step,
-                condition=condition,
-                code=self._attempt.code,
-                folder=self._folder,
-                seed=session_seed(self._study, self._attempt, number),
-                resume=None,
-                facts={
-                    "study": self._study.name,
-                    "study_version": self._study.version,
-                    "study_sha256": self._loaded.sha256,
-                    "place": str(self._attempt.place),
-                    "order": " ".join(self._attempt.order),
-                    "sitting": str(self._attempt.sitting),
-                    "step": str(number),
-                    "condition": condition,
-                },
-            )
-        )
-        if played.file:
-            log.write(
-                FileRecorded(step=number, kind=kind, file=played.file, condition=condition, ended=played.how)  # type: ignore[arg-type]
-            )
+        earlier = self._earlier(number) if isinstance(step, Block) else None
+        if earlier is not None and earlier.finished:
+            played = _played(earlier)  # the program was killed between the last game and the ledger's line
+        else:
+            played = self._presenter.play(self._call(number, step, condition, earlier))
+        for name in (played.file, *played.more_files):
+            if name:
+                log.write(
+                    FileRecorded(
+                        step=number,
+                        kind=recorded_kind(step),
+                        file=name,
+                        condition=condition,
+                        ended=played.how,
+                    )
+                )
         if isinstance(step, Block):
-            self._numbers.games += played.games
-            self._numbers.presses += played.presses
-            self._numbers.unit = played.unit or self._numbers.unit
+            self._count(played)
+        if played.remark:
+            self._remarks_for_experimenter.append(played.remark)
         if played.how != "finished":
             raise _LeftEarly(played.how, played.trouble)
+
+    def _call(
+        self, number: int, step: Block | Practice | Calibration, condition: str, earlier: BlockSoFar | None
+    ) -> BlockCall:
+        attempt = self._attempt
+        has_games = earlier is not None and earlier.summary.games_finished > 0
+        return BlockCall(
+            step=step,
+            condition=condition,
+            code=attempt.code,
+            folder=self._folder,
+            seed=session_seed(self._study, attempt, number),
+            resume=earlier.path if earlier is not None and has_games else None,
+            on_gone=self._presenter.on_gone,
+            facts={
+                "study": self._study.name,
+                "study_version": self._study.version,
+                "study_sha256": self._loaded.sha256,
+                "place": str(attempt.place),
+                "order": " ".join(attempt.order),
+                "sitting": str(attempt.sitting),
+                "step": str(number),
+                "run": str(attempt.run),
+                "kind": recorded_kind(step),
+                "condition": condition,
+            },
+        )
 
     def _condition(self, number: int, step: Step) -> str:
         if not isinstance(step, Block):

@@ -4,7 +4,7 @@ Sessions are those of `studies.demo`: the same learners, credit and recorder as 
 participant in place of a person, as fast as the machine can. Nobody draws their games.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import assert_never
 
@@ -13,20 +13,24 @@ import numpy as np
 from textual.pilot import Pilot
 
 from arl_tui.games.registry import words_of
+from arl_tui.recordings import new_path
+from arl_tui.study.calibrations import simulated_calibration
 from arl_tui.study.page_app import PageApp, Results
 from arl_tui.study.pages import BreakPage, ConsentPage, StopPage, StudyPage
+from arl_tui.study.presenter import BlockCall, OnResult, Pages, Played, do_nothing, ignore_result
 from arl_tui.study.question_pages import QuestionPage
-from arl_tui.study.run import BlockCall, OnResult, Pages, Played, ignore_result
 from core.feedback.simulated_participants import persons
-from core.numerics.clock import NS_PER_S, ManualClock
+from core.numerics.clock import NS_PER_S, ManualClock, wall_time_utc
 from core.numerics.streams import stream
 from core.recording.reader import read_recording
+from core.session.protocol import Protocol
 from studies.lab.config import Block, Calibration, Practice
 from studies.lab.questions import Choice, FreeText, Likert, Number, Question, Scale
 from studies.lab.read import LoadedStudy
 
 KINDS = tuple(persons())
 """Kinds of simulated participants, taken in turn."""
+Settle = Callable[[BlockCall, Block], tuple[Protocol, dict[str, str]]]
 SIZE = (80, 24)
 LATEST_PRESS = 400
 """A page that is not left after so many keys cannot be left at all."""
@@ -57,6 +61,7 @@ class SimulatedPresenter:
         seed: int,
         clock: ManualClock,
         software: Mapping[str, str],
+        settle: Settle | None = None,
     ) -> None:
         """Prepare.
 
@@ -66,12 +71,18 @@ class SimulatedPresenter:
             seed: of their answers.
             clock: of all times in the record; it moves on with every key.
             software: versions, for headers.
+            settle: returns a block's protocol with its credit rule in numbers, and where that comes from; by default
+                the simulated participant's own delay is known without a calibration.
         """
         self._loaded = loaded
         self._habits = habits
         self._clock = clock
         self._software = software
+        self._settle: Settle = settle or (
+            lambda call, step: (loaded.simulated_protocol(call.condition, step), {})
+        )
         self._rng = stream(seed, "answers")
+        self.on_gone: Callable[[], None] = do_nothing
 
     def pages(self, pages: Pages, on_result: OnResult = ignore_result) -> tuple[Results, bool]:
         """Go through the pages.
@@ -133,33 +144,45 @@ class SimulatedPresenter:
         return int(self._rng.integers(low, high + 1))
 
     def play(self, call: BlockCall) -> Played:
-        """Play a session with a simulated participant."""
+        """Play a session with a simulated participant, or leave what they would leave of a calibration."""
+        call.folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         match call.step:
             case Block():
-                return self._play_block(call)
-            case Practice() | Calibration():
-                raise NotImplementedError
+                protocol, source = self._settle(call, call.step)
+                return self._play_games(call, protocol, source)
+            case Practice():
+                return self._play_games(call, self._loaded.practice_protocol(call.step), {})
+            case Calibration():
+                names = simulated_calibration(
+                    self._loaded,
+                    call.step,
+                    code=call.code,
+                    folder=call.folder,
+                    seed=call.seed,
+                    software=dict(self._software),
+                )
+                return Played(how="finished", file=names[0], more_files=names[1:])
             case other:
                 assert_never(other)
 
-    def _play_block(self, call: BlockCall) -> Played:
-        assert isinstance(call.step, Block), "a block"
-        protocol = self._loaded.simulated_protocol(call.condition, call.step)
+    def _play_games(self, call: BlockCall, protocol: Protocol, source: Mapping[str, str]) -> Played:
+        from studies.demo import simulate_session, summarise  # here: compiled code comes with it
+
         trainer = persons()[self._habits.kind]
         protocol = msgspec.structs.replace(
             protocol, trainer=msgspec.structs.replace(trainer, delay=protocol.trainer.delay)
         )
-        call.folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-        path = call.folder / f"{call.code}-step-{call.facts['step']}-{call.facts['sitting']}.jsonl"
-        from studies.demo import simulate_session, summarise  # compiled code comes with them
-
+        facts = call.facts
+        stem = f"{call.code}-sitting-{int(facts['sitting']) + 1}-step-{int(facts['step']) + 1}"
+        path = new_path(call.folder, stem, wall_time_utc())
         simulate_session(
             protocol,
             call.seed,
             path,
             software=dict(self._software),
             participant=call.code,
-            source={f"study.{name}": value for name, value in call.facts.items()},
+            source=source,
+            study=facts,
         )
         summary = summarise(read_recording(path))
         return Played(

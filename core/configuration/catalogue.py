@@ -36,13 +36,17 @@ Struct = type[msgspec.Struct]
 class Kind:
     """What values a setting takes."""
 
-    base: Literal["whole number", "number", "text", "true or false", "choice", "list", "table", "tables"]
+    base: Literal[
+        "whole number", "number", "text", "true or false", "choice", "list", "table", "tables", "names"
+    ]
     range: Range = field(default_factory=Range)
     """Of numbers."""
     choices: tuple[str, ...] = ()
     """Of a choice."""
     allowed: str = ""
     """Of a text: which ones there are, in words."""
+    pattern: str = ""
+    """Of a text: a regular expression that it matches; `allowed` says the same in words."""
     optional: bool = False
     """The setting can be left out even where it has no default value."""
     items: tuple["Kind", ...] = ()
@@ -50,7 +54,8 @@ class Kind:
     any_length: bool = False
     """Of a list: it has any number of items."""
     structs: Mapping[str, Struct] | None = None
-    """Of a table, or of tables: the struct of each type; under "" that of a table without types."""
+    """Of a table, or of tables: the struct of each type; under "" that of a table without types. ("names": a table with
+    keys of one's own, which are not checked here.)"""
 
     def __str__(self) -> str:
         """Return in words which values there are."""
@@ -67,6 +72,8 @@ class Kind:
                 text = f"a list of {len(self.items)}, each {self.items[0]}"
             case "table" | "tables":
                 text = "a table" if self.base == "table" else "a list of tables"
+            case "names":
+                text = "a table"
             case _:
                 text = self.base
         return text
@@ -81,6 +88,8 @@ class Setting:
     default: object
     doc: str
     """What it is, and where its default comes from; one line."""
+    required: bool = False
+    """It must be given: there is no default."""
 
 
 @cache
@@ -88,10 +97,13 @@ def settings_of(struct: Struct) -> dict[str, Setting]:
     """Return the settings of a table by their keys, in order; its `TAG` is not among them."""
     info = types.type_info(struct)
     assert isinstance(info, types.StructType)
-    docs = field_docs(struct)
+    docs: dict[str, str] = {}
+    for base in reversed(struct.__mro__):
+        if issubclass(base, msgspec.Struct) and base is not msgspec.Struct:
+            docs |= field_docs(base)
     return {
         field.encode_name: Setting(
-            field.encode_name, _kind(field.type), field.default, docs.get(field.name, "")
+            field.encode_name, _kind(field.type), field.default, docs.get(field.name, ""), field.required
         )
         for field in info.fields
     }
@@ -147,11 +159,12 @@ def _kind(kind: types.Type, extra: Mapping[str, Any] | None = None) -> Kind:
         case types.IntType() | types.FloatType():
             base: Literal["whole number", "number"]
             base = "whole number" if isinstance(kind, types.IntType) else "number"
-            return Kind(base, extra.get(RANGE, Range()))
+            own = Range(ge=kind.ge, gt=kind.gt, le=kind.le, lt=kind.lt)
+            return Kind(base, extra.get(RANGE, own))
         case types.StrType() if CHOICES in extra:
             return Kind("choice", choices=extra[CHOICES])
         case types.StrType():
-            return Kind("text", allowed=extra.get(ALLOWED, ""))
+            return Kind("text", allowed=extra.get(ALLOWED, ""), pattern=kind.pattern or "")
         case types.LiteralType():
             return Kind("choice", choices=tuple(str(value) for value in kind.values))
         case types.StructType():
@@ -160,6 +173,8 @@ def _kind(kind: types.Type, extra: Mapping[str, Any] | None = None) -> Kind:
             return Kind("table", structs=kind.cls.structs())
         case types.UnionType():
             return _of_union([part for part in kind.types if not isinstance(part, types.NoneType)], kind)
+        case types.DictType():
+            return Kind("names")
         case types.TupleType():
             return Kind("list", items=tuple(_kind(item) for item in kind.item_types))
         case types.VarTupleType():

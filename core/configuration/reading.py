@@ -18,6 +18,7 @@ import msgspec
 from core.configuration.catalogue import TAG, Kind, Struct, settings_of, tables_of, tag_of
 from core.configuration.fields import plain
 from core.configuration.open_table import decode_open_table
+from core.system import foreign_text
 
 Path = tuple[str | int, ...]
 LONGEST_SHOWN = 60
@@ -79,6 +80,26 @@ def read(given: Mapping[str, Any], default: Config, *, to_run: bool) -> Config:
         raise ConfigurationError([_from_struct(str(error), given)]) from error
 
 
+def read_whole(given: Mapping[str, Any], struct: type[Config]) -> Config:
+    """Return the configuration that plain types describe, where nothing stands for what is left out but the struct's own.
+
+    Args:
+        given: tables by key, as in TOML.
+        struct: what is read.
+
+    Raises:
+        ConfigurationError: with every place and reason.
+    """
+    given = with_tables(given, struct)
+    found = list(_wrong_in_table(given, struct, None, (), True, Places(struct)))
+    if found:
+        raise ConfigurationError(found)
+    try:
+        return msgspec.convert(given, struct)
+    except (msgspec.ValidationError, ValueError) as error:
+        raise ConfigurationError([_from_struct(str(error), given)]) from error
+
+
 def with_tables(given: Mapping[str, Any], struct: Struct, depth: int = 0) -> dict[str, Any]:
     """Return `given` with a table in the place of each text that names a table's type."""
     if depth > DEEPEST:
@@ -91,8 +112,7 @@ def with_tables(given: Mapping[str, Any], struct: Struct, depth: int = 0) -> dic
         if kind is None or kind.structs is None:
             continue
         if kind.base == "tables" and isinstance(value, list | tuple):
-            (inner,) = kind.structs.values()
-            found[key] = [with_tables(v, inner, depth + 1) if isinstance(v, Mapping) else v for v in value]
+            found[key] = [_with_tables_of(item, kind.structs, depth) for item in value]
         elif kind.base == "table":
             if isinstance(value, str) and "" not in kind.structs:
                 value = {TAG: value}
@@ -104,6 +124,14 @@ def with_tables(given: Mapping[str, Any], struct: Struct, depth: int = 0) -> dic
                     value = with_tables(value, inner, depth + 1)
             found[key] = value
     return found
+
+
+def _with_tables_of(value: object, structs: Mapping[str, Struct], depth: int) -> object:
+    if isinstance(value, Mapping):
+        # Keys of all types: which type it is will be checked later.
+        for inner in structs.values():
+            value = with_tables(value, inner, depth + 1)
+    return value
 
 
 def filled(given: Mapping[str, Any], default: Mapping[str, Any]) -> dict[str, Any]:
@@ -170,6 +198,10 @@ def _wrong_in_table(
             yield Problem(here, _unknown(key, struct, siblings, places), value)
             continue
         kind = settings[key].kind
+        if kind.base == "names":
+            if not isinstance(value, Mapping):
+                yield Problem(here, f"expected a table, [{shown_key(here)}]", value)
+            continue
         below = getattr(default, key, None) if default is not None else settings[key].default
         if value is None and kind.optional:
             continue
@@ -181,6 +213,10 @@ def _wrong_in_table(
             reason = wrong(value, kind, to_run=to_run)
             if reason:
                 yield Problem(here, reason, value)
+    if default is None:
+        for key, setting in settings.items():
+            if setting.required and key not in given:
+                yield Problem(path, f"the key `{key}` is missing: {setting.doc or setting.kind}")
 
 
 def _wrong_in_typed_table(
@@ -212,14 +248,16 @@ def _wrong_in_typed_table(
 def _wrong_in_tables(
     value: object, kind: Kind, path: Path, to_run: bool, places: Places
 ) -> Iterator[Problem]:
-    (struct,) = (kind.structs or {}).values()
+    structs = kind.structs or {}
     if not isinstance(value, list | tuple):
         yield Problem(path, f"expected a list of tables, each under [[{shown_key(path)}]]", value)
         return
     for number, item in enumerate(value):
         here = (*path, number)
-        if isinstance(item, Mapping):
-            yield from _wrong_in_table(item, struct, None, here, to_run, places)
+        if "" not in structs:
+            yield from _wrong_in_typed_table(item, kind, None, here, to_run, places)
+        elif isinstance(item, Mapping):
+            yield from _wrong_in_table(item, structs[""], None, here, to_run, places)
         else:
             yield Problem(here, "expected a table", item)
 
@@ -230,7 +268,9 @@ def wrong(value: object, kind: Kind, *, to_run: bool) -> str:
         case "true or false":
             return "" if isinstance(value, bool) else "expected true or false"
         case "text":
-            return "" if isinstance(value, str) else f"expected {kind}, in quotes"
+            if not isinstance(value, str):
+                return f"expected {kind}, in quotes"
+            return "" if re.search(kind.pattern, value) else f"expected {kind}"
         case "choice":
             if isinstance(value, str) and value in kind.choices:
                 return ""
@@ -357,7 +397,7 @@ def shown(value: object) -> str:
 
 def printable(text: str) -> str:
     """Return a text without anything that a terminal could take for a command."""
-    return "".join(letter if letter.isprintable() else f"\\u{ord(letter):04x}" for letter in text)
+    return foreign_text.printable(text, longest=None)
 
 
 def _quoted(names: Sequence[str]) -> str:

@@ -7,7 +7,6 @@ stand beside it: all credit to the step on screen, or to the one before.
 
 import math
 from dataclasses import dataclass
-from typing import assert_never
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +15,7 @@ from core.feedback.delays import (
     HORIZON_MASS,
     CurrentStep,
     Delay,
+    DelayDensity,
     Density,
     GammaDelay,
     PreviousStep,
@@ -31,6 +31,7 @@ __all__ = [
     "Credit",
     "CurrentStep",
     "Delay",
+    "DelayDensity",
     "Density",
     "GammaDelay",
     "PreviousStep",
@@ -60,7 +61,7 @@ def credit(
     press_ns: int,
     shown_ns: NDArray[np.int64],
     hidden_ns: NDArray[np.int64],
-    delay: Delay,
+    delay: Delay | DelayDensity,
     *,
     steps: NDArray[np.int64] | None = None,
 ) -> Credit:
@@ -71,7 +72,7 @@ def credit(
         shown_ns: when each interval began, shape (n,), ascending. Intervals after the press get nothing.
         hidden_ns: when each ended, shape (n,), not before it began nor after the next one began;
             `STILL_SHOWN_NS` for the last one if it has not ended.
-        delay: density of the delay, or a rule.
+        delay: density of the delay, or a rule. Any object with `cdf` and `horizon_s` is a density.
         steps: number of the step shown in each interval, shape (n,), never falling; a step that was covered for
             a while has several intervals. Each interval is a step of its own when left out.
 
@@ -85,24 +86,22 @@ def credit(
             f"intervals on screen must follow each other: {list(zip(shown_ns, hidden_ns, strict=True))}"
         )
     match delay:
-        case GammaDelay() | UniformDelay():
-            return _credit_by_density(press_ns, shown_ns, hidden_ns, delay)
         case CurrentStep():
             return _credit_current(press_ns, shown_ns, hidden_ns)
         case PreviousStep():
             return _credit_previous(press_ns, shown_ns, hidden_ns, steps)
-        case _:
-            assert_never(delay)
+        case density:
+            return _credit_by_density(press_ns, shown_ns, hidden_ns, density)
 
 
-def _mass_up_to(delay_ns: NDArray[np.int64], density: Density) -> NDArray[np.float64]:
+def _mass_up_to(delay_ns: NDArray[np.int64], density: DelayDensity) -> NDArray[np.float64]:
     """Mass of delays shorter than `delay_ns`; all of it from the horizon on."""
     delay_s = delay_ns / NS_PER_S
     return np.where(delay_s >= density.horizon_s, 1.0, density.cdf(delay_s))
 
 
 def _credit_by_density(
-    press_ns: int, shown_ns: NDArray[np.int64], hidden_ns: NDArray[np.int64], density: Density
+    press_ns: int, shown_ns: NDArray[np.int64], hidden_ns: NDArray[np.int64], density: DelayDensity
 ) -> Credit:
     if len(shown_ns) == 0:
         return Credit(np.zeros(0), before_first=1.0, in_gaps=0.0)

@@ -2,7 +2,7 @@
 
 import math
 from functools import lru_cache
-from typing import TYPE_CHECKING, Annotated, assert_never
+from typing import TYPE_CHECKING, Annotated, Protocol, assert_never
 
 import msgspec
 
@@ -14,6 +14,19 @@ if TYPE_CHECKING:
 
 HORIZON_MASS = 1e-6
 """Mass of a density beyond its horizon; credit takes it to lie at the horizon."""
+
+
+class DelayDensity(Protocol):
+    """What credit needs of a density of the delay; any class that has both can be one (`docs/extending.md`)."""
+
+    @property
+    def horizon_s(self) -> float:
+        """Delay in seconds, > 0, beyond which at most `HORIZON_MASS` is left."""
+        ...
+
+    def cdf(self, delay_s: "ArrayLike") -> "NDArray[np.float64]":
+        """Return the probability of a delay of at most `delay_s` >= 0 seconds, in [0, 1], element by element."""
+        ...
 
 
 class GammaDelay(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="gamma"):

@@ -168,6 +168,57 @@ class PressGate:
         return same[-1] if low_ms * NS_PER_MS <= gap_ns <= high_ms * NS_PER_MS else None
 
 
+class WrongPressPlan:
+    """Says before which feedback the participant is asked for a deliberately wrong press (paper, section 4).
+
+    One number of the stream "wrong-press" is drawn at the start and after each accepted press of the participant.
+    """
+
+    def __init__(self, rate: float, root_seed: int) -> None:
+        """Draw for the first press.
+
+        Args:
+            rate: share of presses that are to be wrong, in [0, 1]; 0 draws nothing.
+            root_seed: of the session, >= 0.
+        """
+        self._rate = rate
+        self._root_seed = root_seed
+        self._draws: Iterator[float] | None = None
+        self._next_is_wrong = self._draw()
+
+    def due(self, gate: PressGate) -> bool:
+        """Return whether to ask now, when a step has been taken; the gate then knows that it was asked."""
+        if not self._next_is_wrong or gate.wrong_asked or gate.presses_left <= 0:
+            return False
+        self.asked(gate)
+        return True
+
+    def asked(self, gate: PressGate) -> None:
+        """Note that the participant has been asked, in a session that goes on: the press is still to be made."""
+        self._next_is_wrong = False
+        gate.wrong_asked = True
+
+    def accepted(self) -> None:
+        """Draw for the press after one that was accepted."""
+        self._next_is_wrong = self._draw()
+
+    def _draw(self) -> bool:
+        if self._rate == 0.0:
+            return False
+        if self._draws is None:
+            self._draws = _uniform_draws(self._root_seed)
+        return next(self._draws) < self._rate
+
+
+def _uniform_draws(root_seed: int) -> Iterator[float]:
+    """Yield the numbers in [0, 1) of the stream that says which presses are asked to be wrong."""
+    from core.numerics.streams import stream  # not at the top: the first picture need not wait for numpy
+
+    rng = stream(root_seed, "wrong-press")
+    while True:
+        yield float(rng.random())
+
+
 def nanoseconds(event_time_s: float) -> int:
     """Return a message's time (seconds of the monotonic clock) in nanoseconds."""
     return round(event_time_s * NS_PER_S)

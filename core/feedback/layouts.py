@@ -62,6 +62,14 @@ _READINGS = _table()
 _AT_Q = {layout.q: layout.name for layout in _LAYOUTS if layout.q}
 
 
+def possible_readings(key: str) -> frozenset[Reading]:
+    """Return all that a key can stand for, whatever was typed before and whatever the participant's language is."""
+    if key in _AT_Q:
+        return frozenset({Reading("q", _AT_Q[key])})
+    reading = None if len(key) != 1 or key.isascii() else KeyReader().read(key)
+    return frozenset() if reading is None else frozenset({reading})
+
+
 class KeyReader:
     """Reads the keys of one keyboard.
 

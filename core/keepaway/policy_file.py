@@ -1,10 +1,15 @@
 """Learned policies on disk: an npz archive with the weights and a header in JSON that says where they come from."""
 
 import io
+import lzma
+import math
+import struct
+import tokenize
 import zipfile
+import zlib
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import msgspec
 import numpy as np
@@ -21,6 +26,26 @@ VERSION: Final = 1
 N_LAST: Final = 500
 """Episodes that the mean duration in a header is taken over."""
 
+
+LARGEST_FILE: Final = 1 << 28
+"""Bytes of a file: 256 MB."""
+LARGEST_HEADER: Final = 1 << 20
+"""Bytes of a header: it has one or two thousand."""
+_UNREADABLE = (
+    ValueError,  # numpy, JSON
+    LookupError,  # a part is missing
+    OSError,  # a place before the archive's beginning
+    EOFError,
+    RuntimeError,  # encrypted; nested too deeply
+    NotImplementedError,  # packed by a method that Python does not know
+    OverflowError,
+    struct.error,
+    zipfile.BadZipFile,
+    zlib.error,
+    lzma.LZMAError,
+    tokenize.TokenError,  # numpy reads an old header
+)
+"""What damaged archives and arrays raise."""
 
 MOST_TILINGS: Final = 128
 """More tilings than these would ask for memory that no machine has."""
@@ -106,25 +131,59 @@ def save_policy(path: Path, policy: SavedPolicy) -> None:
 
 
 def load_policy(path: Path) -> SavedPolicy:
-    """Read a policy.
+    """Read a policy. No more memory is asked for than its header needs, whatever the archive claims to hold.
 
     Raises:
         PolicyFileError: the file is not a policy, or of a version that is not known here.
         OSError: the file cannot be read.
     """
+    too_large = path.stat().st_size > LARGEST_FILE
+    content = b"" if too_large else path.read_bytes()
     try:
-        with np.load(io.BytesIO(path.read_bytes()), allow_pickle=False) as archive:
-            raw, weights = archive["header"].tobytes(), np.asarray(archive["weights"], np.float64)
-    except (ValueError, KeyError, zipfile.BadZipFile, EOFError) as error:
-        raise PolicyFileError(
-            f"{path}: not a policy of Keepaway ({error}); `arl train keepaway --save FILE` makes one"
-        ) from error
-    try:
-        named = msgspec.json.decode(raw, type=dict)
-        if (named.get("format"), named.get("version")) != (FORMAT, VERSION):
-            raise PolicyFileError(
-                f"need {FORMAT!r} of version {VERSION}, got {named.get('format')!r} of version {named.get('version')!r}"
-            )
-        return SavedPolicy(msgspec.json.decode(raw, type=PolicyHeader), weights)
-    except (msgspec.DecodeError, ValueError) as error:
+        if too_large:
+            raise ValueError(f"more than {LARGEST_FILE:,} bytes")
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
+            header = _header(_array(archive, "header", LARGEST_HEADER, np.dtype(np.uint8)).tobytes())
+            _check_size(header)
+            needed = _empty(header).weights.nbytes
+            weights = _array(archive, "weights", needed + LARGEST_HEADER, np.dtype(np.float64))
+        return SavedPolicy(header, weights)
+    except PolicyFileError as error:
         raise PolicyFileError(f"{path}: {error}") from error
+    except (*_UNREADABLE, MemoryError) as error:
+        raise PolicyFileError(
+            f"{path}: not a policy of Keepaway ({type(error).__name__}: {error}); `arl train keepaway --save FILE` "
+            "makes one"
+        ) from error
+
+
+def _array(archive: zipfile.ZipFile, name: str, most_bytes: int, dtype: np.dtype[Any]) -> NDArray[Any]:
+    """Return an array of an archive, of exactly this type, after a look at how large it says it is."""
+    with archive.open(f"{name}.npy") as member:
+        content = member.read(most_bytes + 1)
+    if len(content) > most_bytes:
+        raise ValueError(f"{name} holds more than {most_bytes:,} bytes")
+    file = io.BytesIO(content)
+    version = np.lib.format.read_magic(file)
+    read_header = {
+        (1, 0): np.lib.format.read_array_header_1_0,
+        (2, 0): np.lib.format.read_array_header_2_0,
+    }.get(version)
+    if read_header is None:
+        raise ValueError(f"{name} is of version {version} of numpy's format, expected 1.0 or 2.0")
+    shape, _, found = read_header(file)
+    if found != dtype:
+        raise ValueError(f"{name} is of the type {found}, expected {dtype}")
+    if math.prod(shape) * dtype.itemsize != len(content) - file.tell():
+        raise ValueError(f"{name} says its shape is {shape}, and holds {len(content) - file.tell():,} bytes")
+    file.seek(0)
+    return np.asarray(np.lib.format.read_array(file, allow_pickle=False))
+
+
+def _header(raw: bytes) -> PolicyHeader:
+    named = msgspec.json.decode(raw, type=dict)
+    if (named.get("format"), named.get("version")) != (FORMAT, VERSION):
+        raise PolicyFileError(
+            f"need {FORMAT!r} of version {VERSION}, got {named.get('format')!r} of version {named.get('version')!r}"
+        )
+    return msgspec.json.decode(raw, type=PolicyHeader)

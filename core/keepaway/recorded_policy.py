@@ -10,7 +10,8 @@ from core.keepaway.policy_file import N_LAST, PolicyFileError, PolicyHeader, Sav
 from core.learners.sarsa_config import SarsaConfig
 from core.numerics.clock import S_PER_HOUR
 from core.numerics.tile_coding import from_runs
-from core.recording.reader import Recording, RecordingError, read_recording
+from core.recording.joined import read_session
+from core.recording.reader import Recording, RecordingError
 from core.session.protocol_reading import protocol_from
 
 N_TILINGS = 32
@@ -25,7 +26,7 @@ def recorded_policy(path: Path) -> SavedPolicy:
         OSError: the file cannot be read.
     """
     try:
-        recording = read_recording(path)
+        recording = read_session(path)
         protocol = protocol_from(recording.header.protocol)
     except (RecordingError, ValueError) as error:
         raise PolicyFileError(str(error)) from error

@@ -5,56 +5,38 @@ They are chained anew, so that they read and replay as the originals do.
 
 import re
 from pathlib import Path
-from typing import Any
 
 import msgspec
 
-from core.recording.reader import CHAIN_MARK, Recording, read_recording
-from core.recording.recorder import Chain
-from core.recording.undo import as_recorded
-
-REMOVED = "(date removed)"
-_DATE = re.compile(r"\d{4}-?[01]\d-?[0-3]\d([T ][\d:.]+(Z|[+-]\d\d:?\d\d)?)?")
+from core.recording.anonymise import last_chain, resealed, without_dates
+from core.recording.joined import older_path
+from core.recording.reader import Recording, read_recording
+from core.recording.schema import Resumes
 
 
-def publish_copy(recording: Recording, target: Path) -> None:
+def publish_copy(recording: Recording, target: Path, *, resumes: Resumes | None = None) -> str:
     """Write a copy of a recording whose header names no date; its events are the same, byte by byte.
+
+    `core.recording.anonymise` removes more than dates.
 
     Args:
         recording: as it was read.
         target: the new file; its folder is made where it is missing.
+        resumes: what the copy says that it goes on with: the copy of the older recording.
+
+    Returns:
+        The copy's last chain.
 
     Raises:
         FileExistsError: there is a file at `target` already.
         OSError: it cannot be written.
     """
-    content = as_recorded(recording.path, recording.path.read_bytes()).content
-    lines = [line for line in content.split(b"\n") if line.strip()]
-    n_lines = 1 + len(recording.events) + recording.complete
-    payloads = [line.rpartition(CHAIN_MARK)[0] + b"}" for line in lines[:n_lines]]
-    payloads[0] = _without_dates(payloads[0])
-    chain = Chain()
+    about = {"published": "dates removed, chained anew"}
+    content = resealed(recording, without_dates, lambda event: event, about, resumes=resumes)
     target.parent.mkdir(parents=True, exist_ok=True)
     with target.open("xb") as file:
-        for payload in payloads:
-            file.write(chain.seal(payload))
-
-
-def _without_dates(header: bytes) -> bytes:
-    plain = _removed(msgspec.json.decode(header))
-    plain["source"] = plain.get("source", {}) | {"published": "dates removed, chained anew"}
-    return msgspec.json.encode(plain)
-
-
-def _removed(value: Any) -> Any:
-    """Return plain JSON with every date in a text replaced."""
-    if isinstance(value, str):
-        return _DATE.sub(REMOVED, value)
-    if isinstance(value, dict):
-        return {name: _removed(below) for name, below in value.items()}
-    if isinstance(value, list):
-        return [_removed(below) for below in value]
-    return value
+        file.write(content)
+    return last_chain(content)
 
 
 def publish_folder(paths: list[Path], into: Path) -> list[tuple[Path, Path]]:
@@ -75,10 +57,15 @@ def publish_folder(paths: list[Path], into: Path) -> list[tuple[Path, Path]]:
     recordings = sorted(map(read_recording, paths), key=lambda found: (found.header.created_utc, found.path))
     numbers: dict[str, int] = {}
     copies = []
+    published: dict[Path, tuple[str, str]] = {}
     for recording in recordings:
-        code = re.sub(r"[^\w-]", "_", recording.header.participant)
+        code = re.sub(r"[^\w-]", "_", recording.header.participant)[:40]
         numbers[code] = numbers.get(code, 0) + 1
         target = into / f"{code}-{numbers[code]}.jsonl"
-        publish_copy(recording, target)
+        resumes = recording.header.resumes
+        if resumes is not None and (older := older_path(recording.path, resumes)) in published:
+            name, chain = published[older]
+            resumes = msgspec.structs.replace(resumes, file=name, chain=chain)
+        published[recording.path] = target.name, publish_copy(recording, target, resumes=resumes)
         copies.append((recording.path, target))
     return copies

@@ -1,9 +1,10 @@
 """Read a recording back, check every line, and say exactly where one is wrong."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import msgspec
 
@@ -19,6 +20,9 @@ CHAIN_MARK = b',"chain":"'
 _HEADER_MARK = b'{"type":"header"'
 _VERSION_SAID = re.compile(rb'"version":\d+')
 TAKE_THE_ORIGINAL = "Take the unchanged file, from a backup or from where it was copied"
+
+LONGEST_LINE = 1 << 26
+"""Bytes of a line. The longest of a session is the one with all that was learned, some megabytes of weights."""
 
 _decoder = msgspec.json.Decoder(Line)
 _decoder_1 = msgspec.json.Decoder(version_1.Changed)
@@ -47,6 +51,25 @@ class Recording:
     """What stands behind the last whole line: the one that was being written when the session was cut off."""
     notes: tuple[str, ...] = ()
     """What is unusual about the file and was put right while reading, in plain sentences."""
+    chain: str = ""
+    """Chain of the last whole line, hex: no other content has the same."""
+    older: tuple[Path, ...] = ()
+    """Older recordings whose events come first, where a session was resumed (`core.recording.joined`)."""
+    empty_lines: tuple[int, ...] = ()
+    """Numbers of the lines that hold nothing, from 1, ascending."""
+    steps_left_out: int = 0
+    """Steps that were counted and are not among `events` (`core.recording.skim`)."""
+    signature: str = ""
+    """In the end line, hex; "" where there is none."""
+    signed: bytes = b""
+    """What the signature is about (`core.recording.recorder.Chain.to_sign`)."""
+
+    def line_of(self, index: int) -> int:
+        """Return the number of the line, from 1, on which event number `index`, from 0, stands."""
+        line = index + 2
+        for empty in self.empty_lines:
+            line += empty <= line
+        return line
 
     @property
     def inputs(self) -> tuple[Input, ...]:
@@ -78,12 +101,14 @@ def read_recording(path: Path, *, allow_truncated: bool = True) -> Recording:
             f"{path}: a folder, not a recording: name a file in it, or list them: `arl recordings`"
         )
     found = as_recorded(path, path.read_bytes())
+    reading, undone = _Reading(path, found.content, list(found.notes)), found.notes
+    del found  # the content of a long session is let go while it is read
     try:
-        return _Reading(path, found.content, list(found.notes)).read(allow_truncated=allow_truncated)
+        return reading.read(allow_truncated=allow_truncated)
     except RecordingError as error:
-        if not found.notes:
+        if not undone:
             raise
-        raise RecordingError(f"{error} (Besides, {'; '.join(found.notes)}.)") from error
+        raise RecordingError(f"{error} (Besides, {'; '.join(undone)}.)") from error
 
 
 class _Reading:
@@ -94,52 +119,97 @@ class _Reading:
         self._content = content
         self._notes = notes
         self._chain = Chain()
+        self._last_chain = ""
+        self._blank: tuple[int, ...] = ()  # numbers of empty lines, ascending
+        self._numbers: list[int] = []  # of the other lines, where there are empty ones
+        self._n_line_ends = 0
 
     def read(self, *, allow_truncated: bool) -> Recording:
         lines, tail = self._lines()
-        header = self._header(lines[0][1])
+        n_lines = len(lines)
+        # From the last to the first, so that each can be let go when it has been read.
+        lines.reverse()
+        header = self._header(lines.pop())
         events: list[Event] = []
         end: End | None = None
-        for number, line in lines[1:]:
+        signed = b""
+        while lines:
+            number = self._number(n_lines - len(lines))
             if end is not None:
                 raise self._wrong(
                     number,
                     "there is a line behind the end line; was something appended? Keep the first "
                     f"{number - 1} lines",
                 )
-            record = self._decode(number, line, header.version)
+            signed = b"" if len(lines) > 1 else self._chain.to_sign(len(events))
+            record = self._decode(number, lines.pop(), header.version)
             assert not isinstance(record, Header), "a second header was looked for before"
             if isinstance(record, End):
                 end = record
             else:
                 events.append(record)
         tail = self._about_tail(tail, end)
-        self._check_end(lines[-1][0], events, end, allow_truncated=allow_truncated)
+        self._check_end(self._number(n_lines - 1), events, end, allow_truncated=allow_truncated)
         if header.version == 1:
             header = msgspec.structs.replace(header, protocol=version_1.with_schedules(header.protocol))
-        return Recording(self._path, header, tuple(events), end is not None, tail, tuple(self._notes))
+        return Recording(
+            self._path,
+            header,
+            tuple(events),
+            end is not None,
+            tail,
+            tuple(self._notes),
+            empty_lines=self._blank,
+            signature="" if end is None else end.signature,
+            signed=signed,
+            chain=self._last_chain,
+        )
 
     def _wrong(self, number: int, what: str) -> RecordingError:
         return RecordingError(f"{self._path}:{number}: {what}")
 
-    def _lines(self) -> tuple[list[tuple[int, bytes]], bytes]:
-        """Return the whole lines with their numbers, from 1, and what stands behind the last one."""
-        whole, newline, tail = self._content.rpartition(b"\n")
-        lines = list(enumerate(whole.split(b"\n") if newline else [], start=1))
+    def _number(self, place: int) -> int:
+        """Return the number, from 1, of a line that is not empty, by its place among those, from 0."""
+        return self._numbers[place] if self._numbers else place + 1
+
+    def _lines(self) -> tuple[list[bytes], bytes]:
+        """Return the whole lines that are not empty, and what stands behind the last one."""
+        self._check_lengths()
+        self._n_line_ends = self._content.count(b"\n")
+        lines = self._content.split(b"\n")
+        tail = lines.pop()
         if tail.endswith(b'"}') and CHAIN_MARK in tail[-CHAIN_DIGITS - 16 :]:
             # A whole line; if it is not, its chain says so.
             self._notes.append(
                 "the line end behind the last line is missing; an editor may have taken it away"
             )
-            lines.append((len(lines) + 1, tail))
+            lines.append(tail)
             tail = b""
-        blank = [number for number, line in lines if not line.strip()]
-        if blank:
-            self._notes.append(f"{_these_lines(blank)} empty, which no recording is; left out")
-            lines = [(number, line) for number, line in lines if line.strip()]
+        self._blank = tuple(number for number, line in enumerate(lines, start=1) if not line.strip())
+        if self._blank:
+            self._notes.append(f"{_these_lines(self._blank)} empty, which no recording is; left out")
+            self._numbers = [number for number, line in enumerate(lines, start=1) if line.strip()]
+            lines = [line for line in lines if line.strip()]
         if not lines:
             raise self._wrong(1, self._no_line())
+        self._content = b""
         return self._once(lines), tail
+
+    def _check_lengths(self) -> None:
+        """Refuse a line that no session writes before it is copied."""
+        if len(self._content) <= LONGEST_LINE:
+            return
+        start, number = 0, 1
+        while start < len(self._content):
+            end = self._content.find(b"\n", start)
+            end = len(self._content) if end < 0 else end
+            if end - start > LONGEST_LINE:
+                raise self._wrong(
+                    number,
+                    f"a line of {end - start:,} bytes; a session writes none of more than {LONGEST_LINE:,}. "
+                    f"{TAKE_THE_ORIGINAL}",
+                )
+            start, number = end + 1, number + 1
 
     def _no_line(self) -> str:
         if self._content.startswith(_HEADER_MARK):
@@ -149,20 +219,19 @@ class _Reading:
             )
         return f"not a recording: it holds no whole line. {_looks_like(self._content)}"
 
-    def _once(self, lines: list[tuple[int, bytes]]) -> list[tuple[int, bytes]]:
+    def _once(self, texts: list[bytes]) -> list[bytes]:
         """Return the lines of the first copy where a file holds the same recording several times."""
-        texts = [line for _, line in lines]
         second = next((n for n, text in enumerate(texts) if n and text.startswith(_HEADER_MARK)), None)
         if second is None:
-            return lines
-        number = lines[second][0]
+            return texts
+        number = self._number(second)
         if all(text == texts[n % second] for n, text in enumerate(texts)):
             times = "twice" if len(texts) == 2 * second else f"{len(texts) / second:.1f} times"
             self._notes.append(
                 f"the file holds the same recording {times} (joined or appended); it was read once: "
                 f"lines 1 to {number - 1}"
             )
-            return lines[:second]
+            return texts[:second]
         raise self._wrong(
             number,
             "a second header: two recordings were joined. Split them before this line: `head -n "
@@ -171,10 +240,7 @@ class _Reading:
         )
 
     def _header(self, line: bytes) -> Header:
-        try:
-            plain = msgspec.json.decode(line)
-        except (msgspec.DecodeError, UnicodeDecodeError):
-            plain = None
+        plain = _plain(line)
         if not isinstance(plain, Mapping) or plain.get("type") != "header" or plain.get("format") != FORMAT:
             raise self._wrong(
                 1, f"not a recording: its first line is no {FORMAT} header. {_looks_like(line)}"
@@ -213,8 +279,13 @@ class _Reading:
         payload += b"}"
         if self._chain.advance(payload) != rest[:CHAIN_DIGITS]:
             raise self._wrong(number, _broken(number, payload, rest[:CHAIN_DIGITS]))
+        self._last_chain = rest[:CHAIN_DIGITS].decode()
         try:
-            return _record(payload, version)
+            return record_of(payload, version)
+        except RecursionError as error:
+            raise self._wrong(
+                number, f"values in values in values, too deep to be read; the line begins {payload[:80]!r}"
+            ) from error
         except (msgspec.DecodeError, ValueError) as error:
             raise self._wrong(number, f"{error}; the line begins {payload[:80]!r}") from error
 
@@ -224,7 +295,7 @@ class _Reading:
             return b""
         if end is not None:
             raise self._wrong(
-                self._content.count(b"\n") + 1,
+                self._n_line_ends + 1,
                 f"behind the end line stands {tail[:40]!r}; was something appended? Take it away",
             )
         self._notes.append(
@@ -247,7 +318,7 @@ class _Reading:
             )
 
 
-def _record(payload: bytes, version: int) -> Line:
+def record_of(payload: bytes, version: int) -> Line:
     """Return what a line of a file of this version says, in today's terms.
 
     Raises:
@@ -268,6 +339,22 @@ def _record(payload: bytes, version: int) -> Line:
             ) from error
         raise
     return record
+
+
+def line_of_file(line: bytes, version: int) -> Line:
+    """Return what one sealed line of a recording says, without a check of its chain.
+
+    Args:
+        line: a whole line with its chain, without the line end.
+        version: of the format, as the header says it.
+
+    Raises:
+        ValueError: it is no line of this version.
+    """
+    payload, mark, _ = line.rpartition(CHAIN_MARK)
+    if not mark:
+        raise ValueError(f"the line does not end with its chain; found {line[-40:]!r}")
+    return record_of(payload + b"}", version)
 
 
 def _broken(number: int, payload: bytes, digits: bytes) -> str:
@@ -292,7 +379,7 @@ def _broken(number: int, payload: bytes, digits: bytes) -> str:
     )
 
 
-def _these_lines(numbers: list[int]) -> str:
+def _these_lines(numbers: Sequence[int]) -> str:
     """Return "line 3 is", "lines 3 and 7 are" or "5 lines, from line 3 on, are"."""
     if len(numbers) == 1:
         return f"line {numbers[0]} is"
@@ -301,12 +388,17 @@ def _these_lines(numbers: list[int]) -> str:
     return f"{len(numbers)} lines, from line {numbers[0]} on, are"
 
 
+def _plain(line: bytes) -> Any:
+    """Return what a line of JSON says; None where it is none."""
+    try:
+        return msgspec.json.decode(line)
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
+        return None
+
+
 def _looks_like(content: bytes) -> str:
     """Say in a sentence what a file of another kind seems to be, and what to do with it."""
-    try:
-        plain = msgspec.json.decode(content.splitlines()[0] if content.splitlines() else b"")
-    except (msgspec.DecodeError, UnicodeDecodeError):
-        plain = None
+    plain = _plain(content.partition(b"\n")[0].partition(b"\r")[0])
     if isinstance(plain, Mapping):
         kind = plain.get("format")
         if kind == "arl-reaction-times":

@@ -11,7 +11,7 @@ import os
 import queue
 import threading
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -39,6 +39,10 @@ class Chain:
         """Return the line for `payload` (a JSON object): with its chain and a newline."""
         return payload[:-1] + b',"chain":"' + self.advance(payload) + b'"}\n'
 
+    def to_sign(self, events: int) -> bytes:
+        """Return what is signed: the hash of all lines so far, and how many events there are."""
+        return b"arl-recording %d events " % events + self._hash.digest()
+
     def advance(self, payload: bytes) -> bytes:
         """Take in `payload` and return the chain's digits after it."""
         self._hash.update(payload)
@@ -48,10 +52,15 @@ class Chain:
 class LineWriter:
     """Append sealed lines to a new file, in the caller's thread."""
 
-    def __init__(self, path: Path, header: Header) -> None:
+    def __init__(self, path: Path, header: Header, *, sign: Callable[[bytes], bytes] | None = None) -> None:
         """Create a new file that only its owner can read; an existing one is never touched.
 
         Its header says the present version of the format.
+
+        Args:
+            path: of the new file.
+            header: its first line.
+            sign: returns the signature of a message; None leaves the recording unsigned.
 
         Raises:
             FileExistsError: there is a file at `path` already.
@@ -61,6 +70,7 @@ class LineWriter:
         self.path = path
         self._file: BinaryIO = create_private(path)
         self._chain = Chain()
+        self._sign = sign
         self._events = 0
         self._length = 0
         try:
@@ -126,7 +136,8 @@ class LineWriter:
 
     def finish(self) -> None:
         """Append the end line, without waiting for the disk to confirm it."""
-        self._append(End(events=self._events))
+        signature = b"" if self._sign is None else self._sign(self._chain.to_sign(self._events))
+        self._append(End(events=self._events, signature=signature.hex()))
 
     def close(self) -> None:
         """Append the end line, wait until everything is on the disk, and close."""
@@ -148,6 +159,30 @@ class LineWriter:
             os.ftruncate(self._file.fileno(), self._length)
             raise
         self._length += len(sealed)
+
+
+def write_recording(path: Path, header: Header, events: Iterable[Event]) -> None:
+    """Write a recording that is all there already: the whole file, or none.
+
+    Args:
+        path: of the new file.
+        header: its first line.
+        events: in order.
+
+    Raises:
+        FileExistsError: there is a file at `path` already; it is not touched.
+        OSError: the file cannot be written.
+    """
+    encode(header)  # what cannot be encoded must not leave a file behind
+    writer = LineWriter(path, header)
+    try:
+        for event in events:
+            writer.append(event)
+        writer.close()
+    except BaseException:
+        writer.abandon()
+        path.unlink(missing_ok=True)
+        raise
 
 
 def is_durable(event: Event) -> bool:
@@ -183,6 +218,7 @@ class Recorder:
         *,
         on_news: Callable[[], None] = lambda: None,
         clock: Clock | None = None,
+        sign: Callable[[bytes], bytes] | None = None,
     ) -> None:
         """Create the file and start the threads.
 
@@ -191,6 +227,7 @@ class Recorder:
             header: its first line.
             on_news: called when events have been written, and when the disk has failed; in another thread.
             clock: tells how long the disk takes.
+            sign: returns the signature of a message; None leaves the recording unsigned.
 
         Raises:
             FileExistsError: there is a file at `path` already.
@@ -204,7 +241,7 @@ class Recorder:
         self.synced = 0
         self._on_news = on_news
         self._clock = clock or MonotonicClock()
-        self._writer = LineWriter(path, header)
+        self._writer = LineWriter(path, header, sign=sign)
         self._queue: queue.SimpleQueue[Event | None] = queue.SimpleQueue()
         self._pending: deque[Event] = deque()
         self._change = threading.Condition()

@@ -19,6 +19,23 @@ FIRST_GAME = "tetris"
 """The game of protocols that name none: recordings made before there was a second game do not."""
 
 
+class Resumes(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Which recording a resumed session goes on with, and how much of it belongs to the session."""
+
+    file: str
+    """Name of the older recording, in the same folder."""
+    chain: str
+    """Its last chain: 16 hex digits that no other content has."""
+    inputs: int
+    """The session's first inputs, so many, are those of the older recording; its later ones belong to a game that
+    was broken off."""
+    outputs: int
+    """The same of its outputs."""
+    shift_ns: int
+    """Added to every time of the older recording, <= 0: so it ends before this one begins, also where the computer was
+    switched off in between and its clock began again."""
+
+
 class Header(Record, frozen=True, kw_only=True, omit_defaults=False, tag="header"):
     """First line: what was run, by which program, with whom, on which terminal."""
 
@@ -44,13 +61,20 @@ class Header(Record, frozen=True, kw_only=True, omit_defaults=False, tag="header
     departures: list[str] = msgspec.field(default_factory=list)
     """Where this configuration departs from the paper, in words."""
     source: dict[str, str] = msgspec.field(default_factory=dict)
-    """Where an imported recording comes from; what a resumed one continues."""
+    """Where an imported recording comes from; where the credit rule of a live one comes from."""
+    study: dict[str, str] = msgspec.field(default_factory=dict)
+    """Where the session belongs in a study: its name, version and hash, place, order, sitting, step, condition. Empty
+    outside of studies."""
+    resumes: Resumes | None = None
+    """What a resumed session goes on with (`core.recording.joined`); None: it begins with this file."""
 
     def __post_init__(self) -> None:
         if not 1 <= self.version <= VERSION:
             raise ValueError(
                 f"version {self.version} of the format; this program reads versions 1 to {VERSION}"
             )
+        if self.root_seed < 0:
+            raise ValueError(f"root_seed is >= 0, got {self.root_seed}")
 
 
 class End(Record, frozen=True, kw_only=True, tag="end"):
@@ -58,6 +82,8 @@ class End(Record, frozen=True, kw_only=True, tag="end"):
 
     events: int
     """Number of lines between the header and this one."""
+    signature: str = ""
+    """Ed25519 signature of all lines before, hex (`core.recording.signature`); "" where there is none."""
 
 
 Line = Header | Event | End

@@ -17,7 +17,8 @@ from core.events import (
     TimeGap,
 )
 from core.recording.reader import Recording
-from core.recording.schema import FIRST_GAME
+from core.recording.schema import FIRST_GAME, Header
+from core.recording.upgrade import recorded_version
 
 HAS_REASONS = 2
 """First version that tells a closed window, a signal and a full disk from a participant's stop."""
@@ -30,6 +31,7 @@ _STOPS: dict[StopReason, str] = {
     "signal": "stopped by a signal",
     "worker-died": "worker died",
     "time-limit": "time limit reached",
+    "practised": "both keys were practised",
     "disk-failed": "disk failed: the recording could not be written any more",
 }
 _V1_STOP = " (or window closed, signal, disk full: version 1 does not tell)"
@@ -68,7 +70,7 @@ def ending_of(recording: Recording) -> Ending:
 
 def _stop_words(recording: Recording, stop: StopAsked, *, last_word: bool) -> str:
     words = _STOPS[stop.reason]
-    if stop.reason == "participant" and recording.header.version < HAS_REASONS:
+    if stop.reason == "participant" and recorded_version(recording.header) < HAS_REASONS:
         words += _V1_STOP
     if not last_word and stop.reason != "worker-died":
         words += ", and the worker gave no answer"
@@ -140,18 +142,26 @@ def summarise_recording(recording: Recording) -> RecordingSummary:
     return RecordingSummary(
         game=_game(protocol),
         protocol=str(protocol.get("name", "default")),
-        condition=str(recording.header.source.get("condition", protocol.get("condition", ""))),
+        condition=condition_of(recording.header),
         games_finished=_finished(recording),
         games_begun=_count(recording, EpisodeStarted),
         games_planned=None if imported else _planned(protocol),
-        steps=_count(recording, StepTaken),
+        steps=_count(recording, StepTaken) + recording.steps_left_out,
         presses_counted=len(counted),
         presses_simulated=sum(press.source == "simulated" for press in counted),
         presses_taken_back=len(taken_back & presses.keys()),
-        gaps=_count(recording, TimeGap),
+        gaps=sum(isinstance(event, TimeGap) and not event.joint for event in recording.events),
         focus_lost=_count(recording, FocusLost),
         ending=ending_of(recording),
     )
+
+
+def condition_of(header: Header) -> str:
+    """Return the study's condition of a session; "" where there is none."""
+    for said in (header.study, header.source, header.protocol):
+        if said.get("condition"):
+            return str(said["condition"])
+    return ""
 
 
 def _count(recording: Recording, kind: type) -> int:

@@ -12,6 +12,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
+MOST_UNPACKED = 1 << 29
+"""Bytes that are unpacked of a compressed file: two hours of a session are a tenth of it."""
+
 
 class RecordingError(Exception):
     """A recording cannot be used; the message says where, what came, what was expected, what to do."""
@@ -35,7 +38,7 @@ class _Unpacker(Protocol):
     @property
     def unused_data(self) -> bytes: ...
 
-    def decompress(self, data: bytes, /) -> bytes: ...
+    def decompress(self, data: bytes, max_length: int, /) -> bytes: ...
 
 
 def _gzip() -> _Unpacker:
@@ -99,14 +102,19 @@ def _unpack(
     """Return what a compressed file holds, all of its parts, and whether its end is missing."""
     unpacker, unpacked = new_unpacker(), b""
     try:
-        unpacked = unpacker.decompress(content)
-        while unpacker.eof and unpacker.unused_data.startswith(magic):
+        unpacked = unpacker.decompress(content, MOST_UNPACKED + 1)
+        while unpacker.eof and unpacker.unused_data.startswith(magic) and len(unpacked) <= MOST_UNPACKED:
             rest, unpacker = unpacker.unused_data, new_unpacker()
-            unpacked += unpacker.decompress(rest)
+            unpacked += unpacker.decompress(rest, MOST_UNPACKED + 1 - len(unpacked))
     except (zlib.error, OSError, lzma.LZMAError) as error:
         raise RecordingError(
             f"{path}: the file is compressed ({name}) and damaged: {error}. Take the original again"
         ) from error
+    if len(unpacked) > MOST_UNPACKED:
+        raise RecordingError(
+            f"{path}: the file is compressed ({name}) and holds more than {MOST_UNPACKED:,} bytes, more than any "
+            "session records. If it is one, unpack it, and name the unpacked file"
+        )
     if unpacker.eof and unpacker.unused_data.strip(b"\0"):
         raise RecordingError(
             f"{path}: behind the compressed recording ({name}) stand {len(unpacker.unused_data)} more "

@@ -18,8 +18,13 @@ class ProtocolError(ValueError):
     """A protocol file cannot be used; the message names file, line, place and reason."""
 
 
-def read_toml(path: Path) -> tuple[str, dict[str, Any]]:
+def read_toml(path: Path, *, what: str = "a protocol", advice: str = HELP) -> tuple[str, dict[str, Any]]:
     """Return the text of a TOML file and what it says.
+
+    Args:
+        path: of the file.
+        what: the file is to be, for messages.
+        advice: where to read about its keys.
 
     Raises:
         ProtocolError: the file is not UTF-8, not TOML, or too large.
@@ -29,7 +34,7 @@ def read_toml(path: Path) -> tuple[str, dict[str, Any]]:
         content = file.read(LARGEST_BYTES + 1)
     name = printable(str(path))
     if len(content) > LARGEST_BYTES:
-        raise ProtocolError(f"{name}: a protocol has at most {LARGEST_BYTES} bytes, this file has more")
+        raise ProtocolError(f"{name}: {what} has at most {LARGEST_BYTES} bytes, this file has more")
     text = _decoded(name, content)
     try:
         return text, tomllib.loads(text)
@@ -37,9 +42,9 @@ def read_toml(path: Path) -> tuple[str, dict[str, Any]]:
         reason, _, place = str(error).partition(" (at line ")
         number = re.match(r"\d+", place)
         line = f"{number[0]}: " if number else " "
-        raise ProtocolError(f"{name}:{line}not a TOML file: {printable(reason)}. {HELP}") from error
+        raise ProtocolError(f"{name}:{line}not a TOML file: {printable(reason)}. {advice}") from error
     except RecursionError as error:
-        raise ProtocolError(f"{name}: not a protocol: lists or tables lie too deep in each other") from error
+        raise ProtocolError(f"{name}: not {what}: lists or tables lie too deep in each other") from error
 
 
 def _decoded(name: str, content: bytes) -> str:
@@ -59,13 +64,14 @@ def _decoded(name: str, content: bytes) -> str:
     )
 
 
-def located(path: Path, text: str, problems: Sequence[Problem]) -> str:
+def located(path: Path, text: str, problems: Sequence[Problem], *, advice: str = HELP) -> str:
     """Return the problems with file and line, one a line, and where to read about the settings.
 
     Args:
         path: of the file.
         text: of the file.
         problems: what is wrong with it.
+        advice: last line; where to read about the settings.
     """
     found = places(text)
     name = printable(str(path))
@@ -73,4 +79,4 @@ def located(path: Path, text: str, problems: Sequence[Problem]) -> str:
     for problem in sorted(problems, key=lambda each: line_of(each.path, found) or 0):
         line = line_of(problem.path, found)
         lines.append(f"{name}:{line}: {problem}" if line else f"{name}: {problem}")
-    return "\n".join([*lines, HELP])
+    return "\n".join([*lines, *([advice] if advice else [])])

@@ -1,6 +1,8 @@
 """Replay: run a session again from its recording alone, and compare every output."""
 
-from collections.abc import Iterable, Iterator, Sequence
+import itertools
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import msgspec
@@ -9,7 +11,12 @@ from core.events import CreditGiven, Input, Output, SessionEnded
 from core.numerics.clock import ManualClock
 from core.recording.reader import Recording, RecordingError
 from core.recording.version_1 import as_far_as_recorded
+from core.session.inputs import check_inputs
+from core.session.protocol_reading import protocol_from
 from core.session.session import Session
+
+TOLD_EVERY = 1000
+"""Outputs between two words about progress."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,32 +49,56 @@ class Recorded:
 
     def __init__(self, inputs: Sequence[Input]) -> None:
         self._inputs = inputs
-        self._given = 0
+        self.given = 0
+        """How many inputs have been given out: the last of them is being acted on."""
         self.taken_before_next_output = 0
         """How many inputs had been taken in before the next output: set by whoever drives the replay."""
 
-    def during(self, step: int) -> Iterable[Input]:
-        """Return the inputs that were taken in at this point of the session."""
-        upto = max(self.taken_before_next_output, self._given)
-        given, self._given = self._inputs[self._given : upto], upto
-        return given
+    def during(self, step: int) -> Iterator[Input]:
+        """Yield the inputs that were taken in at this point of the session."""
+        while self.given < min(self.taken_before_next_output, len(self._inputs)):
+            self.given += 1
+            yield self._inputs[self.given - 1]
 
 
-def replay_exactly(recording: Recording, session: Session) -> ReplayResult:
+@contextmanager
+def naming_the_input(recording: Recording, source: Recorded) -> Iterator[None]:
+    """Turn what stops a session into the error of a recording, with the line of the input that was acted on.
+
+    Raises:
+        RecordingError: an input makes no sense where it stands; instead of the error that it led to.
+    """
+    try:
+        yield
+    except (ValueError, LookupError, ArithmeticError) as error:
+        places = (n for n, event in enumerate(recording.events) if isinstance(event, Input))
+        place = next(itertools.islice(places, max(source.given - 1, 0), None), 0)
+        raise RecordingError(
+            f"{recording.path}:{recording.line_of(place)}: no session can go on from this input: "
+            f"{type(error).__name__}: {error}. The file was changed after it was recorded, or another program wrote it"
+        ) from error
+
+
+def replay_exactly(
+    recording: Recording, session: Session, *, on_progress: Callable[[int], None] = lambda events: None
+) -> ReplayResult:
     """Run `session` with the recording as clock and participant, and compare.
 
     Args:
         recording: a live or simulated session. One that was cut off, or whose agent died, is replayed up to there.
         session: a new session built from the recording's own protocol and root seed.
+        on_progress: called with how many outputs were compared since the last call, about `TOLD_EVERY`.
 
     Raises:
-        RecordingError: the recording was imported, so there is nothing to run again.
+        RecordingError: the recording was imported, so there is nothing to run again; or an input cannot have happened
+            where it stands (`core.session.inputs`).
     """
     if recording.header.origin == "imported":
         raise RecordingError(
             f"{recording.path}: imported from {recording.header.source.get('format', 'elsewhere')}: its agent cannot be "
             "run again. Ask what other credit rules and schemes would have learned from it: --credit RULE"
         )
+    check_inputs(recording, protocol_from(recording.header.protocol).keys)
     compared = 0
     for recorded, replayed in _run_both(recording, session):
         if recorded is None and replayed is None:
@@ -75,29 +106,44 @@ def replay_exactly(recording: Recording, session: Session) -> ReplayResult:
         if recorded is not None and replayed is not None:
             replayed = as_far_as_recorded(recorded, replayed)
         if recorded != replayed:
-            return ReplayResult(compared, _first_difference(compared, recorded, replayed))
+            return ReplayResult(compared, first_difference(compared, recorded, replayed))
         compared += 1
+        if compared % TOLD_EVERY == 0:
+            on_progress(TOLD_EVERY)
     return ReplayResult(compared, None)
 
 
 def _run_both(recording: Recording, session: Session) -> Iterator[tuple[Output | None, Output | None]]:
-    """Yield recorded and replayed outputs side by side; None where one of the two has ended."""
-    outputs = recording.outputs
-    source, clock = Recorded(recording.inputs), ManualClock()
+    """Yield recorded and replayed outputs side by side; None where one of the two has ended.
+
+    Where the file ends while presses were being credited, it is not known what had been taken in: those are left out.
+    """
+    # A resumed session's older part may have been shifted to times before zero.
+    outputs = (event for event in recording.events if isinstance(event, Output))
+    first_ns = next((output.time_ns for output in outputs if not isinstance(output, CreditGiven)), 0)
+    source, clock = Recorded(recording.inputs), ManualClock(first_ns)
     run = session.run(source, clock)
-    for number, recorded in enumerate(outputs):
-        timed = next((output for output in outputs[number:] if not isinstance(output, CreditGiven)), None)
-        if timed is not None:
-            source.taken_before_next_output = timed.inputs
-            clock.advance_to_ns(timed.time_ns)
-        else:
-            return  # cut off while presses were being credited: what had been taken in is not known
-        yield recorded, next(run, None)
-    if outputs and isinstance(outputs[-1], SessionEnded):
-        yield None, next(run, None)
+    credited: list[CreditGiven] = []
+    last: Output | None = None
+    with naming_the_input(recording, source):
+        for event in recording.events:
+            if not isinstance(event, Output):
+                continue
+            last = event
+            if isinstance(event, CreditGiven):
+                credited.append(event)
+                continue
+            source.taken_before_next_output = event.inputs
+            clock.advance_to_ns(event.time_ns)
+            for recorded in (*credited, event):
+                yield recorded, next(run, None)
+            credited.clear()
+        if isinstance(last, SessionEnded):
+            yield None, next(run, None)
 
 
-def _first_difference(number: int, recorded: Output | None, replayed: Output | None) -> Difference:
+def first_difference(number: int, recorded: Output | None, replayed: Output | None) -> Difference:
+    """Return in which field two outputs that are not equal differ."""
     if recorded is None or replayed is None or type(recorded) is not type(replayed):
         return Difference(number, "type", type(recorded).__name__, type(replayed).__name__)
     before, now = msgspec.structs.asdict(recorded), msgspec.structs.asdict(replayed)

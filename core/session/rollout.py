@@ -169,7 +169,8 @@ class FeedbackIntake:
                 self._listener.interrupted(last_ns)
                 self._on_screen = -1
             case KeyPressed(verdict="accepted", press=press, time_ns=time_ns, value=value, person=person):
-                assert value is not None, "an accepted press means something"
+                if value is None:
+                    raise ValueError(f"press {press} was accepted, and means nothing: its value is null")
                 yield self._listener.learn_from_press(press, time_ns, value, person)
             case PressRetracted(press=press):
                 self._listener.retract(press)
@@ -184,6 +185,8 @@ class FeedbackIntake:
         if self._on_screen >= 0:
             self._listener.step_hidden(time_ns)
         if step >= 0:
+            if step not in self._features:
+                raise ValueError(f"step {step} is shown, which is none of the last two steps taken")
             self._listener.step_shown(step, self._features[step], time_ns)
         self._on_screen = step
 
@@ -223,7 +226,7 @@ def play_episode(
         w_r=weights.w_r,
         trust=plan.policy.trust,
         weight=weights.w_h,
-        share=weights.share,
+        share=weights.handover,
         shaping=weights.shaping,
         augmentation=weights.augmentation,
     )

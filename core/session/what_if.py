@@ -11,7 +11,7 @@ from typing import Any
 
 import msgspec
 
-from core.combination.agent import ArlAgent, EpisodePolicy
+from core.combination.agent import ArlAgent, Decision, EpisodePolicy
 from core.combination.human_learner import HumanLearner
 from core.combination.tally import AGREED, AGREED_WORST, EpisodeTally
 from core.domain import Choices, Domain, Features
@@ -30,9 +30,10 @@ from core.events import (
 from core.numerics.streams import stream_seed
 from core.recording.reader import Recording, RecordingError
 from core.registry import Player, game_of
+from core.session.inputs import check_inputs
 from core.session.protocol import Protocol
 from core.session.protocol_reading import protocol_from
-from core.session.replay import Recorded
+from core.session.replay import Recorded, naming_the_input
 from core.session.rollout import FeedbackIntake, Played
 
 
@@ -44,6 +45,10 @@ class WatchedStep:
     choices: Choices
     taken: Features
     """psi(s, a) of the action that was taken, shape (G,); NaN where the recording does not tell."""
+
+
+OnDecision = Callable[[ArlAgent, WatchedStep, EpisodePolicy, Decision, int], None]
+"""Is called after each decision of an agent at a watched step; last comes the number of the decision in its episode."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,10 +75,15 @@ def watched_steps(recording: Recording, protocol: Protocol) -> dict[int, Watched
     """Return every watched step by its number, with the features that `protocol` asks for.
 
     Raises:
-        RecordingError: the protocol is about another game; or a step's state was not recorded, and the game plays
-            otherwise now than it did then.
+        RecordingError: the protocol is about another game; a step's state was not recorded, and the game plays
+            otherwise now than it did then; or an input cannot have happened where it stands.
     """
-    recorded = protocol_from(recording.header.protocol).game
+    try:
+        own = protocol_from(recording.header.protocol)
+    except ValueError as error:
+        raise RecordingError(f"{recording.path}:1: the protocol cannot be used: {error}") from error
+    check_inputs(recording, own.keys)
+    recorded = own.game
     if recorded != protocol.game:
         raise RecordingError(
             f"{recording.path}: a recording of {recorded}, and the protocol is about {protocol.game}"
@@ -102,16 +112,16 @@ def watched_steps(recording: Recording, protocol: Protocol) -> dict[int, Watched
             case StepTaken():
                 try:
                     steps[output.step] = WatchedStep(output.step, *game.recorded(domain, output))
-                except ValueError as error:
+                except (ValueError, LookupError, ArithmeticError) as error:
                     raise RecordingError(
-                        f"{recording.path}: {error}: is the protocol's game of another size?"
+                        f"{recording.path}: step {output.step}: {error}: is the protocol's game of another size?"
                     ) from error
     return steps
 
 
 def _could_be(taken: StepTaken, choices: Choices, domain: Domain[Any], state: Any) -> bool:
     """Return whether a recorded step can be one of these choices in this state."""
-    return taken.action < len(choices.ruled_out) and domain.detail(state, taken.action) == taken.detail
+    return 0 <= taken.action < len(choices.ruled_out) and domain.detail(state, taken.action) == taken.detail
 
 
 def relearn(
@@ -120,6 +130,7 @@ def relearn(
     steps: dict[int, WatchedStep],
     *,
     root_seed: int,
+    on_decision: OnDecision | None = None,
 ) -> Relearned:
     """Let a new agent live through a recording.
 
@@ -128,6 +139,7 @@ def relearn(
         protocol: the agent's own protocol; its credit, scheme, trust and human model may differ from the recorded.
         steps: from `watched_steps` with the same protocol.
         root_seed: of the agent and of unseen episodes. That of the recording gives a live session's own agent.
+        on_decision: is called after each decision at a watched step.
     """
     game = game_of(protocol)
     agent = game.agent(protocol, root_seed)
@@ -135,29 +147,30 @@ def relearn(
     source = Recorded(recording.inputs)
     intake = FeedbackIntake(agent, source)
     relearned = Relearned(agent)
-    watched = _Watched(steps, game.time_at_end)
+    watched = _Watched(steps, game.time_at_end, on_decision)
     imported = recording.header.origin == "imported"
     session = protocol.session
-    for output in recording.outputs:
-        if not isinstance(output, CreditGiven):
-            source.taken_before_next_output = output.inputs
-            relearned.credits.extend(intake.attend(-1))
-        match output:
-            case EpisodeStarted():
-                if imported:
-                    count = session.unseen_between if relearned.trust else session.unseen_before
-                    _play_unseen(agent, play, protocol, root_seed, count)
-                watched.begin(agent.begin_episode(exploring=session.watched == "proposed", watched=True))
-            case StepTaken():
-                watched.take(agent, intake, output)
-            case EpisodeEnded():
-                agent.learn_from_domain(watched.policy, watched.played(output))
-                relearned.trust.append(agent.trust)
-            case SessionEnded():
-                agent.finish(output.time_ns)
-            case UnseenPlayed():
-                _play_unseen(agent, play, protocol, root_seed, len(output.policies))
-    relearned.credits.extend(_attend_rest(intake, source, recording))
+    with naming_the_input(recording, source):
+        for output in recording.outputs:
+            if not isinstance(output, CreditGiven):
+                source.taken_before_next_output = output.inputs
+                relearned.credits.extend(intake.attend(-1))
+            match output:
+                case EpisodeStarted():
+                    if imported:
+                        count = session.unseen_between if relearned.trust else session.unseen_before
+                        _play_unseen(agent, play, protocol, root_seed, count)
+                    watched.begin(agent.begin_episode(exploring=session.watched == "proposed", watched=True))
+                case StepTaken():
+                    watched.take(agent, intake, output)
+                case EpisodeEnded():
+                    agent.learn_from_domain(watched.policy, watched.played(output))
+                    relearned.trust.append(agent.trust)
+                case SessionEnded():
+                    agent.finish(output.time_ns)
+                case UnseenPlayed():
+                    _play_unseen(agent, play, protocol, root_seed, len(output.policies))
+        relearned.credits.extend(_attend_rest(intake, source, recording))
     return relearned
 
 
@@ -177,31 +190,39 @@ def replay_human_model(
     source = Recorded(inputs)
     intake = FeedbackIntake(human, source)
     credits: list[CreditGiven] = []
-    for output in recording.outputs:
-        if not isinstance(output, CreditGiven):
-            source.taken_before_next_output = output.inputs
-            credits.extend(intake.attend(-1))
-        if isinstance(output, StepTaken):
-            intake.expect(output.step, steps[output.step].taken)
-        elif isinstance(output, SessionEnded):
-            human.finish(output.time_ns)
-    credits.extend(_attend_rest(intake, source, recording))
+    with naming_the_input(recording, source):
+        for output in recording.outputs:
+            if not isinstance(output, CreditGiven):
+                source.taken_before_next_output = output.inputs
+                credits.extend(intake.attend(-1))
+            if isinstance(output, StepTaken):
+                intake.expect(output.step, steps[output.step].taken)
+            elif isinstance(output, SessionEnded):
+                human.finish(output.time_ns)
+        credits.extend(_attend_rest(intake, source, recording))
     return HumanModelReplay(human, credits)
 
 
 class _Watched:
     """Follows one recorded episode with an agent that is asked, but not obeyed."""
 
-    def __init__(self, steps: dict[int, WatchedStep], time_at_end: Callable[[EpisodeEnded], int]) -> None:
+    def __init__(
+        self,
+        steps: dict[int, WatchedStep],
+        time_at_end: Callable[[EpisodeEnded], int],
+        on_decision: OnDecision | None = None,
+    ) -> None:
         self._steps = steps
         self._time_at_end = time_at_end
+        self._on_decision = on_decision
         self._policy: EpisodePolicy | None = None
         self._taken = 0
         self._tally = EpisodeTally()
 
     @property
     def policy(self) -> EpisodePolicy:
-        assert self._policy is not None, "an episode ends after it has started"
+        if self._policy is None:
+            raise ValueError("a step or an end of an episode that has not started")
         return self._policy
 
     def begin(self, policy: EpisodePolicy) -> None:
@@ -211,7 +232,10 @@ class _Watched:
 
     def take(self, agent: ArlAgent, intake: FeedbackIntake, output: StepTaken) -> None:
         watched = self._steps[output.step]
-        self._tally.add(agent.choose(watched.choices, self.policy, step=self._taken))
+        decision = agent.choose(watched.choices, self.policy, step=self._taken)
+        self._tally.add(decision)
+        if self._on_decision is not None:
+            self._on_decision(agent, watched, self.policy, decision, self._taken)
         agent.learn_from_step(watched.choices, output.action, output.reward, watched_step=output.step)
         intake.expect(output.step, watched.taken)
         self._taken += 1

@@ -1,12 +1,13 @@
 """Text that came from a file, made safe to show: on a terminal, on a page, in a plot, in an error message.
 
-A terminal obeys escape sequences wherever they come from: a participant code in somebody else's table can
+A terminal obeys escape sequences wherever they come from: a participant code in another person's table can
 clear the screen or set the window's title. Bidirectional overrides change the order in which a line is read.
 Every text that this program did not write itself goes through `printable` or `printable_lines` before a
 person sees it.
 """
 
 import unicodedata
+from html import escape
 
 LONGEST = 200
 """Characters of one foreign text that are shown; more of them hide what matters."""
@@ -39,9 +40,31 @@ def printable(text: str, *, longest: int | None = LONGEST) -> str:
     return shown
 
 
-def printable_lines(text: str) -> str:
+def printable_lines(text: str, *, longest: int | None = LONGEST_LINE) -> str:
     """Return a text of several lines with each line made `printable`; only line feeds stay."""
-    return "\n".join(printable(line, longest=LONGEST_LINE) for line in text.split("\n"))
+    return "\n".join(printable(line, longest=longest) for line in text.split("\n"))
+
+
+def in_html(text: str) -> str:
+    """Return a text as it may stand in a page of HTML: `printable`, and without anything that a browser obeys."""
+    return escape(printable(text, longest=None))
+
+
+def in_plot(text: str) -> str:
+    r"""Return a text as it may stand in a figure: `printable`, and with `\$` where matplotlib would set formulas."""
+    return printable(text).replace("$", r"\$")
+
+
+def printable_json(text: str) -> str:
+    """Return JSON text that says the same, with JSON's own escapes for all that a terminal obeys."""
+    if text.isascii() and text.replace("\n", "").isprintable():
+        return text
+    return "".join(sign if sign == "\n" or sign.isprintable() else _in_json(sign) for sign in text)
+
+
+def _in_json(sign: str) -> str:
+    wide = sign.encode("utf-16-be", "surrogatepass")
+    return "".join(f"\\u{wide[n]:02x}{wide[n + 1]:02x}" for n in range(0, len(wide), 2))
 
 
 def _one(sign: str) -> str:

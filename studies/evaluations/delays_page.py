@@ -54,6 +54,7 @@ def page(sets: Sequence[Delays], judged: Delays) -> str:
     values = by_value(judged)
     parts = [
         "# What people's delays look like",
+        _answer(judged, sets),
         "Data: " + "; ".join(_source(one) for one in sets) + ".",
         (
             "Made by `python -m studies.evaluations.delays_page docs` from the folder that `ARL_DATA` names."
@@ -61,7 +62,7 @@ def page(sets: Sequence[Delays], judged: Delays) -> str:
             + ", ".join(f"{one.slow_above_s:g} s ({one.name})" for one in sets)
             + "."
         ),
-        "## In short",
+        "## More in short",
         _in_short(sets, judged, values, credit[judged.name]),
         "![Delays pooled, medians of people, and evaluations by value](../figures/delays.png)",
         "## All delays together",
@@ -86,6 +87,18 @@ def page(sets: Sequence[Delays], judged: Delays) -> str:
 def _source(one: Delays) -> str:
     n = f"{len(one.times_s)} people, {one.together.size:,} delays, {one.left_out} rows left out"
     return f"{one.source}: {n} ({one.licence})"
+
+
+def _answer(judged: Delays, sets: Sequence[Delays]) -> str:
+    """Return the page's answer in three sentences."""
+    gamma = fit_of(judged.fits_together, GAMMA.name).parameters
+    quick = " and ".join(f"{np.median(one.together):.2f} s ({one.name})" for one in sets if one is not judged)
+    return (
+        f"**In short.** Judging takes longer than reacting: {np.median(judged.together):.2f} s in the median, against {quick}. "
+        f"A gamma of all evaluations has shape {gamma['shape']:.2f} and scale {gamma['scale_s']:.2f} s; the paper's are 2.5 and "
+        f"0.3 s. The person explains {shares_of_variance(judged)['person']:.0%} of the variance of log delays; most of it is "
+        "from press to press."
+    )
 
 
 def _in_short(

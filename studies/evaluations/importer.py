@@ -13,8 +13,9 @@ from pathlib import Path
 from core.events import Event, FrameShown, KeyPressed, SessionEnded
 from core.numerics.clock import wall_time_utc
 from core.recording.importers.contract import Imported, ImporterError
-from core.recording.recorder import LineWriter
+from core.recording.recorder import write_recording
 from core.recording.schema import Header
+from core.system.foreign_text import printable
 from studies.evaluations.table import Evaluation, EvaluationColumns, EvaluationTable, read_evaluations
 
 FORMAT = "evaluations"
@@ -90,12 +91,9 @@ def _write(
             ),
             "what the agent saw and did is not in the source: nothing can be replayed",
         ],
-        source={"format": FORMAT, "file": source.name, "sha256": digest, **conditions},
+        source={"format": FORMAT, "file": printable(source.name), "sha256": digest, **conditions},
     )
-    writer = LineWriter(target, header)
-    for event in _events(session):
-        writer.write(event)
-    writer.close()
+    write_recording(target, header, _events(session))
 
 
 def _events(session: Sequence[Evaluation]) -> Iterator[Event]:

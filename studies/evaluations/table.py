@@ -20,6 +20,10 @@ from studies.reaction_time.tables.units import unit_in_name
 _CODE = re.compile(r"[A-Za-z0-9_-]{1,32}")
 
 
+LONGEST_NS = 1 << 62
+"""No time or delay is as long: 146 years."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EvaluationColumns:
     """Which columns hold what."""
@@ -116,7 +120,9 @@ def _read(table: Table, columns: EvaluationColumns, notes: Sequence[str]) -> Eva
                 line=line,
                 time_ns=_nanoseconds(table, line, columns.time, get_time(cells), time_s),
                 value=value,
-                delay_ns=None if delay is None else round(delay * delay_s * NS_PER_S),
+                delay_ns=None
+                if delay is None
+                else _delay_ns(table, line, columns.delay or "", delay * delay_s),
             )
         )
     if not sessions:
@@ -154,11 +160,19 @@ def _code(table: Table, line: int, text: str) -> str:
     return text
 
 
+def _delay_ns(table: Table, line: int, name: str, delay_s: float) -> int:
+    if not abs(delay_s) < LONGEST_NS / NS_PER_S:
+        raise ReadError(
+            f"{table.path}:{line}: column {shown(name)} holds a delay of {delay_s:g} s, more than a century"
+        )
+    return round(delay_s * NS_PER_S)
+
+
 def _nanoseconds(table: Table, line: int, name: str, text: str, factor: float) -> int:
     """Return a time exactly: seconds since 1970 with microseconds do not fit into a float."""
     try:
         time = Decimal(text) * Decimal(str(factor)) * NS_PER_S
-        if abs(time) < 2**63:
+        if abs(time) < LONGEST_NS:
             return int(time.to_integral_value())
     except (InvalidOperation, ValueError):
         pass

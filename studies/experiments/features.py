@@ -53,10 +53,16 @@ def report(results: Results) -> Page:
             ]
         ],
     )
+    answer = page.in_short(
+        [
+            (f"12 features do better than 21 with {learner}", page.held(found), page.interval(found.ratio))
+            for learner, found in zip(("CE", "ARL + CE"), verdicts[:2], strict=True)
+        ]
+    )
     shared, others = same_trials(results, "fig5", "Fig. 5", {"ce-21": "ce", "arl-21": "arl-ce"})
     return report_page(
         results,
-        f"{FEATURES_TEXT}\n{shared}\n\n{claims}",
+        f"{answer}\n{FEATURES_TEXT}\n{shared}\n\n{claims}",
         verdicts,
         last_verdicts=[page.verdict(label(first), label(second), last) for first, second in pairs[:2]],
         others=others,

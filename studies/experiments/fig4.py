@@ -142,6 +142,10 @@ def report(results: Results) -> Page:
     text = f"""\
 # {results.experiment.title}
 
+**In short.** The paper's gamma(2.5, 0.3) has its mean at {mean_s:.2f} s and its mode at {mode_s:.2f} s, not at 0.5 s. It can be
+estimated from reaction times: {at_40:.0f} % of the credit is misplaced after 40 trials, {at_640:.0f} % after 640. Real reaction times are
+described better by other families.
+
 {claims}
 ![Densities](../figures/fig4.png)
 

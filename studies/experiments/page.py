@@ -166,9 +166,26 @@ for all rows of the table.
 def claims_table(title: str, claims: Sequence[str], verdicts: Sequence[Verdict]) -> str:
     """Return claims in words, one verdict each, with whether they held."""
     rows = [
-        [words, held(found), interval(found.ratio)] for words, found in zip(claims, verdicts, strict=True)
+        (words, held(found), interval(found.ratio)) for words, found in zip(claims, verdicts, strict=True)
     ]
-    return table([title, "held", "ratio"], rows)
+    return f"{in_short(rows)}\n{table([title, 'held', 'ratio'], rows)}"
+
+
+def in_short(claims: Sequence[tuple[str, str, str]]) -> str:
+    """Return a page's answer in three sentences.
+
+    Args:
+        claims: in words, whether each held (as `held` says it), and its ratio with the interval.
+    """
+    yes = [claim for claim in claims if claim[1] == "yes"]
+    strongest = max(yes, key=lambda claim: float(claim[2].split()[0]), default=None)
+    if strongest is None:
+        second = "So none of them is shown."
+    else:
+        second = f"The largest effect: {strongest[0]}, by a ratio of {strongest[2]}."
+    open_or_wrong = [f"{words} ({said}, {ratio})" for words, said, ratio in claims if said != "yes"]
+    third = "No claim failed." if not open_or_wrong else f"What did not hold: {'; '.join(open_or_wrong)}."
+    return f"**In short.** Of {len(claims)} claims {len(yes)} held. {second} {third}\n"
 
 
 def held(found: Verdict) -> str:

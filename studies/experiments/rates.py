@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MOSTLY_WRONG = 80
-"""Rate in per cent from which somebody is an adversary."""
+"""Rate in per cent from which a participant is an adversary."""
 WIDE_TICKS = (0.2, 0.5, 1, 2, 5, 10, 20, 50)
 FINE_TICKS = (0.5, 0.6, 0.8, 1, 1.25, 1.5, 2)
 """Of ratios, where all of them lie within a factor of 3 or so of 1."""
@@ -49,7 +49,7 @@ def weights_table(found: ByRule, rates: Sequence[int]) -> str:
 
 
 def summary(found: ByRule) -> str:
-    """Return which rules do no harm at any rate, and which use somebody who errs at 80 % or more, by their 95 % intervals."""
+    """Return which rules do no harm at any rate, and which gain from a participant who errs at 80 % or more, by their 95 % intervals."""
     harmless = [rule for rule, cells in found.items() if all(cell.ratio.high >= 1 for cell in cells.values())]
     adversary = [
         rule
@@ -61,6 +61,32 @@ def summary(found: ByRule) -> str:
 Significantly below the environment alone at no rate: {_listed(harmless)}. Significantly above it wherever {MOSTLY_WRONG} % or more are
 wrong: {_listed(adversary)}.
 """
+
+
+def in_short(found: ByRule, ours: str, alone: str) -> str:
+    """Return a page's answer in three sentences.
+
+    Args:
+        found: every rule at every rate.
+        ours: label of the rule that the page is about.
+        alone: what scores are compared with, in words.
+    """
+    cells = found.get(ours, {})
+    harm = [f"{rate} %" for rate, cell in cells.items() if cell.ratio.high < 1]
+    at = "; ".join(f"{rate} % wrong: {page.interval(cell.ratio)}" for rate, cell in cells.items())
+    best = max(
+        ((rule, other[10]) for rule, other in found.items() if 10 in other),
+        key=lambda pair: pair[1].ratio.estimate,
+        default=None,
+    )
+    first = f"Listening by the rule *{ours}* does significantly worse than {alone} at {', '.join(harm) or 'no rate'} of wrong presses."
+    second = f"Its ratios are {at}." if at else "It was not played."
+    third = (
+        f"At 10 % wrong *{best[0]}* does best: {page.interval(best[1].ratio)}."
+        if best
+        else "Nothing else was played."
+    )
+    return f"**In short.** {first} {second} {third}\n"
 
 
 def _listed(rules: Sequence[str]) -> str:

@@ -1,15 +1,20 @@
 """Results of a sweep as they lie in its folder: reads files, never plays."""
 
 import shlex
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from core.numerics.arrays import Floats
-from studies.experiments.run import SweepError, SweepRecord, read_record
-from studies.experiments.sweep import Experiment, load_experiment
+from studies.experiments.run import SWEEP_FILE, SweepError, SweepRecord, check_settings, read_record
+from studies.experiments.sweep import Experiment, describe_settings, load_experiment
+from studies.experiments.trial_file import Played, read_trials, seed_of
+
+
+class DamagedSweep(SweepError):
+    """Files of a sweep are damaged; the message names them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,18 +78,23 @@ def read_results(experiment: Experiment, folder: Path, only: Sequence[str] = ())
         only: conditions to read, all of them; where empty those that have enough trials.
 
     Raises:
-        SweepError: there is nothing, or no trial that all conditions have.
+        SweepError: there is nothing, or no trial that all conditions have; a file is damaged; or a condition was
+            played with other settings than the experiment's present ones.
     """
     record = read_record(folder)
     if record is None:
         raise SweepError(
             f"{folder} holds no results: `arl experiment run {shlex.quote(experiment.source or experiment.name)}` plays them"
         )
-    found = {
-        condition.name: {_seed_of(path) for path in (folder / condition.name).glob("seed-*.csv")}
+    if record.experiment != experiment.name:
+        raise SweepError(f"{folder} holds results of {record.experiment}, not of {experiment.name}")
+    files = {
+        condition.name: sorted((folder / condition.name).glob("seed-*.csv"))
         for condition in experiment.conditions
         if not only or condition.name in only
     }
+    rows = _sound_rows(experiment, folder, record, files)
+    found = {name: set(trials) for name, trials in rows.items()}
     fullest = max((len(seeds) for seeds in found.values()), default=0)
     names = [name for name, seeds in found.items() if only or (seeds and 2 * len(seeds) >= fullest)]
     left_out = {name: len(seeds) for name, seeds in found.items() if seeds and name not in names}
@@ -93,9 +103,7 @@ def read_results(experiment: Experiment, folder: Path, only: Sequence[str] = ())
         raise SweepError(
             f"{folder}: no trial was played under every condition ({', '.join(names) or 'none'})"
         )
-    trials = {
-        name: tuple(_read_rows(folder / name / f"seed-{seed:07d}.csv") for seed in seeds) for name in names
-    }
+    trials = {name: tuple(rows[name][seed] for seed in seeds) for name in names}
     return Results(experiment, record, tuple(seeds), trials, left_out, folder)
 
 
@@ -106,12 +114,17 @@ def read_beside(results: Results, name: str, only: Sequence[str]) -> Results | N
         results: of one experiment.
         name: of the other.
         only: its conditions; the trials that all of them have are read.
+
+    Raises:
+        DamagedSweep: they are there, and damaged.
     """
     if results.folder is None:
         return None
     folder = results.folder.parent / (f"{name}-quick" if results.record.quick else name)
     try:
         found = read_results(load_experiment(name), folder, only)
+    except DamagedSweep:
+        raise
     except SweepError:
         return None
     of_it = found.record.experiment == name and found.record.quick == results.record.quick
@@ -133,16 +146,31 @@ def equal_trials(results: Results, condition: str, others: Results, other: str) 
     return len(shared), equal
 
 
-def _seed_of(path: Path) -> int:
-    return int(path.stem.removeprefix("seed-"))
-
-
-def _read_rows(path: Path) -> dict[str, Floats]:
-    with path.open(encoding="utf-8") as lines:
-        names = lines.readline().rstrip("\n").split(",")
-        table = np.loadtxt(lines, delimiter=",", ndmin=2)
-    if table.shape[1] != len(names):
+def _sound_rows(
+    experiment: Experiment, folder: Path, record: SweepRecord, files: Mapping[str, Sequence[Path]]
+) -> dict[str, dict[int, dict[str, Floats]]]:
+    """Return the rows of every trial by condition and seed; damaged ones are never averaged in."""
+    asked_for = [experiment.condition(name) for name, paths in files.items() if paths]
+    settings = describe_settings(asked_for)
+    check_settings(folder, record, settings)
+    unknown = [name for name in settings if name not in record.conditions]
+    if unknown:
         raise SweepError(
-            f"{path}: {len(names)} columns are named, rows have {table.shape[1]}; remove the file"
+            f"{folder}: {SWEEP_FILE} does not say with what settings {', '.join(unknown)} was played: `arl experiment "
+            f"run {shlex.quote(experiment.source or experiment.name)}` plays it"
         )
-    return {name: table[:, place] for place, name in enumerate(names)}
+    rows: dict[str, dict[int, dict[str, Floats]]] = {name: {} for name in files}
+    damaged: dict[Path, str] = {}
+    for name, plain in settings.items():
+        sound, unsound = read_trials(files[name], Played(plain, record.quick))
+        rows[name] = {seed_of(path): trial for path, trial in sound.items()}
+        damaged |= unsound
+    if damaged:
+        named = "\n".join(f"  {path}: {reason}" for path, reason in damaged.items())
+        quick = " --quick" if record.quick else ""
+        raise DamagedSweep(
+            f"{len(damaged)} files of {folder} are damaged, and nothing is averaged over the rest:\n{named}\n"
+            f"Play them again: `arl experiment run{quick} {shlex.quote(experiment.source or experiment.name)}`; a file "
+            "that is no trial's has to be removed"
+        )
+    return rows

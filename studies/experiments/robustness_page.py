@@ -8,7 +8,15 @@ from core.numerics.arrays import Floats
 from studies.comparison import Verdict
 from studies.experiments import page
 from studies.experiments.page import Page
-from studies.experiments.rates import AtRate, ByRule, rates_figure, ratios_table, summary, weights_table
+from studies.experiments.rates import (
+    AtRate,
+    ByRule,
+    in_short,
+    rates_figure,
+    ratios_table,
+    summary,
+    weights_table,
+)
 from studies.experiments.results import Results
 from studies.experiments.robustness_settings import (
     ENVIRONMENT,
@@ -78,6 +86,7 @@ def robustness_page(results: Results) -> Page:
     text = f"""\
 # {results.experiment.title}
 
+{in_short(by_rule, RULES[MARGIN], "the environment alone")}
 A person presses the wrong key in 0 to 100 % of the cases: from a perfect judge by way of pure noise (50 %) to a perfect adversary. Scores
 are {SCORE}; ratios are to the environment alone, the same learner without a person, over {len(results.seeds)} paired trials. ({shared})
 
@@ -229,13 +238,13 @@ def _gradient_table(results: Results, scores: Mapping[str, Floats]) -> str:
     if GRADIENT not in scores or not people.keys() & scores.keys():
         return "These trials were not played.\n"
     rows, below, above = [], [], []
-    for name, someone in people.items():
+    for name, participant in people.items():
         if name in scores:
             found = page.verdict(name, GRADIENT, scores)
-            below += [someone] if found.ratio.high < 1 else []
-            above += [someone] if found.ratio.low > 1 else []
+            below += [participant] if found.ratio.high < 1 else []
+            above += [participant] if found.ratio.low > 1 else []
             weight = results.table(name, "w_h")[:, -100:].mean()
-            rows.append([someone, page.interval(found.ratio), page.p_value(found.p), f"{weight:.2f}"])
+            rows.append([participant, page.interval(found.ratio), page.p_value(found.p), f"{weight:.2f}"])
     told = f"Significantly below policy gradient alone with: {', '.join(below) or 'nobody'}. Significantly above it with: {', '.join(above) or 'nobody'}."
     table = page.table(["person", "ratio to policy gradient alone", "p", "w_h at the end"], rows)
     return f"The same rule, its constants as they are. {told}\n\n{table}"

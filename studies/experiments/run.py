@@ -5,7 +5,7 @@ A file is written whole or not at all, so a run that was killed goes on where it
 """
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -16,6 +16,7 @@ import msgspec
 
 from core.recording.version_1 import with_schedules
 from studies.experiments.sweep import Condition, Experiment, describe_settings, run_unit
+from studies.experiments.trial_file import Played, read_trials, seal_of, seal_path
 
 SWEEP_FILE = "sweep.json"
 
@@ -62,8 +63,9 @@ def run_sweep(
     only: Sequence[str] = (),
     software: dict[str, str] | None = None,
     on_progress: Callable[[int, int], None] = lambda done, planned: None,
+    on_damaged: Callable[[Path, str], None] = lambda path, reason: None,
 ) -> list[Path]:
-    """Play every unit that has no file yet.
+    """Play every unit that has no file yet, or a damaged one.
 
     Args:
         experiment: what to run.
@@ -74,6 +76,7 @@ def run_sweep(
         only: names of conditions; all where empty.
         software: versions, for `sweep.json`.
         on_progress: called with (units done, units planned), first before any is played.
+        on_damaged: called with each damaged file and the reason, before it is played again.
 
     Returns:
         The files of all planned units.
@@ -85,14 +88,33 @@ def run_sweep(
     folder.mkdir(parents=True, exist_ok=True)
     _note_sweep(folder, experiment, conditions, quick, software or {})
     units = planned_units(conditions, seeds)
-    missing = [unit for unit in units if not unit.path(folder).exists()]
+    played = {name: Played(plain, quick) for name, plain in describe_settings(conditions).items()}
+    missing = _without_result(units, folder, played, on_damaged)
     done = len(units) - len(missing)
     on_progress(done, len(units))
     for unit, text in _played(experiment.source or experiment.name, missing, quick, executor):
-        write_whole(unit.path(folder), text)
+        path = unit.path(folder)
+        write_whole(seal_path(path), seal_of(path, text.encode(), played[unit.condition]))
+        write_whole(path, text)
         done += 1
         on_progress(done, len(units))
     return [unit.path(folder) for unit in units]
+
+
+def _without_result(
+    units: Sequence[Unit],
+    folder: Path,
+    played: Mapping[str, Played],
+    on_damaged: Callable[[Path, str], None],
+) -> list[Unit]:
+    """Return the units that have no file, or one that cannot be used."""
+    missing = {unit for unit in units if not unit.path(folder).exists()}
+    for condition, how in played.items():
+        there = {u.path(folder): u for u in units if u.condition == condition and u not in missing}
+        for path, reason in read_trials(there, how)[1].items():
+            on_damaged(path, reason)
+            missing.add(there[path])
+    return [unit for unit in units if unit in missing]
 
 
 def _played(name: str, units: Sequence[Unit], quick: bool, executor: Executor) -> Iterator[tuple[Unit, str]]:
@@ -151,7 +173,7 @@ def read_record(folder: Path) -> SweepRecord | None:
         return None
     try:
         return msgspec.json.decode(path.read_bytes(), type=SweepRecord)
-    except (msgspec.DecodeError, msgspec.ValidationError) as error:
+    except (msgspec.MsgspecError, ValueError, RecursionError) as error:
         raise SweepError(f"{path} is not a sweep's record: {error}") from error
 
 
@@ -170,12 +192,26 @@ def _note_sweep(
     elif record.experiment != experiment.name or record.quick != quick:
         what = f"{'quick ' * record.quick}{record.experiment}"
         raise SweepError(f"{folder} holds results of {what}: choose another folder (--out)")
+    check_settings(folder, record, settings)
+    versions = record.software if software in record.software else [*record.software, software]
+    record = msgspec.structs.replace(record, conditions=record.conditions | settings, software=versions)
+    write_whole(folder / SWEEP_FILE, msgspec.json.format(msgspec.json.encode(record)).decode() + "\n")
+
+
+def check_settings(folder: Path, record: SweepRecord, settings: Mapping[str, Any]) -> None:
+    """Check that conditions were played with these settings.
+
+    Args:
+        folder: of the results, for the message.
+        record: what it says it holds.
+        settings: of the conditions as they are now, by name, as read back from JSON.
+
+    Raises:
+        SweepError: one was played with others.
+    """
     for name, known in record.conditions.items():
         if name in settings and settings[name] != with_schedules(known):
             raise SweepError(
                 f"{folder}: condition {name} was played with other settings than the present ones; "
                 f"remove {folder / name} and its entry in {SWEEP_FILE}, or choose another folder (--out)"
             )
-    versions = record.software if software in record.software else [*record.software, software]
-    record = msgspec.structs.replace(record, conditions=record.conditions | settings, software=versions)
-    write_whole(folder / SWEEP_FILE, msgspec.json.format(msgspec.json.encode(record)).decode() + "\n")

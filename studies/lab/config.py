@@ -8,11 +8,19 @@ from typing import Annotated, Any, Literal
 import msgspec
 from msgspec import Meta
 
+from core.configuration.fields import ALLOWED
+
 Hours = Annotated[float, Meta(ge=0.0, le=24.0 * 366)]
 Seconds = Annotated[float, Meta(ge=0.0, le=3600.0)]
 Text = Annotated[str, Meta(min_length=1)]
 """Name of a Markdown file beside the study file."""
-Code = Annotated[str, Meta(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,31}$")]
+Code = Annotated[
+    str,
+    Meta(
+        pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,31}$",
+        extra={ALLOWED: "1 to 32 letters, digits, '-' or '_', beginning with a letter or a digit"},
+    ),
+]
 """A pseudonym or a name of a condition: up to 32 letters, digits, '-' or '_'."""
 
 ASSIGNED = "assigned"
@@ -30,6 +38,7 @@ class Consent(Table, frozen=True, kw_only=True, tag="consent"):
     """Asks for consent. Declining ends the study, and leaves nothing but a count."""
 
     text: Text
+    """Name of a Markdown file beside the study file."""
     statements: tuple[str, ...] = ("I have read the information and agree to take part.",)
     """Each one must be agreed to."""
     optional: tuple[str, ...] = ()
@@ -46,6 +55,7 @@ class TextPage(Table, frozen=True, kw_only=True, tag="page"):
     """Shows a text until the participant goes on."""
 
     text: Text
+    """Name of a Markdown file beside the study file."""
 
 
 class Practice(Table, frozen=True, kw_only=True, tag="practice"):
@@ -59,6 +69,7 @@ class Calibration(Table, frozen=True, kw_only=True, tag="calibration"):
     """Measures how long the participant takes to react and to judge (`arl calibrate`)."""
 
     tasks: tuple[str, ...] = ("feedback-lag",)
+    """Tasks of `arl calibrate`: simple, choice, go-no-go, memory-search, visual-search, recognition, feedback-lag."""
     trials: Annotated[int, Meta(ge=1, le=1000)] = 40
     """Scored trials per task."""
     practice: Annotated[int, Meta(ge=0, le=100)] = 8
@@ -106,6 +117,7 @@ class Debriefing(Table, frozen=True, kw_only=True, tag="debriefing"):
     """Thanks, the study's background, and the participant's own numbers."""
 
     text: Text
+    """Name of a Markdown file beside the study file."""
     own_numbers: bool = True
     """Show games, presses, and how the agent played at the beginning and at the end."""
     show_condition: bool = False
@@ -127,6 +139,7 @@ class Sitting(Table, frozen=True, kw_only=True):
     """What a participant does in one visit."""
 
     name: str
+    """What the experimenter calls it: "day 1"."""
     steps: tuple[Step, ...]
     after_hours: Hours = 0.0
     """Shortest time since the end of the sitting before."""
@@ -162,6 +175,7 @@ class Listed(Table, frozen=True, kw_only=True, tag="list"):
     """Orders as they are written down, one per participant, from the beginning again after the last one."""
 
     orders: tuple[tuple[str, ...], ...]
+    """Each order names one condition per assigned block, or one for all of them."""
 
     def __post_init__(self) -> None:
         if not self.orders or not all(self.orders):
@@ -196,7 +210,8 @@ class Resuming(Table, frozen=True, kw_only=True):
 class Codes(Table, frozen=True, kw_only=True):
     """Pseudonyms that `arl study run` draws for participants who bring none."""
 
-    prefix: Annotated[str, Meta(pattern=r"^[A-Za-z]{0,8}$")] = "P"
+    prefix: Annotated[str, Meta(pattern=r"^[A-Za-z]{0,8}$", extra={ALLOWED: "at most 8 letters"})] = "P"
+    """How each code begins."""
     length: Annotated[int, Meta(ge=3, le=12)] = 4
     """Letters and digits after the prefix; without 0, O, 1, I and L."""
 
@@ -205,11 +220,13 @@ class Study(Table, frozen=True, kw_only=True):
     """A study, completely."""
 
     format: Literal["arl-study"] = "arl-study"
+    """Says that the file is a study."""
     name: Code
     """Names the folder of the study's data. Participants do not see it."""
     title: str = ""
     """What participants see above the pages."""
     version: str = "1"
+    """Of the study, for the records; change it with the study."""
     seed: Annotated[int, Meta(ge=0, le=2**63 - 1)]
     """Orders, codes and the seeds of all sessions follow from it."""
     participants: Annotated[int, Meta(ge=1, le=100_000)]

@@ -229,9 +229,7 @@ class Ledger:
     @contextmanager
     def _locked(self) -> Iterator[tuple[Line, ...]]:
         # A lock of its own: the ledger may be replaced by another file while somebody waits.
-        with os.fdopen(os.open(self.folder / "ledger.lock", os.O_CREAT | os.O_RDWR, 0o600), "wb") as lock:
-            if sys.platform != "win32":
-                fcntl.flock(lock, fcntl.LOCK_EX)
+        with exclusive(self.folder / "ledger.lock"):
             self._handle = os.open(self.path, os.O_CREAT | os.O_RDWR, 0o600)
             try:
                 content = self._read_all()
@@ -252,6 +250,19 @@ class Ledger:
         entry = _dated(entry)
         append_sealed(self._handle, self._chain, entry)
         return entry
+
+
+@contextmanager
+def exclusive(path: Path) -> Iterator[None]:
+    """Hold a lock while the block runs; wait for whoever holds it.
+
+    Args:
+        path: of the lock's file, which stays empty.
+    """
+    with os.fdopen(os.open(path, os.O_CREAT | os.O_RDWR, 0o600), "wb") as lock:
+        if sys.platform != "win32":
+            fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
 
 
 def _dated(entry: Line) -> Line:

@@ -1,13 +1,13 @@
 """Questionnaires: what can be asked, which answers are allowed, and the ready ones. No screen."""
 
-import tomllib
 from importlib import resources
 from pathlib import Path
 from typing import Annotated, Literal, assert_never
 
-import msgspec
 from msgspec import Meta
 
+from core.configuration.reading import ConfigurationError, read_whole
+from core.session.protocol_file import ProtocolError, located, read_toml
 from studies.lab.config import Code, Table
 
 READY = ("demographics", "nasa-tlx", "sus", "trust", "taught")
@@ -31,8 +31,11 @@ class Likert(Item, frozen=True, kw_only=True, tag="likert"):
     """A statement and a row of points from disagreement to agreement."""
 
     points: Annotated[int, Meta(ge=2, le=11)] = 5
+    """How many points the row has."""
     low: str = "strongly disagree"
+    """Stands at the left end."""
     high: str = "strongly agree"
+    """Stands at the right end."""
     correct: int | None = None
     """The answer of an attention check, 1 to `points`; None: every answer is right."""
 
@@ -45,7 +48,9 @@ class Scale(Item, frozen=True, kw_only=True, tag="scale"):
     """A visual analogue scale between two words."""
 
     low: str
+    """Stands at the left end."""
     high: str
+    """Stands at the right end."""
     maximum: Annotated[int, Meta(ge=2, le=1000)] = 100
     """The right end; the left end is 0."""
     step: Annotated[int, Meta(ge=1, le=100)] = 1
@@ -56,6 +61,7 @@ class Choice(Item, frozen=True, kw_only=True, tag="choice"):
     """One of several options, or several of them."""
 
     options: tuple[str, ...]
+    """What can be chosen, two or more."""
     several: bool = False
     """More than one option may be chosen."""
     correct: str | None = None
@@ -72,8 +78,11 @@ class Number(Item, frozen=True, kw_only=True, tag="number"):
     """A number within bounds."""
 
     lowest: float = 0.0
+    """Smallest number that is taken."""
     highest: float = 1000.0
+    """Largest number that is taken."""
     unit: str = ""
+    """Stands behind the number."""
 
     def __post_init__(self) -> None:
         if not self.lowest < self.highest:
@@ -94,8 +103,11 @@ class QuestionList(Table, frozen=True, kw_only=True):
     """A questionnaire."""
 
     name: Code
+    """Names the questionnaire in tables."""
     title: str = ""
+    """Above the introduction; participants see it."""
     introduction: str = ""
+    """Shown on a page of its own before the first question, Markdown."""
     source: str = ""
     """Where the questions come from."""
     scoring: Literal["", "sus", "nasa-tlx-raw"] = ""
@@ -125,22 +137,28 @@ def read_questions(name: str, folder: Path) -> QuestionList:
     Raises:
         QuestionsError: the file is not there, is not TOML, or holds what is not a questionnaire.
     """
-    where = f"{folder / name}"
+    if name in READY:
+        with resources.as_file(resources.files(__package__) / "questionnaires" / f"{name}.toml") as path:
+            return _read(path)
     try:
-        if name in READY:
-            where = f"the ready questionnaire {name}"
-            text = (resources.files(__package__) / "questionnaires" / f"{name}.toml").read_text(
-                encoding="utf-8"
-            )
-        else:
-            text = (folder / name).read_text(encoding="utf-8-sig")
-        return msgspec.convert(tomllib.loads(text), QuestionList)
+        return _read(folder / name)
     except FileNotFoundError as error:
         raise QuestionsError(
-            f"{where}: there is no such file; name a TOML file beside the study file, or one of {', '.join(READY)}"
+            f"{folder / name}: there is no such file; name a TOML file beside the study file, or one of {', '.join(READY)}"
         ) from error
-    except (OSError, ValueError) as error:
-        raise QuestionsError(f"{where}: {error}") from error
+    except OSError as error:
+        raise QuestionsError(f"{folder / name}: {error}") from error
+
+
+def _read(path: Path) -> QuestionList:
+    advice = "docs/study.md has every key of a questionnaire."
+    try:
+        text, plain = read_toml(path, what="a questionnaire", advice=advice)
+        return read_whole(plain, QuestionList)
+    except ProtocolError as error:
+        raise QuestionsError(str(error)) from error
+    except ConfigurationError as error:
+        raise QuestionsError(located(path, text, error.problems, advice="")) from error
 
 
 def refusal(question: Question, answer: Answer) -> str | None:

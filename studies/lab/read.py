@@ -1,19 +1,25 @@
 """Read a study file with all that it names: texts, questionnaires, and the protocol of every condition."""
 
 import hashlib
-import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import msgspec
 
+from core.configuration.reading import ConfigurationError, Problem, read_whole
+from core.configuration.toml_places import places
 from core.feedback.delays import GammaDelay
 from core.session.protocol import Protocol
+from core.session.protocol_file import ProtocolError, located, read_toml
 from core.session.protocol_reading import protocol_from
-from studies.lab.config import Block, Break, Consent, Debriefing, Questionnaire, Study, TextPage
+from studies.lab.config import Block, Break, Consent, Debriefing, Practice, Questionnaire, Study, TextPage
 from studies.lab.questions import QuestionList, QuestionsError, read_questions
+
+HELP = "docs/study.md (`arl study settings`) has every key with what it means."
+PRACTICE_SLOWER = 1.5
+"""A practice game is so many times slower than a block's."""
 
 
 class StudyError(ValueError):
@@ -43,6 +49,26 @@ class LoadedStudy:
             session = msgspec.structs.replace(session, episodes=step.games)
         return msgspec.structs.replace(protocol, name=self.study.name, session=session)
 
+    def practice_protocol(self, step: Practice) -> Protocol:
+        """Return the protocol of a practice: slow, nothing unseen, no wrong presses; it says nothing about a condition."""
+        protocol = next(iter(self.protocols.values()))
+        session, screen = protocol.session, protocol.screen
+        session = msgspec.structs.replace(session, episodes=step.games, unseen_before=0, unseen_between=0)
+        screen = msgspec.structs.replace(
+            screen,
+            tick_ms=min(2000, round(screen.tick_ms * PRACTICE_SLOWER)),
+            speed=max(0.05, screen.speed / PRACTICE_SLOWER),
+            mark_presses=True,
+        )
+        keys = msgspec.structs.replace(protocol.keys, wrong_press_rate=0.0)
+        if protocol.delay_of != "rule":  # nobody is calibrated yet
+            credit = msgspec.structs.replace(protocol.agent.credit, delay=GammaDelay())
+            agent = msgspec.structs.replace(protocol.agent, credit=credit)
+            protocol = msgspec.structs.replace(protocol, agent=agent, delay_of="rule")
+        return msgspec.structs.replace(
+            protocol, name=self.study.name, session=session, screen=screen, keys=keys
+        )
+
     def simulated_protocol(self, condition: str, step: Block) -> Protocol:
         """Return the protocol of a block for a simulated participant, whose own delay is known without a calibration."""
         protocol = self.block_protocol(condition, step)
@@ -61,22 +87,21 @@ def load_study(path: Path) -> LoadedStudy:
         StudyError: something is missing or wrong; all that is found is named, a line each.
         OSError: the file cannot be read.
     """
-    content = path.read_bytes()
     try:
-        study = msgspec.convert(tomllib.loads(content.decode("utf-8-sig")), Study)
-    except UnicodeDecodeError as error:
-        raise StudyError(
-            f"{path}: not UTF-8 at byte {error.start}: save the file as UTF-8 in your editor"
-        ) from error
-    except (tomllib.TOMLDecodeError, ValueError) as error:
-        raise StudyError(f"{path}: {error}") from error
+        text, plain = read_toml(path, what="a study", advice=HELP)
+        study = read_whole(plain, Study)
+    except ProtocolError as error:
+        raise StudyError(str(error)) from error
+    except ConfigurationError as error:
+        raise StudyError(located(path, text, error.problems, advice=HELP)) from error
     trouble: list[str] = []
     texts = _texts(study, path.parent, trouble)
     questionnaires = _questionnaires(study, path.parent, trouble)
-    protocols = _protocols(study, path, trouble)
+    protocols = _protocols(study, path, text, trouble)
     if trouble:
         raise StudyError("\n".join(trouble))
-    return LoadedStudy(path, study, hashlib.sha256(content).hexdigest(), texts, questionnaires, protocols)
+    sha256 = hashlib.sha256(path.read_bytes()).hexdigest()
+    return LoadedStudy(path, study, sha256, texts, questionnaires, protocols)
 
 
 def combined(base: Mapping[str, Any], differences: Mapping[str, Any]) -> dict[str, Any]:
@@ -105,7 +130,7 @@ def _texts(study: Study, folder: Path, trouble: list[str]) -> dict[str, str]:
         if isinstance(step, Consent | TextPage | Debriefing | Break) and step.text:
             try:
                 texts[step.text] = (folder / step.text).read_text(encoding="utf-8-sig")
-            except (OSError, UnicodeDecodeError) as error:
+            except (OSError, ValueError) as error:
                 trouble.append(
                     f"{folder / step.text}: needed by step {place + 1} of sitting {sitting + 1}: {_reason(error)}"
                 )
@@ -123,21 +148,36 @@ def _questionnaires(study: Study, folder: Path, trouble: list[str]) -> dict[str,
     return found
 
 
-def _protocols(study: Study, path: Path, trouble: list[str]) -> dict[str, Protocol]:
+def _protocols(study: Study, path: Path, text: str, trouble: list[str]) -> dict[str, Protocol]:
     base: Mapping[str, Any] = study.protocol
+    base_path, base_text = path, text
+    above: tuple[str, ...] = ("protocol",)
     if study.protocol_file:
-        file = path.parent / study.protocol_file
+        base_path, above = path.parent / study.protocol_file, ()
         try:
-            base = tomllib.loads(file.read_text(encoding="utf-8-sig"))
+            base_text, base = read_toml(base_path)
         except (OSError, ValueError) as error:
-            trouble.append(f"{file}: {_reason(error)}")
+            trouble.append(f"{base_path}: {_reason(error)}" if isinstance(error, OSError) else str(error))
             return {}
     protocols: dict[str, Protocol] = {}
+    in_base: dict[str, tuple[Problem, list[str]]] = {}
+    found = places(text)
     for name, differences in study.conditions.items():
         try:
-            protocols[name] = protocol_from(combined(base, differences))
-        except ValueError as error:
-            trouble.append(f"{path}: condition {name}: {error}")
+            protocols[name] = protocol_from(combined(base, differences), to_run=True)
+        except ConfigurationError as error:
+            for problem in error.problems:
+                here = ("conditions", name, *problem.path)
+                if here in found:
+                    trouble.append(located(path, text, [replace(problem, path=here)], advice=""))
+                else:  # not among the differences: the base says it
+                    in_base.setdefault(str(problem), (replace(problem, path=(*above, *problem.path)), []))[
+                        1
+                    ].append(name)
+    for problem, names in in_base.values():
+        said = "" if len(names) == len(study.conditions) else f" (in the condition {', '.join(names)})"
+        problem = replace(problem, reason=problem.reason + said)
+        trouble.append(located(base_path, base_text, [problem], advice=""))
     games = {protocol.game for protocol in protocols.values()}
     if len(games) > 1:
         trouble.append(f"{path}: the conditions are about different games: {', '.join(sorted(games))}")

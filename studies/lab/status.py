@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 
-from core.events import EpisodeEnded, KeyPressed, PressRetracted
-from core.recording.reader import RecordingError, read_recording
+from core.events import KeyPressed, PressRetracted
+from studies.lab.blocks import BlockSoFar, sessions_in
 from studies.lab.config import Study, kind_of
 from studies.lab.folder import participant_folder
 from studies.lab.ledger import read_ledger
@@ -133,9 +133,13 @@ class _Recordings:
         self.presses = 0
         self.damaged: list[str] = []
         self.failed_checks = 0
+        self.focus_lost = 0
         self._keys: Counter[str] = Counter()
         for path in sorted(folder.glob("sitting-*.jsonl")):
             self._read_sitting(path)
+        for session in sessions_in(folder, self.damaged):
+            if session.recording.header.study.get("kind") == "block":
+                self._read_block(session)
 
     def flags(self) -> Iterator[str]:
         """Yield what is worth a look."""
@@ -150,6 +154,8 @@ class _Recordings:
                 yield f"always the same key: {key} in {count} of {total} presses"
         if self.failed_checks:
             yield f"failed attention checks: {self.failed_checks}"
+        if self.focus_lost:
+            yield f"the window lost the keyboard {self.focus_lost} times"
 
     def _read_sitting(self, path: Path) -> None:
         try:
@@ -160,23 +166,19 @@ class _Recordings:
         for line in lines:
             if isinstance(line, QuestionAnswered):
                 self.failed_checks += line.passed is False
-            elif isinstance(line, FileRecorded) and line.kind == "block":
-                self._read_block(path.parent / line.file)
+            elif isinstance(line, FileRecorded) and not (path.parent / line.file).exists():
+                self.damaged.append(f"{line.file} (it was recorded, and is not there)")
 
-    def _read_block(self, path: Path) -> None:
-        try:
-            recording = read_recording(path)
-        except (RecordingError, OSError) as error:
-            self.damaged.append(f"{path.name} ({error})")
-            return
-        taken_back = {event.press for event in recording.events if isinstance(event, PressRetracted)}
-        for event in recording.events:
-            if isinstance(event, EpisodeEnded):
-                self.games += 1
-            elif (
+    def _read_block(self, session: BlockSoFar) -> None:
+        events = session.recording.events
+        self.games += session.summary.games_finished
+        self.presses += session.summary.presses_counted
+        self.focus_lost += session.summary.focus_lost
+        taken_back = {event.press for event in events if isinstance(event, PressRetracted)}
+        for event in events:
+            if (
                 isinstance(event, KeyPressed)
                 and event.verdict == "accepted"
                 and event.press not in taken_back
             ):
-                self.presses += 1
                 self._keys[event.key] += 1

@@ -6,7 +6,9 @@ from pathlib import Path
 from studies.lab.enrolment import NotNow
 from studies.lab.folder import exports_folder, participant_folder
 from studies.lab.ledger import Ledger, Withdrawn
+from studies.lab.notes import forget
 from studies.lab.progress import progress
+from studies.lab.running import NAME, only_sitting
 
 
 def withdraw(ledger: Ledger, code: str) -> Withdrawn:
@@ -23,15 +25,18 @@ def withdraw(ledger: Ledger, code: str) -> Withdrawn:
         The tombstone.
 
     Raises:
-        NotNow: nobody with this code takes part.
+        NotNow: nobody with this code takes part, or a sitting of theirs is running.
         OSError: a file cannot be removed; the ledger still holds the code.
     """
     known = progress(ledger.lines()).participants
     if code not in known or known[code].withdrawn:
         raise NotNow(f"nobody with the code {code} takes part in this study: check the code")
-    removed = _remove(participant_folder(ledger.folder, code)) + _remove(exports_folder(ledger.folder))
+    folder = participant_folder(ledger.folder, code)
+    with only_sitting(folder, code):
+        removed = _remove(folder) + _remove(exports_folder(ledger.folder))
     number = 1 + sum(person.withdrawn for person in known.values())
     tombstone = Withdrawn(code=f"withdrawn-{number}", files_removed=removed)
+    forget(ledger.folder, code, tombstone.code)
     ledger.replace_code(code, tombstone.code, last=tombstone)
     return tombstone
 
@@ -40,6 +45,6 @@ def _remove(folder: Path) -> int:
     """Remove a folder; return how many files it held."""
     if not folder.exists():
         return 0
-    count = sum(path.is_file() for path in folder.rglob("*"))
+    count = sum(path.is_file() and path.name != NAME for path in folder.rglob("*"))
     shutil.rmtree(folder)
     return count

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from core.feedback.credit import GammaDelay
+from core.system.foreign_text import in_plot
 from studies.reaction_time.families import GAMMA, SHIFTED_GAMMA, FamilyFit, distribution
 from studies.reaction_time.goodness import q_q
 from studies.reaction_time.sample import Sample
@@ -28,7 +29,7 @@ def fit_figure(title: str, sample: Sample, fits: Sequence[FamilyFit]) -> Figure:
     figure = _figure(9.0, 3.8)
     left, right = figure.subplots(1, 2)
     _draw_densities(left, sample, shown)
-    left.set_title(title)
+    left.set_title(in_plot(title))
     low, high = sample.observed_s[0], sample.observed_s[-1]
     right.plot([low, high], [low, high], color="0.5", linewidth=1.0)
     for i, fit in enumerate(shown):

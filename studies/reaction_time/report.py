@@ -1,13 +1,13 @@
 """The result of a reaction-time study as files: JSON for machines, one self-contained page for people, figures."""
 
 from collections.abc import Mapping, Sequence
-from html import escape
 from pathlib import Path
 
 import msgspec
 
 from core.feedback.credit import GammaDelay
 from core.numerics.clock import wall_time_utc
+from core.system.foreign_text import in_html as escape
 from studies.reaction_time.exclusion import Row, Selection
 from studies.reaction_time.figures import fit_figure, paper_figure_4, save, svg_text
 from studies.reaction_time.fit import DelayEstimate, GroupFit, ParticipantFit

@@ -43,7 +43,7 @@ class GymnasiumScreens(GameScreens):
     def renderer(self, protocol: Protocol) -> "EnvRenderer":
         """Return what plays the environment again and lets it draw itself."""
         from arl_tui.games.gymnasium.renderer import EnvRenderer
-        from core.interop.gymnasium.plugin import GymnasiumConfig
+        from core.interop.gymnasium.config import GymnasiumConfig
 
         assert isinstance(protocol.domain, GymnasiumConfig), "a protocol of Gymnasium"
         return EnvRenderer(protocol.domain.env, protocol.screen.tick_ms * NS_PER_MS)

@@ -14,7 +14,7 @@ from core.domain import Choices, Domain, Features, Transition
 from core.events import EpisodeEnded, StepTaken
 from core.feedback.keys import NS_PER_MS
 from core.feedback.viewing import SteadyViewing, Watched
-from core.interop.gymnasium.plugin import GymnasiumConfig
+from core.interop.gymnasium.config import GymnasiumConfig
 from core.learners.encoding import ActionTiles
 from core.numerics.clock import NS_PER_S
 from core.numerics.tile_coding import Range, TileCoder, tile_coder

@@ -35,15 +35,21 @@ from core.feedback.samples import CreditConfig
 from core.learners.human_config import RidgeModel
 from core.numerics.clock import NS_PER_S, wall_time_utc
 from core.recording.importers.contract import Imported, ImporterError
-from core.recording.recorder import LineWriter
+from core.recording.recorder import write_recording
 from core.recording.schema import Header, to_plain
 from core.session.protocol import Protocol, SessionConfig
+from core.system.foreign_text import printable
 from core.tetris.config import TetrisConfig
 
 ROWS, COLUMNS = 20, 10
 N_CELLS = ROWS * COLUMNS
 N_STATE = 7
 """Integers behind the cells: block mobile, piece, rotation, x, y, columns, rows."""
+
+LARGEST = 1e6
+"""No reward or value of these logs is as large: TAMER's are at most 10."""
+MOST_DIGITS = 9
+"""Of whole seconds: 31 years."""
 
 KEYS = {1.0: "/", -1.0: "z", 10.0: "?", -10.0: "Z"}
 """The keys that TAMER's Tetris gave to each feedback value."""
@@ -142,7 +148,7 @@ def import_tamer_log(source: Path, target: Path, *, participant: str | None = No
         clock="seconds with an arbitrary zero, as logged",
         clock_resolution_ns=1000,
         started_ns=episodes[0][0].start_ns,
-        participant=participant or source.stem,
+        participant=participant or printable(source.stem),
         root_seed=0,
         protocol=to_plain(tamer_protocol()),
         software={},
@@ -152,15 +158,12 @@ def import_tamer_log(source: Path, target: Path, *, participant: str | None = No
         ],
         source={
             "format": "tamer-log",
-            "file": source.name,
+            "file": printable(source.name),
             "sha256": hashlib.sha256(content).hexdigest(),
             "parameters": parameters,
         },
     )
-    writer = LineWriter(target, header)
-    for event in _events(episodes):
-        writer.write(event)
-    writer.close()
+    write_recording(target, header, _events(episodes))
     steps = [b.start_ns - a.start_ns for rows in episodes for a, b in itertools.pairwise(rows)]
     return ImportReport(
         episodes=len(episodes),
@@ -238,8 +241,11 @@ def _parse_row(number: int, line: str) -> Row:
         line=number,
         board=board,
         piece=piece,
-        reward=float(reward),
-        presses=tuple((_nanoseconds(time), float(value)) for value, time in _PRESS.findall(presses)),
+        reward=_finite(reward, "a reward"),
+        presses=tuple(
+            (_nanoseconds(time), _finite(value, "the value of a press"))
+            for value, time in _PRESS.findall(presses)
+        ),
         training=training == "true",
         start_ns=_nanoseconds(start),
     )
@@ -249,7 +255,7 @@ def _parse_state(text: str) -> tuple[tuple[int, ...], int]:
     """Return column bitboards and the piece; an empty board and -1 for a terminal row."""
     try:
         numbers = json.loads(text)
-    except json.JSONDecodeError:
+    except (ValueError, RecursionError):  # nested too deeply, or a number of thousands of digits
         raise ValueError("the first field is not a list of integers") from None
     if numbers == []:
         return (), -1
@@ -271,11 +277,22 @@ def _parse_state(text: str) -> tuple[tuple[int, ...], int]:
     return board, piece
 
 
+def _finite(text: str, what: str) -> float:
+    number = float(text)
+    if not abs(number) <= LARGEST:
+        raise ValueError(f"expected {what} of at most {LARGEST:g}, got {text[:40]}")
+    return number
+
+
 def _nanoseconds(text: str) -> int:
     """Return a decimal number of seconds in nanoseconds, exactly."""
     if not re.fullmatch(r"\d+(\.\d+)?", text):
         raise ValueError(f"expected a time in seconds, got {text!r}")
     whole, _, fraction = text.partition(".")
+    if len(whole.lstrip("0")) > MOST_DIGITS:
+        raise ValueError(
+            f"expected a time of at most {MOST_DIGITS} digits of seconds, got {len(whole)} digits"
+        )
     return int(whole) * NS_PER_S + int(fraction[:9].ljust(9, "0"))
 
 

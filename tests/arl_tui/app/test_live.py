@@ -2,18 +2,20 @@
 
 import pytest
 
-from arl_tui.app.frames import FRAMES_REMEMBERED, FrameLedger
 from arl_tui.app.link import Alive, Begin, Crashed, Ready
 from arl_tui.app.live_session import LiveSession
 from core.events import (
+    Event,
     FrameShown,
     KeyPressed,
     PressRetracted,
     Resumed,
     ScreenCleared,
     StopAsked,
+    TimeGap,
     WrongPressAsked,
 )
+from core.feedback.frames import FRAMES_REMEMBERED, FrameLedger
 from core.feedback.keys import KeyConfig
 from core.numerics.clock import ManualClock
 from tests.arl_tui.fakes import FakeLink, ListSink, episode_ended, episode_started, session_ended, step_taken
@@ -24,7 +26,9 @@ MS = 1_000_000
 class Bench:
     """A session with everything around it faked."""
 
-    def __init__(self, keys: KeyConfig | None = None, root_seed: int = 1) -> None:
+    def __init__(
+        self, keys: KeyConfig | None = None, root_seed: int = 1, earlier: tuple[Event, ...] = ()
+    ) -> None:
         self.clock = ManualClock(1_000 * MS)
         self.link = FakeLink()
         self.sink = ListSink()
@@ -38,6 +42,7 @@ class Bench:
             clock=self.clock,
             listener=self.heard.append,
             on_over=self.over.append,
+            earlier=earlier,
         )
         self.live.take_stamps = self._take
         self.link.listen(self.live.take_in, self.live.worker_lost)
@@ -283,3 +288,44 @@ def test_a_silent_worker_is_noticed_until_it_says_that_it_waits() -> None:
     bench.link.say(Alive())
     assert bench.live.silent_s() == 0.0
     assert not any(isinstance(event, Alive) for event in bench.heard)
+
+
+def test_a_session_that_goes_on_continues_numbers_tally_and_wrong_presses() -> None:
+    keys = KeyConfig(wrong_press_rate=0.5, max_presses_per_episode=20)
+    whole = Bench(keys, root_seed=4)
+    resumed = None
+    for game in range(6):
+        if game == 3:
+            # It breaks off after three games: another program knows only what is in the file.
+            resumed = Bench(keys, root_seed=4, earlier=tuple(whole.sink.events))
+            resumed.live.begin(resumed.sink)
+            joint = resumed.sink.events[0]
+            assert isinstance(joint, TimeGap)
+            assert joint.joint
+            assert resumed.link.sent == [Begin(), joint]
+            assert joint not in resumed.heard
+        for bench in (whole,) if resumed is None else (whole, resumed):
+            play_a_game(bench, game)
+    assert resumed is not None
+    numbers = [press.press for press in whole.presses()]
+    n_before = len(numbers) - len(resumed.presses())
+    assert n_before == 12
+    assert resumed.presses() == whole.presses()[n_before:]
+    assert any(press.asked_wrong for press in resumed.presses())
+    frames = [event.frame for event in whole.sink.events if isinstance(event, FrameShown)]
+    again = [event.frame for event in resumed.sink.events if isinstance(event, FrameShown)]
+    assert frames[-len(again) :] == again
+    assert resumed.live.tally == whole.live.tally
+    assert resumed.live.presses_left == whole.live.presses_left
+
+
+def play_a_game(bench: Bench, game: int) -> None:
+    if bench.live.phase == "waiting":
+        bench.live.begin(bench.sink)
+    bench.link.say(episode_started())
+    for step in range(4 * game, 4 * game + 4):
+        bench.link.say(step_taken(step))
+        bench.show(step, 2000 * (step + 1))
+        bench.live.collect_frames()
+        bench.live.press("jf"[step % 2], (2000 * (step + 1) + 900) * MS)
+    bench.link.say(episode_ended())

@@ -7,8 +7,8 @@ import msgspec
 import pytest
 from click.testing import CliRunner, Result
 
-from arl_tui.app.live_session import Tally
 from arl_tui.app.outcome import Outcome
+from arl_tui.app.tally import Tally
 from arl_tui.cli import main
 from arl_tui.commands import play
 from arl_tui.commands.check_protocol import tell_start

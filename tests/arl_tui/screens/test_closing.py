@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 from textual.app import App
 
-from arl_tui.app.live_session import Tally
 from arl_tui.app.outcome import Outcome
+from arl_tui.app.tally import Tally
 from arl_tui.games.keepaway.screens import WORDS as KEEPAWAY
 from arl_tui.games.tetris.screens import WORDS as TETRIS
 from arl_tui.screens.closing import ClosingScreen
@@ -22,7 +22,7 @@ def tally(practised: list[float]) -> Tally:
 
 
 class Closing(App[None]):
-    CSS_PATH = "../../arl_tui/app.tcss"
+    CSS_PATH = "../../../arl_tui/app.tcss"
 
     def __init__(
         self,

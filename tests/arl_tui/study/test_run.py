@@ -3,8 +3,9 @@
 import pytest
 
 from arl_tui.study.pages import BreakPage, ConsentPage, NoticePage, TextPage
+from arl_tui.study.presenter import Played
 from arl_tui.study.question_pages import Answered, QuestionPage
-from arl_tui.study.run import Played, run_sitting
+from arl_tui.study.run import run_sitting
 from core.numerics.clock import ManualClock
 from studies.lab.folder import participant_folder
 from studies.lab.ledger import Declined, Enrolled, Ledger, SittingEnded

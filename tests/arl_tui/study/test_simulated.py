@@ -16,6 +16,8 @@ STUDY = """
 name = "small"
 seed = 5
 participants = 4
+[protocol]
+delay_of = "feedback-lag"
 [protocol.session]
 episodes = 1
 watched_steps = 3
@@ -29,6 +31,8 @@ type = "latin-square"
 name = "day 1"
 steps = [
   { type = "consent", text = "consent.md" },
+  { type = "practice", games = 1 },
+  { type = "calibration", trials = 30, practice = 2 },
   { type = "block" },
   { type = "break", shortest_s = 30 },
   { type = "block" },
@@ -63,7 +67,7 @@ def test_every_file_says_that_it_is_simulated(home):
     data = home / "studies" / "small-simulated"
     assert {header.simulated for header, _ in sittings(home)} == {True}
     recordings = sorted(data.rglob("*-step-*.jsonl"))
-    assert len(recordings) == 4
+    assert len(recordings) == 6
     assert {read_recording(path).header.origin for path in recordings} == {"simulated"}
     assert [path for path in (home / "studies").iterdir() if not path.name.endswith("-simulated")] == []
 
@@ -71,8 +75,9 @@ def test_every_file_says_that_it_is_simulated(home):
 def test_their_recordings_name_condition_and_place_and_replay_exactly(home):
     for path in sorted(Path(home).rglob("*-step-*.jsonl")):
         recording = read_recording(path)
-        source = recording.header.source
-        assert (source["study.study"], source["study.condition"] in ("linear", "annealed")) == ("small", True)
+        study = recording.header.study
+        assert (study["study"], study["kind"]) == ("small", "practice" if study["step"] == "1" else "block")
+        assert (study["condition"] in ("linear", "annealed")) == (study["kind"] == "block")
         protocol = protocol_from(recording.header.protocol)
         assert (
             replay_exactly(recording, build_session(protocol, recording.header.root_seed)).difference is None
@@ -83,3 +88,15 @@ def test_status_of_simulated_participants_is_shown_apart(home):
     arguments = ["study", "status", str(home / "study.toml"), "--recordings", str(home)]
     assert "Nobody has taken part yet" in CliRunner().invoke(main, arguments).output
     assert "2 of 4 have finished" in CliRunner().invoke(main, [*arguments, "--simulated"]).output
+
+
+def test_blocks_after_a_calibration_go_by_the_delay_that_it_measured(home):
+    blocks = [read_recording(path) for path in sorted(Path(home).rglob("*-step-*.jsonl"))]
+    blocks = [block for block in blocks if block.header.study["kind"] == "block"]
+    assert len(blocks) == 4
+    for block in blocks:
+        source = block.header.source
+        assert (source["credit"], source["credit_asked_by"]) == ("feedback-lag", "protocol")
+        folder = block.path.parent / "calibration"
+        assert (folder / source["credit_files"]).exists()
+        assert "simulated" in (folder / source["credit_files"]).read_text()

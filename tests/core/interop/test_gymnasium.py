@@ -8,8 +8,8 @@ import pytest
 
 gymnasium = pytest.importorskip("gymnasium")
 
+from core.interop.gymnasium.config import GymnasiumConfig
 from core.interop.gymnasium.game import GymnasiumDomain
-from core.interop.gymnasium.plugin import GymnasiumConfig
 from core.plugins import GameError
 from core.registry import game_of
 from core.session.protocol_reading import protocol_from

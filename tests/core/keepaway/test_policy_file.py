@@ -1,6 +1,9 @@
 """Learned policies on disk."""
 
+import io
 import re
+import tracemalloc
+import zipfile
 from pathlib import Path
 
 import msgspec
@@ -139,3 +142,84 @@ def test_a_header_that_asks_for_the_impossible_is_refused_before_any_memory_is(t
     )
     with pytest.raises(PolicyFileError, match=re.escape(told)):
         load_policy(path)
+
+
+def archive(path: Path, *, header: bytes | None = None, weights: bytes | None = None) -> Path:
+    """An archive whose members are these bytes; those of a good policy where None."""
+    good = {"header": np.frombuffer(msgspec.json.encode(HEADER), np.uint8), "weights": _weights(2)}
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as out:
+        for name, content in (("header", header), ("weights", weights)):
+            if content is None:
+                member = io.BytesIO()
+                np.save(member, good[name])
+                content = member.getvalue()
+            out.writestr(f"{name}.npy", content)
+    return path
+
+
+def npy(shape: str, descr: str = "<f8", content: bytes = b"") -> bytes:
+    text = f"{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}, }}\n".encode()
+    return b"\x93NUMPY\x01\x00" + len(text).to_bytes(2, "little") + text + content
+
+
+@pytest.mark.parametrize(
+    ("weights", "told"),
+    [
+        (npy("(1000000000000,)"), "says its shape is"),
+        (npy("(-1,)"), "says its shape is"),
+        (npy("(4, 4, 10)", "<c16", b"\0" * 160), "of the type complex128, expected float64"),
+        (npy("(1,)", "|O", b"\0" * 8), "of the type object"),
+        (npy("()" * 3000), "not a policy"),
+        (npy("(1,)", "<f8", b"\0" * 8), "have shape"),
+        (b"\x93NUMPY\x09\x00", "not a policy"),
+        (b"", "not a policy"),
+        (b"\0" * (1 << 26), "weights holds more than"),
+    ],
+    ids=[
+        "petabytes",
+        "negative",
+        "complex",
+        "objects",
+        "nested",
+        "another shape",
+        "version 9",
+        "empty",
+        "bomb",
+    ],
+)
+def test_archives_that_claim_the_impossible_are_refused_in_bounded_memory(
+    tmp_path: Path, weights: bytes, told: str
+):
+    path = archive(tmp_path / "bad.npz", weights=weights)
+    tracemalloc.start()
+    try:
+        with pytest.raises(PolicyFileError, match=told):
+            load_policy(path)
+        assert tracemalloc.get_traced_memory()[1] < 40_000_000
+    finally:
+        tracemalloc.stop()
+
+
+def test_cut_encrypted_and_wrong_archives_are_refused(tmp_path: Path):
+    path = archive(tmp_path / "whole.npz")
+    content = path.read_bytes()
+    assert load_policy(path).header == HEADER
+    encrypted = bytearray(content)
+    for mark, offset in ((b"PK\x03\x04", 6), (b"PK\x01\x02", 8)):
+        at = -1
+        while (at := content.find(mark, at + 1)) >= 0:
+            encrypted[at + offset] |= 1
+    alone = io.BytesIO()
+    np.save(alone, _weights(1))
+    for bad in (
+        content[: len(content) // 2],
+        content[:-30],
+        bytes(encrypted),
+        alone.getvalue(),
+        b"",
+        content[50:],
+    ):
+        path.write_bytes(bad)
+        with pytest.raises(PolicyFileError, match=r"whole\.npz: not a policy of Keepaway"):
+            load_policy(path)
+    assert list(tmp_path.iterdir()) == [path]

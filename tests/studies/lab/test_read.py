@@ -1,8 +1,14 @@
 """Reading a study: everything it names is there, and every mistake is said at once."""
 
+from pathlib import Path
+
 import pytest
 
+from arl_tui.commands.study_page import page
+from core.configuration.catalogue import settings_of, tables_of
 from core.session.protocol_reading import protocol_from
+from studies.lab.config import Study
+from studies.lab.questions import QuestionList
 from studies.lab.read import StudyError, combined, load_study
 
 STUDY = """
@@ -75,12 +81,31 @@ def test_the_base_alone_is_the_protocol_it_describes():
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("participants = 8", "participant = 8", "participant"),
-        ('type = "latin-square"', 'type = "latin"', "latin"),
+        ("participants = 8", "participant = 8", r"toml:4: participant = 8: .* did you mean `participants`\?"),
+        ("participants = 8", "", "the key `participants` is missing"),
+        (
+            "participants = 8",
+            "participants = 0",
+            r"toml:4: participants = 0: expected a whole number 1 to 100000",
+        ),
+        (
+            'type = "latin-square"',
+            'type = "latin"',
+            r'toml:16: \[assignment\] type = "latin": expected one of',
+        ),
+        ('type = "block"', 'type = "blok"', r'toml:24: .*did you mean "block"\?'),
+        ('type = "block"', 'type = "block"\ngame = 2', r"toml:25: .*did you mean `games`\?"),
+        ("episodes = 3", "episodez = 3", r"toml:7: \[protocol.session\] episodez = 3: .*`episodes`\?$"),
+        ('name = "small"', 'name = "s t"', r"toml:2: name = .* letters, digits"),
+        ("seed = 1", "seed = ", r"toml:3: not a TOML file"),
         ('questions = "sus"', 'questions = "suss"', "there is no such file"),
         ('text = "consent.md"', 'text = "other.md"', "other.md: needed by step 1 of sitting 1"),
         ('[[sittings.steps]]\ntype = "block"\n', "", "1 blocks with an assigned condition"),
-        ('type = "annealed"', 'type = "anealed"', "condition annealed"),
+        (
+            'type = "annealed"',
+            'type = "anealed"',
+            r"toml:13: \[conditions.annealed.agent.scheme\] .*`?annealed",
+        ),
         ('type = "consent"\ntext = "consent.md"', 'type = "break"', "before consent was given"),
     ],
 )
@@ -98,5 +123,45 @@ def test_a_file_with_a_byte_order_mark_is_read(write):
 def test_a_file_that_is_not_utf8_is_told_how_to_become_it(write):
     path = write()
     path.write_bytes(path.read_bytes() + "# für\n".encode("latin-1"))
-    with pytest.raises(StudyError, match="save the file as UTF-8"):
+    with pytest.raises(StudyError, match="Save it as UTF-8"):
         load_study(path)
+
+
+def test_a_mistake_in_a_list_over_several_lines_is_found_in_its_line(write):
+    steps = STUDY[STUDY.index("[[sittings.steps]]") :]
+    listed = """steps = [
+  { type = "consent", text = "consent.md", statements = [
+    "I agree, [really] = {yes}.", # a comment } ]
+  ] },
+  { type = "block" }, { type = "block", games = 0 },
+]
+"""
+    text = STUDY.replace(steps, listed)
+    line = text[: text.index("games = 0")].count("\n") + 1
+    with pytest.raises(StudyError, match=rf"toml:{line}: \[sittings.1.steps.3\] games = 0: expected a whole"):
+        load_study(write(text))
+
+
+def test_a_fault_of_the_base_is_said_once_and_one_of_a_condition_where_it_stands(write):
+    with pytest.raises(StudyError) as caught:
+        load_study(write(STUDY.replace("episodes = 3", "episodes = 0")))
+    assert str(caught.value).count("episodes = 0") == 1
+
+
+def test_the_page_of_settings_is_the_one_that_the_program_prints():
+    written = (Path(__file__).parents[3] / "docs" / "study.md").read_text(encoding="utf-8")
+    assert written == page(), "write it again: arl study settings > docs/study.md"
+
+
+def test_every_key_of_every_table_has_a_meaning():
+    undocumented = [
+        f"{struct.__name__}.{setting.key}"
+        for root in (Study, QuestionList)
+        for struct in [
+            root,
+            *(inner for _, kind in tables_of(root) for inner in (kind.structs or {}).values()),
+        ]
+        for setting in settings_of(struct).values()
+        if not setting.doc and setting.kind.structs is None
+    ]
+    assert undocumented == []

@@ -1,12 +1,14 @@
 """What an experimenter sees, and what withdrawing removes."""
 
-import shutil
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
+import msgspec
 import pytest
 
 from core.numerics.clock import ManualClock
+from core.recording.reader import read_recording
+from core.recording.recorder import LineWriter
 from studies.lab.enrolment import NotNow, begin_sitting, enrol
 from studies.lab.folder import exports_folder, participant_folder, sitting_path
 from studies.lab.ledger import Declined, Ledger, SittingEnded, StepDone
@@ -68,7 +70,12 @@ def test_presses_are_counted_from_the_recordings(study, ledger):
     sitting_file(
         ledger, FileRecorded(step=1, kind="block", file=GOLDEN.name, condition="c0", ended="finished")
     )
-    shutil.copy(GOLDEN, participant_folder(ledger.folder, "A"))
+    golden = read_recording(GOLDEN)
+    header = msgspec.structs.replace(golden.header, study={"kind": "block", "condition": "c0"})
+    writer = LineWriter(participant_folder(ledger.folder, "A") / GOLDEN.name, header)
+    for event in golden.events:
+        writer.append(event)
+    writer.close()
     row = row_of(study, ledger)
     assert row.games > 0
     assert row.presses_per_game > 0

@@ -1,4 +1,4 @@
-"""Which frame of a session was on screen when."""
+"""Which frame of a session was on screen when: kept by the live screen, and followed again by replay."""
 
 from collections import deque
 
@@ -11,9 +11,14 @@ FRAMES_REMEMBERED = 256
 class FrameLedger:
     """Which frame, and which step, was on screen at a time that has just passed."""
 
-    def __init__(self) -> None:
+    def __init__(self, first: int = 0) -> None:
+        """Begin with an empty screen.
+
+        Args:
+            first: number of the next frame.
+        """
         self._steps: dict[int, int] = {}
-        self._next_frame = 0
+        self._next_frame = first
         self._shown: deque[tuple[int, int, int]] = deque([(0, -1, -1)], maxlen=FRAMES_REMEMBERED)
 
     def painted(self, step: int) -> int:
@@ -25,9 +30,13 @@ class FrameLedger:
 
     def flushed(self, frame: int, time_ns: int) -> FrameShown:
         """Note when a frame's last byte left."""
-        step = self._steps.pop(frame)
-        self._shown.append((time_ns, frame, step))
-        return FrameShown(frame=frame, step=step, flushed_ns=time_ns)
+        shown = FrameShown(frame=frame, step=self._steps.pop(frame), flushed_ns=time_ns)
+        self.recorded(shown)
+        return shown
+
+    def recorded(self, shown: FrameShown) -> None:
+        """Note a frame as a recording tells it."""
+        self._shown.append((shown.flushed_ns, shown.frame, shown.step))
 
     def dropped(self, frame: int) -> None:
         """Note that a frame does not count: something else covered it."""

@@ -1,0 +1,48 @@
+"""What a session has come to so far: for the screens, and for the summary at its end."""
+
+from dataclasses import dataclass, field
+
+from core.events import EpisodeEnded, EpisodeStarted, Output, StepTaken, UnseenPlayed
+
+
+@dataclass
+class Tally:
+    """What the summary at the end tells the participant."""
+
+    performances: list[float] = field(default_factory=list)
+    """Of the watched episodes."""
+    unseen: int = 0
+    """Episodes played out of sight."""
+    practised: list[float] = field(default_factory=list)
+    """Mean performance of each block of them."""
+    good: int = 0
+    bad: int = 0
+    taken_back: int = 0
+    trust: float = 0.0
+    """What the rule of trust says of the participant, after the last episode."""
+    weight: float | None = None
+    """Weight of the participant's judgement in the last watched game; None before the first."""
+    steps: int = 0
+    """Watched steps."""
+
+    def note(self, output: Output) -> None:
+        """Take in what the domain or the agent did."""
+        match output:
+            case EpisodeStarted():
+                self.weight = weight_in_use(output)
+            case StepTaken():
+                self.steps += 1
+            case EpisodeEnded():
+                self.performances.append(output.performance)
+                self.trust = output.trust
+            case UnseenPlayed():
+                self.unseen += len(output.policies)
+                self.practised.append(sum(output.performances) / len(output.performances))
+                self.trust = output.trust
+            case _:
+                pass
+
+
+def weight_in_use(episode: EpisodeStarted) -> float:
+    """Return the weight that the human has in an episode: in control sharing, the chance of a handover."""
+    return episode.share if episode.share > 0 else episode.weight

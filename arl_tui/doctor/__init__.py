@@ -1,0 +1,1 @@
+"""What `arl doctor` looks at: this machine, this terminal, the keyboard."""

@@ -1,0 +1,160 @@
+"""Recordings of hours: listed without decoding every line, replayed in a time that grows with their length alone."""
+
+import json
+import time
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from core.events import FrameShown, Output
+from core.recording import reader, skim, undo
+from core.recording.reader import Recording, RecordingError, read_recording
+from core.recording.recorder import Chain, write_recording
+from core.recording.skim import skim_recording
+from core.recording.summary import summarise_recording
+from core.session.replay import replay_exactly
+from tests.fuzz.mutate import resealed
+
+REFERENCE = Path(__file__).resolve().parents[3] / "recordings" / "reference"
+FILES = sorted(REFERENCE.rglob("*.jsonl"))
+ORIGINAL = FILES[-1]
+
+
+class Again:
+    """A session that says what was recorded, and takes in what was given."""
+
+    def __init__(self, recording: Recording) -> None:
+        self._recording = recording
+
+    def run(self, source, clock):
+        for output in self._recording.outputs:
+            list(source.during(0))
+            yield output
+
+
+def long(recording: Recording, n_events: int) -> Recording:
+    """A recording with so many more frames and credits that one pass is fast, and a pass per output is not."""
+    events = list(recording.events)
+    first = next(n for n, event in enumerate(events) if isinstance(event, Output) and event.inputs > 0)
+    credit = next(event for event in events if event.__class__.__name__ == "CreditGiven")
+    events[first:first] = [credit] * n_events
+    return Recording(recording.path, recording.header, tuple(events), recording.complete)
+
+
+def test_the_time_of_a_replay_grows_with_the_number_of_outputs():
+    recording = long(read_recording(REFERENCE / "tetris-linear-equation-4.jsonl"), 200_000)
+    told: list[int] = []
+    before = time.process_time()
+    result = replay_exactly(recording, Again(recording), on_progress=told.append)
+    assert time.process_time() - before < 10.0  # copying the rest at each output took minutes
+    assert result.difference is None
+    assert result.outputs == len(recording.outputs)
+    assert sum(told) == result.outputs // 1000 * 1000
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(REFERENCE)))
+def test_a_skimmed_recording_has_the_same_summary(path, monkeypatch):
+    monkeypatch.setattr(skim, "WORTH_SKIMMING", 0)
+    skimmed = skim_recording(path)
+    assert skimmed.steps_left_out > 0
+    assert not any(isinstance(event, FrameShown) for event in skimmed.events)
+    assert summarise_recording(skimmed) == summarise_recording(read_recording(path))
+
+
+def test_a_recording_that_was_cut_off_is_skimmed_to_the_same_summary(tmp_path, monkeypatch):
+    monkeypatch.setattr(skim, "WORTH_SKIMMING", 0)
+    lines = ORIGINAL.read_bytes().splitlines(keepends=True)
+    path = tmp_path / "cut.jsonl"
+    for kept in (1, 2, 9, len(lines) - 1):
+        for tail in (b"", b'{"type":"fra'):
+            path.write_bytes(b"".join(lines[:kept]) + tail)
+            assert summarise_recording(skim_recording(path)) == summarise_recording(read_recording(path))
+
+
+@pytest.mark.parametrize("step", [37, 101])
+def test_damage_is_found_by_skimming_too(tmp_path, monkeypatch, step):
+    monkeypatch.setattr(skim, "WORTH_SKIMMING", 0)
+    content = ORIGINAL.read_bytes()
+    path = tmp_path / "damaged.jsonl"
+    for at in range(0, len(content), step * 7):
+        if b',"chain":"' in content[max(0, at - 28) : at + 12]:
+            continue  # in the hash itself: events are whole, and the reader names the line
+        path.write_bytes(content[:at] + bytes([content[at] ^ 1]) + content[at + 1 :])
+        with pytest.raises(RecordingError):
+            skim_recording(path)
+
+
+def header_with(**fields) -> bytes:
+    header = msgspec.json.decode(ORIGINAL.read_bytes().splitlines()[0])
+    header.pop("chain")
+    return Chain().seal(json.dumps(header | fields, separators=(",", ":")).encode())
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"[" * 2000, "not a recording"),
+        (
+            b'{"type":"header","format":"arl-recording","a":' + b"[" * 2000 + b"]" * 2000 + b"}\n",
+            "not a recording",
+        ),
+        (header_with(root_seed=-1), "root_seed is >= 0, got -1"),
+        (
+            resealed(
+                header_with() + b'{"type":"end","events":' + b"[" * 2000 + b"]" * 2000 + b',"chain":"0"}'
+            ),
+            ":2: ",
+        ),
+    ],
+    ids=["nested", "nested header", "negative seed", "nested event"],
+)
+def test_what_cannot_be_read_is_refused(tmp_path, content, said):
+    path = tmp_path / "bad.jsonl"
+    path.write_bytes(content)
+    with pytest.raises(RecordingError, match=said):
+        read_recording(path)
+
+
+def test_a_line_that_no_session_writes_is_refused_before_it_is_copied(tmp_path, monkeypatch):
+    monkeypatch.setattr(reader, "LONGEST_LINE", 40_000)
+    path = tmp_path / "wide.jsonl"
+    path.write_bytes(header_with() + b'{"type":"resumed","time_ns":' + b"1" * 50_000 + b"}\n")
+    with pytest.raises(
+        RecordingError, match=r":2: a line of 50,029 bytes; a session writes none of more than 40,000"
+    ):
+        read_recording(path)
+
+
+def test_a_bomb_is_not_unpacked(tmp_path, monkeypatch):
+    import gzip
+
+    monkeypatch.setattr(undo, "MOST_UNPACKED", 1 << 20)
+    path = tmp_path / "bomb.jsonl.gz"
+    path.write_bytes(gzip.compress(b"\0" * (1 << 22)))
+    with pytest.raises(RecordingError, match="holds more than 1,048,576 bytes"):
+        read_recording(path)
+    path.write_bytes(gzip.compress(b"\0" * (1 << 19)) * 8)
+    with pytest.raises(RecordingError, match="holds more than 1,048,576 bytes"):
+        read_recording(path)
+
+
+def test_a_recording_is_written_whole_or_not_at_all(tmp_path):
+    recording = read_recording(ORIGINAL)
+
+    def failing():
+        yield recording.events[0]
+        raise RuntimeError("cut")
+
+    with pytest.raises(RuntimeError, match="cut"):
+        write_recording(tmp_path / "a.jsonl", recording.header, failing())
+    with pytest.raises(UnicodeEncodeError):
+        write_recording(
+            tmp_path / "a.jsonl", msgspec.structs.replace(recording.header, participant="\udc80"), ()
+        )
+    assert list(tmp_path.iterdir()) == []
+    write_recording(tmp_path / "a.jsonl", recording.header, recording.events)
+    assert read_recording(tmp_path / "a.jsonl").events == recording.events
+    with pytest.raises(FileExistsError):
+        write_recording(tmp_path / "a.jsonl", recording.header, failing())
+    assert read_recording(tmp_path / "a.jsonl").events == recording.events

@@ -1,0 +1,345 @@
+"""Whole sittings of a study in a real terminal of 80 x 24: who consents, who does not, whose window closes."""
+
+import os
+import signal
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from core.recording.joined import read_session
+from core.recording.reader import Recording
+from core.recording.summary import summarise_recording
+from core.session.protocol_reading import protocol_from
+from core.session.replay import replay_exactly
+from core.session.session import build_session
+from studies.lab.blocks import BlockSoFar, sessions_in
+from studies.lab.ledger import Enrolled, SittingEnded, Withdrawn, read_ledger
+from studies.lab.notes import read_notes
+from studies.lab.progress import Participant, progress
+from studies.lab.sitting_log import ConsentAnswered, QuestionAnswered, read_sitting
+from tests.e2e.processes import descendants, left_after
+from tests.e2e.terminal import PATIENCE_S, Terminal
+
+STUDY = """
+name = "tiny"
+title = "Teach a computer"
+seed = 5
+participants = 4
+[protocol.session]
+episodes = 2
+unseen_between = 4
+unseen_steps = 50
+watched_steps = 7
+[protocol.screen]
+tick_ms = 70
+count_down_s = 0
+pause_between_episodes_s = 0.3
+[conditions.LINEARCONDITION.agent.scheme]
+type = "linear"
+[conditions.ANNEALEDCONDITION.agent.scheme]
+type = "annealed"
+[assignment]
+type = "latin-square"
+[[sittings]]
+name = "day 1"
+steps = [
+  { type = "page", text = "hello.md" },
+  { type = "consent", text = "consent.md", statements = ["I agree."], optional = ["Share it."] },
+  { type = "block" },
+  { type = "break" },
+  { type = "block" },
+  { type = "questionnaire", questions = "trust" },
+  { type = "debriefing", text = "thanks.md" },
+]
+"""
+SECRETS = ("LINEARCONDITION", "ANNEALEDCONDITION", ".jsonl", "weight", "participants/")
+"""What no participant's screen shows."""
+
+
+class Lab:
+    """A study in a folder, and its data."""
+
+    def __init__(self, folder: Path, study: str = STUDY) -> None:
+        self.folder = folder
+        for name in ("hello", "consent", "thanks"):
+            (folder / f"{name}.md").write_text(f"# The page {name}\n")
+        (folder / "study.toml").write_text(study)
+
+    @property
+    def data(self) -> Path:
+        return self.folder / "recordings" / "studies" / "tiny"
+
+    def run(self, *more: str) -> Terminal:
+        return Terminal("study", "run", str(self.folder / "study.toml"), *more, cwd=self.folder)
+
+    def lines(self) -> tuple[object, ...]:
+        return read_ledger(self.data / "ledger.jsonl")
+
+    def participant(self, code: str = "P1") -> Participant:
+        return progress(read_ledger(self.data / "ledger.jsonl")).participants[code]
+
+    def blocks(self, code: str = "P1") -> list[BlockSoFar]:
+        return sorted(
+            sessions_in(self.data / "participants" / code),
+            key=lambda block: int(block.recording.header.study["step"]),
+        )
+
+    def sitting_lines(self, code: str = "P1") -> list[object]:
+        paths = sorted((self.data / "participants" / code).glob("sitting-*.jsonl"))
+        return [line for path in paths for line in read_sitting(path)[1]]
+
+
+@pytest.fixture
+def lab(tmp_path: Path) -> Lab:
+    return Lab(tmp_path)
+
+
+def consent(terminal: Terminal) -> None:
+    """Read the first page and agree."""
+    terminal.wait_for("The page hello")
+    terminal.wait_for("to go on")
+    terminal.press("\r")
+    terminal.wait_for("I agree.")
+    terminal.wait_for("to go on")
+    terminal.press("yn\r")
+
+
+def begin_block(terminal: Terminal) -> None:
+    """Start a session from its first page."""
+    terminal.wait_for("Enter  to start, ")
+    no_secrets(terminal)
+    terminal.press("\r")
+
+
+def block(terminal: Terminal, first: str = "Game 1") -> None:
+    """Watch a block from its first page to its last."""
+    begin_block(terminal)
+    terminal.wait_for(first)
+    terminal.pump(0.6)
+    terminal.press("j")
+    no_secrets(terminal)
+    terminal.wait_for("Thank you!")
+    no_secrets(terminal)
+    terminal.press("\r")
+
+
+def take_a_break(terminal: Terminal) -> None:
+    terminal.wait_for("Time for a break")
+    terminal.wait_for("to go on")
+    terminal.press("\r")
+
+
+def finish(terminal: Terminal) -> None:
+    """Answer all questions, and leave."""
+    while terminal.wait_for("Question", "The page thanks", "to go on", "to read on") != "The page thanks":
+        no_secrets(terminal)
+        before = terminal.text
+        terminal.press("3")
+        terminal.pump(0.15)
+        terminal.press("\r")
+        terminal.pump(0.3)
+        if terminal.text == before:
+            terminal.pump(0.5)
+    no_secrets(terminal)
+    terminal.pump(0.5)
+    terminal.press("\r\r")
+    assert terminal.wait_for_exit() == 0
+
+
+def no_secrets(terminal: Terminal) -> None:
+    assert not [secret for secret in SECRETS if secret in terminal.text], terminal.text
+
+
+def exact(recording: Recording) -> bool:
+    session = build_session(protocol_from(recording.header.protocol), recording.header.root_seed)
+    return replay_exactly(recording, session).difference is None
+
+
+def test_a_whole_participant_from_consent_to_thanks(lab: Lab) -> None:
+    with lab.run("--participant", "P1") as terminal:
+        consent(terminal)
+        block(terminal)
+        take_a_break(terminal)
+        block(terminal)
+        finish(terminal)
+        assert "P1 finished the sitting." in terminal.text
+    person = lab.participant()
+    assert person.sittings[0].ended == "finished"
+    blocks = lab.blocks()
+    assert [found.recording.header.study["condition"] for found in blocks] == list(person.order)
+    assert all(found.finished and exact(found.recording) for found in blocks)
+    assert {found.summary.condition for found in blocks} == {"LINEARCONDITION", "ANNEALEDCONDITION"}
+    lines = lab.sitting_lines()
+    (given,) = (line for line in lines if isinstance(line, ConsentAnswered))
+    assert given.answers == {"I agree.": True, "Share it.": False}
+    assert any(isinstance(line, QuestionAnswered) for line in lines)
+
+    # Afterwards they withdraw: nothing of theirs is left.
+    with Terminal(
+        "study", "withdraw", str(lab.folder / "study.toml"), "P1", cwd=lab.folder, columns=200
+    ) as terminal:
+        terminal.wait_for("Remove all data of P1")
+        terminal.press("y\r")
+        assert terminal.wait_for_exit() == 0
+    assert not (lab.data / "participants" / "P1").exists()
+    files = [path for path in lab.data.rglob("*") if path.is_file()]
+    assert not any(b'"P1"' in path.read_bytes() for path in files)
+    assert any(isinstance(line, Withdrawn) for line in lab.lines())
+
+
+def test_one_who_declines_leaves_nothing_but_a_count(lab: Lab) -> None:
+    with lab.run("--participant", "P1") as terminal:
+        terminal.wait_for("The page hello")
+        terminal.wait_for("to go on")
+        terminal.press("\r")
+        terminal.wait_for("I agree.")
+        terminal.wait_for("to go on")
+        terminal.press("nn\r")
+        terminal.wait_for("You do not want to take part")
+        terminal.press("\r")
+        assert terminal.wait_for_exit() == 0
+        assert "nothing was kept" in terminal.text
+        assert "P1" not in terminal.text
+    assert progress(read_ledger(lab.data / "ledger.jsonl")).declined == 1
+    assert not (lab.data / "participants").exists()
+    assert not any(b"P1" in path.read_bytes() for path in lab.data.rglob("*") if path.is_file())
+
+
+def close_the_window(terminal: Terminal) -> None:
+    terminal.hang_up()
+    assert terminal.ends_by_itself(10.0)
+
+
+def kill(terminal: Terminal) -> None:
+    os.kill(terminal.child.pid, signal.SIGKILL)
+
+
+def lose_power(terminal: Terminal) -> None:
+    """Kill every process at once."""
+    for pid in (*descendants(terminal.child.pid), terminal.child.pid):
+        os.kill(pid, signal.SIGKILL)
+
+
+@pytest.mark.parametrize("end", [close_the_window, kill, lose_power])
+def test_one_whose_block_2_breaks_off_goes_on_at_the_last_finished_game(
+    lab: Lab, end: Callable[[Terminal], None]
+) -> None:
+    with lab.run("--participant", "P1") as terminal:
+        consent(terminal)
+        block(terminal)
+        take_a_break(terminal)
+        begin_block(terminal)
+        terminal.wait_for("Game 1")
+        terminal.pump(0.5)
+        terminal.press("j")
+        terminal.wait_for("Game 2")
+        terminal.pump(0.5)
+        terminal.press("f")
+        terminal.pump(0.3)
+        pids = descendants(terminal.child.pid)
+        end(terminal)
+        assert not left_after(pids, 10.0)
+    before = {path: path.read_bytes() for path in lab.data.rglob("P1-*.jsonl")}
+    ended = [line for line in lab.lines() if isinstance(line, SittingEnded)]
+    assert [line.how for line in ended] == (["window-closed"] if end is close_the_window else [])
+
+    with lab.run("--participant", "P1") as terminal:
+        terminal.wait_for("1 of 2 games")
+        block(terminal, "Game 2")
+        finish(terminal)
+    assert {path: path.read_bytes() for path in before} == before
+    assert lab.participant().sittings[0].ended == "finished"
+    first, second = lab.blocks()
+    assert len(second.recording.older) == 1
+    assert first.recording.older == ()
+    assert all(found.finished and exact(found.recording) for found in (first, second))
+    assert second.summary.games_finished == 2
+    assert read_session(second.path).events == second.recording.events
+    # What was pressed in the finished game before the break is in the session.
+    assert summarise_recording(second.recording).presses_counted >= 1
+
+
+def test_two_who_start_at_once_get_two_places_and_codes(lab: Lab) -> None:
+    with lab.run() as one, lab.run() as other:
+        for terminal in (one, other):
+            terminal.wait_for("The page hello")
+            terminal.wait_for("to go on")
+            terminal.press("\r")
+        for terminal in (one, other):
+            terminal.wait_for("I agree.")
+            terminal.wait_for("to go on")
+        one.press("yy\r")
+        other.press("yy\r")
+        for terminal in (one, other):
+            terminal.wait_for("Enter  to start, ")
+    enrolled = [line for line in lab.lines() if isinstance(line, Enrolled)]
+    assert len({line.code for line in enrolled}) == 2
+    assert sorted(line.place for line in enrolled) == [0, 1]
+    assert len({line.order for line in enrolled}) == 2
+
+
+def test_one_who_comes_back_too_late_is_told_so_and_nothing_is_recorded(tmp_path: Path) -> None:
+    lab = Lab(tmp_path, STUDY.replace("[[sittings]]", "[resuming]\nwithin_hours = 0.0001\n[[sittings]]", 1))
+    with lab.run("--participant", "P1") as terminal:
+        consent(terminal)
+        terminal.wait_for("Enter  to start, ")
+        kill(terminal)
+    before = lab.lines()
+    time.sleep(1.5)
+    with Terminal(
+        "study", "run", str(lab.folder / "study.toml"), "--participant", "P1", cwd=tmp_path, columns=300
+    ) as terminal:
+        assert terminal.wait_for_exit() == 1
+        assert "within_hours allows 0.0001 h" in terminal.text
+    assert lab.lines() == before
+
+
+def test_a_sitting_that_runs_already_is_not_begun_twice(lab: Lab) -> None:
+    with lab.run("--participant", "P1") as terminal:
+        consent(terminal)
+        terminal.wait_for("Enter  to start, ")
+        arguments = ("study", "run", str(lab.folder / "study.toml"), "--participant", "P1")
+        with Terminal(*arguments, cwd=lab.folder, columns=200) as second:
+            assert second.wait_for_exit() == 1
+            assert "a sitting of P1 is running already" in second.text
+    assert lab.participant().sittings[0].attempts == 1
+
+
+def both(monitor: Terminal, terminal: Terminal, text: str) -> None:
+    """Read both terminals until the monitor shows a text: a terminal that nobody reads blocks its program."""
+    end = time.monotonic() + PATIENCE_S
+    while text not in monitor.text:
+        assert time.monotonic() < end, f"{text} was not seen:\n{monitor.text}"
+        terminal.pump(0.05)
+        monitor.pump(0.05)
+
+
+def test_the_experimenter_follows_a_sitting_and_takes_a_note(lab: Lab) -> None:
+    watching = ("study", "status", str(lab.folder / "study.toml"), "--watch")
+    with Terminal(*watching, cwd=lab.folder) as monitor, lab.run("--participant", "P1") as terminal:
+        monitor.wait_for("Nobody has taken part yet")
+        consent(terminal)
+        terminal.wait_for("Enter  to start, ")
+        both(monitor, terminal, "P1  day 1: step 3 of 7 (block)")
+        terminal.press("\r")
+        terminal.wait_for("Game 1")
+        terminal.pump(0.5)
+        terminal.press("j")
+        both(monitor, terminal, "game 1, ")
+        assert "LINEARCONDITION" not in monitor.text
+        assert "presses per minute, lag" in monitor.text
+        terminal.pump(0.3)
+        monitor.press("n")
+        both(monitor, terminal, "Note, then Enter")
+        monitor.press("P1 was interrupted by a phone\r")
+        both(monitor, terminal, "Noted at ")
+        terminal.wait_for("Thank you!")
+        kill(terminal)
+        monitor.press("q")
+        assert monitor.wait_for_exit() == 0
+    (note,) = read_notes(lab.data)
+    assert (note.text, note.running) == ("P1 was interrupted by a phone", ("P1",))
+    (found,) = lab.blocks()
+    assert exact(found.recording)
