@@ -328,7 +328,7 @@ async def test_a_fit_that_fails_loses_no_trials(tmp_path: Path) -> None:
 
 async def test_a_game_that_cannot_be_prepared_ends_the_session_with_a_message(tmp_path: Path) -> None:
     async def broken(module: str, question: object) -> bytes:
-        if module.endswith("scenes"):
+        if module.endswith("tetris.judging"):
             raise HelperError("no game today")
         return await in_this_process(module, question)
 
@@ -339,7 +339,7 @@ async def test_a_game_that_cannot_be_prepared_ends_the_session_with_a_message(tm
 
 
 async def test_another_process_answers_and_its_failure_is_an_error_with_its_last_word() -> None:
-    with pytest.raises(HelperError, match=r"scenes left with status 1: .*ValidationError"):
+    with pytest.raises(HelperError, match=r"judging left with status 1: .*ValidationError"):
         await ask_helper("arl_tui.games.tetris.judging", {"not": "a schedule"})
 
 
