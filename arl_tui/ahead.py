@@ -10,33 +10,13 @@ import threading
 
 import msgspec
 
+from arl_tui.app.compile_order import Order, is_compiled, purpose_of
 from core.keepaway.pitch import KeepawayConfig
-from core.recording.schema import to_plain
-from core.session.protocol import Protocol
 from core.session.protocol_reading import protocol_from
 
 MODULE = "arl_tui.ahead"
 NICENESS = 5
 """Lower priority than the game's."""
-
-
-class Order(msgspec.Struct, frozen=True, kw_only=True):
-    """What is to be compiled: everything that a session needs, or that watching a match needs."""
-
-    protocol: dict[str, object] | None = None
-    """Of the session, as `core.recording.schema.to_plain` writes it."""
-    task: KeepawayConfig | None = None
-    """Of the match."""
-
-
-def session_order(protocol: Protocol) -> Order:
-    """Return the order for a session."""
-    return Order(protocol=to_plain(protocol))
-
-
-def match_order(task: KeepawayConfig) -> Order:
-    """Return the order for watching matches."""
-    return Order(task=task)
 
 
 class Ahead:
@@ -75,13 +55,6 @@ class Ahead:
         self._process.terminate()
 
 
-def is_compiled(order: Order) -> bool:
-    """Return whether everything that an order asks for has been compiled before."""
-    from core.numerics.interpreting import is_ready
-
-    return is_ready(_purpose(order))
-
-
 def fill(order: Order, *, noted: bool = True) -> None:
     """Compile or load everything that an order asks for, in the order of need.
 
@@ -98,11 +71,11 @@ def fill(order: Order, *, noted: bool = True) -> None:
     if order.task is not None:
         warm_up_match(order.task)
     if noted and not is_compiled(order):
-        note_ready(_purpose(order))
+        note_ready(purpose_of(order))
 
 
 def warm_up_match(task: KeepawayConfig) -> None:
-    """Play a match that is watched until somebody has decided, and set up the next episode."""
+    """Play a match that is watched until a keeper has decided, and set up the next episode."""
     from core.keepaway.viewed_match import ViewedMatch
 
     match = ViewedMatch(task, "hand", 0)
@@ -110,15 +83,6 @@ def warm_up_match(task: KeepawayConfig) -> None:
         if match.step().decider >= 0:
             break
     match.next_episode()
-
-
-DECIDE = ("domain", "learner", "agent", "trainer", "others")
-"""Tables of a protocol that decide about what is compiled."""
-
-
-def _purpose(order: Order) -> str:
-    protocol = order.protocol and {name: order.protocol.get(name) for name in DECIDE}
-    return msgspec.json.encode(Order(protocol=protocol, task=order.task)).decode()
 
 
 def main() -> None:

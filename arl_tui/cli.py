@@ -5,27 +5,45 @@ import click
 from arl_tui.command_line import Arl, Listed
 
 COMMANDS = (
-    Listed("calibrate", "calibrate:calibrate", "Measure how long a participant takes to react and to judge."),
-    Listed("demo", "demo:demo", "See the whole path in a minute: watch, press, record, replay."),
+    Listed(
+        "anonymise",
+        "anonymise:anonymise",
+        "Copy recordings without dates, terminal facts, free text and codes.",
+    ),
+    Listed(
+        "archive",
+        "archive:archive",
+        "Make a folder ready for OSF or Zenodo: anonymised data, tables, codebook.",
+    ),
+    Listed(
+        "calibrate",
+        "calibrate_command:calibrate",
+        "Measure how long a participant takes to react and to judge.",
+    ),
+    Listed("compare", "compare:compare", "Compare sessions: participants, conditions or protocols."),
+    Listed("demo", "demo_command:demo", "See the whole path in a minute: watch, press, record, replay."),
     Listed("doctor", "doctor:doctor", "Check this machine and terminal: go or no go."),
     Listed("experiment", "experiment:experiment", "Run the experiments behind the figures, and report them."),
+    Listed("export", "export:export", "Write data as tables, BIDS or Minari."),
     Listed("fit", "fit:fit", "Fit delay densities to reaction times in files."),
     Listed("import", "import_log:import_group", "Turn other programs' logs into recordings."),
-    Listed("play", "play:play", "Watch an agent learn a game and judge it by key presses."),
-    Listed("practice", "practice:practice", "Play Tetris yourself with the agent's own four moves."),
+    Listed("play", "play_command:play", "Watch an agent learn a game and judge it by key presses."),
+    Listed("practice", "practice_command:practice", "Play Tetris yourself with the agent's own four moves."),
     Listed("presses", "presses:presses", "Report values, delays and bursts of recorded presses."),
     Listed(
         "protocol",
         "show_protocol:show_protocol",
         "Print a complete protocol of a game: a file to start from.",
     ),
-    Listed("recordings", "recordings:list_recordings", "List the recordings there are, and check each."),
-    Listed("replay", "replay:replay", "Replay a recording exactly, or under other learning rules."),
+    Listed(
+        "recordings", "recordings_command:list_recordings", "List the recordings there are, and check each."
+    ),
+    Listed("replay", "replay_command:replay", "Replay recordings exactly, or under other learning rules."),
     Listed("study", "study:study", "Run a whole study from one file."),
     Listed("timing", "timing:timing", "Test how exactly this machine measures reaction times."),
     Listed("train", "train:train", "Let keepers learn by Sarsa, unseen, and keep the policy."),
-    Listed("warm-up", "warm_up:warm_up_command", "Compile now what the first games would compile."),
-    Listed("watch", "watch:watch", "Look at a policy playing Keepaway, at any speed."),
+    Listed("warm-up", "warm_up_command:warm_up_command", "Compile now what the first games would compile."),
+    Listed("watch", "watch:watch", "See a recorded session again, or look at a policy of Keepaway."),
 )
 
 

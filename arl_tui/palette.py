@@ -154,10 +154,10 @@ def _rules(widget: str, palette: Palette) -> Iterator[str]:
         yield f"{start}{block}-ghost {{ background: {palette.empty}; color: {ghost.hex}; }}"
 
 
-def _ink(background: Color, share: float) -> str:
+def _ink(background: Color, fraction: float) -> str:
     """Return the colour of the texture on a block: the background, this far on the way to black or white."""
     black, white = Color.parse("#000000"), Color.parse("#ffffff")
-    return background.blend(white if background.brightness < 0.35 else black, share).hex
+    return background.blend(white if background.brightness < 0.35 else black, fraction).hex
 
 
 def _grey(palette: Palette) -> str:

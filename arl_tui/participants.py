@@ -175,7 +175,7 @@ def read_delays(recordings: Path, participant: str) -> ParticipantDelays | None:
     """Return what is known of a participant; None where nothing is.
 
     Raises:
-        ParticipantError: the file is damaged, of another version, or somebody else's.
+        ParticipantError: the file is damaged, of another version, or another participant's.
     """
     path = delays_path(recordings, participant)
     try:

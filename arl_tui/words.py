@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from studies.reaction_time.protocol import NO, YES
+
 
 @dataclass(frozen=True, slots=True)
 class Words:
@@ -28,3 +30,21 @@ class Words:
         """Return a performance with its unit."""
         figure = f"{performance:.4g}"
         return f"{figure} {self.units[0] if figure == '1' else self.units[1]}"
+
+
+@dataclass(frozen=True, slots=True)
+class JudgingWords:
+    """What participants are told of a game in the feedback-lag task, in markup."""
+
+    instruction: str
+    """What is seen, and which key says what."""
+    reminder: str
+    """Which key says what, in two lines."""
+
+
+_KEYS = {"space": "Space", NO: NO.upper(), YES: YES.upper()}
+
+
+def cap(key: str) -> str:
+    """Return a key as it is printed on the keyboard, in markup."""
+    return f"[reverse b] {_KEYS.get(key, key)} [/]"

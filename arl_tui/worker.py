@@ -17,7 +17,8 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from arl_tui.ahead import Ahead, fill, is_compiled, session_order
+from arl_tui.ahead import Ahead, fill
+from arl_tui.app.compile_order import is_compiled, session_order
 from arl_tui.app.demo_participant import DemoParticipant
 from arl_tui.app.link import Begin, Crashed, Picture, Preparing, Ready, TakenFor, WorkerLine, WorkerLink
 from arl_tui.app.taken import StepsShown

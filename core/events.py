@@ -11,6 +11,11 @@ from typing import Literal
 
 import msgspec
 
+CoverReason = Literal["pause", "help", "quit-dialogue", "resize", "gap", "count-down"]
+"""What lay over the game on screen."""
+Verdict = Literal["accepted", "other", "repeat", "no-presses-left", "covered", "not-playing"]
+"""What became of a press: only accepted ones are learned from."""
+
 
 class Record(
     msgspec.Struct,
@@ -41,7 +46,7 @@ class ScreenCleared(Record, frozen=True, kw_only=True, tag="screen-cleared"):
     """The step on screen was covered: a pause, a help page, a dialogue."""
 
     time_ns: int
-    reason: Literal["pause", "help", "quit-dialogue", "resize", "gap", "count-down"]
+    reason: CoverReason
     """`gap`: the session paused by itself after a `TimeGap`. `count-down`: a game is about to begin or to go on;
     the participant sees a number in its place."""
 
@@ -61,7 +66,7 @@ class KeyPressed(Record, frozen=True, kw_only=True, tag="key-pressed"):
     """Frame on screen at `time_ns`; -1 before the first."""
     step: int
     """Watched step on screen at `time_ns`; -1 when there was none."""
-    verdict: Literal["accepted", "other", "repeat", "no-presses-left", "covered", "not-playing"]
+    verdict: Verdict
     """Only accepted presses are learned from; the rest say why not."""
     asked_wrong: bool = False
     """The participant had been asked to press the wrong key deliberately."""

@@ -24,6 +24,7 @@ GROUP = "arl.games"
 BUILT_IN = {
     "tetris": "core.tetris.plugin:PLUGIN",
     "keepaway": "core.keepaway.plugin:PLUGIN",
+    "gymnasium": "core.interop.gymnasium.plugin:PLUGIN",
 }
 """Name to where the program's own games are; found whatever the installation's metadata say."""
 
@@ -87,6 +88,14 @@ class GamePlugin(ABC):
     @abstractmethod
     def default(self) -> Any:
         """Return the protocol of a session without a protocol file."""
+
+    def default_of(self, variant: str) -> Any:
+        """Return the default protocol of one of the game's variants: what stands behind the colon in "game:variant".
+
+        Raises:
+            GameError: the game has no variants.
+        """
+        raise GameError(f"{self.title} is one game: say `{self.name}`, without `:{variant}`")
 
     @abstractmethod
     def expected_game_s(self, protocol: Any) -> float:

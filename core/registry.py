@@ -22,7 +22,7 @@ from core.session.rollout import Played
 Player = Callable[[EpisodePolicy, int, int], Played]
 """Plays one unseen episode: (policy, episode seed, most steps) -> what came of it."""
 Oracle = Callable[[Any], NDArray[np.float64]]
-"""Values of all actions in a state, by somebody who knows the game; -inf for a fatal one."""
+"""Values of all actions in a state, by a participant who knows the game; -inf for a fatal one."""
 
 
 class Game(Interface):

@@ -74,7 +74,7 @@ class WhatIfRow:
     """How many of the episodes before were watched."""
     weight: float
     """Weight w_h of the human's values that the scheme used where the agent was judged."""
-    share: float
+    handover: float
     """Probability of handing the choice to the human model there (control sharing), else 0."""
     shaping: float
     """Reward per unit of H there (reward shaping), else 0."""
@@ -206,7 +206,7 @@ def _row(path: Path, protocol: Protocol, settings: WhatIfSettings) -> Judged:
         episode=judged.episode,
         watched=agent.so_far.watched,
         weight=judged.weights.w_h,
-        share=judged.weights.share,
+        handover=judged.weights.handover,
         shaping=judged.weights.shaping,
         held_out=held_out_log_loss(recording, protocol, steps),
         credited=account.credited / account.presses if account.presses else math.nan,

@@ -81,7 +81,7 @@ def command_lines() -> list[tuple[str, str]]:
         (block.where, line.split(" #")[0].strip())
         for block in BLOCKS
         if block.language == "sh"
-        for line in block.text.splitlines()
+        for line in block.text.replace("\\\n", " ").splitlines()
     ]
     for page in PAGES:
         text = FENCE.sub("", page.read_text(encoding="utf-8"))
@@ -275,6 +275,17 @@ def test_a_result_begins_with_its_answer_in_three_sentences(page: Path):
     assert (
         len(re.findall(r"[.:!?](?=\s|$)", re.sub(r"\d\.\d|e\.g\.|Eq\.|Eqs\.|Fig\.|Figs\.", "", first))) >= 4
     )
+
+
+@pytest.mark.parametrize("name", ["fig5", "fig6", "fig7", "credit"])
+def test_the_answer_of_a_page_is_that_of_its_claims(name: str):
+    from studies.experiments.page import in_short
+
+    text = (DOCS / "results" / f"{name}.md").read_text(encoding="utf-8")
+    table = text.split("| held | ratio |", 1)[1].split("\n\n", 1)[0].splitlines()[2:]
+    claims = [tuple(cell.strip() for cell in row.strip("|").split(" | ")) for row in table]
+    assert all(len(claim) == 3 for claim in claims)
+    assert in_short([(words, held, ratio) for words, held, ratio in claims]) in text
 
 
 def test_the_readme_is_one_screen_to_the_first_success():

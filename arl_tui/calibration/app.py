@@ -12,7 +12,6 @@ from textual import constants, events
 from arl_tui.app.driver import FlushClock, stamped_driver
 from arl_tui.app.garbage import GarbageControl
 from arl_tui.app.plain_app import PlainApp
-from arl_tui.calibration.clips import Clip, cycle_ms
 from arl_tui.calibration.fitting import FitOrder, Fitted
 from arl_tui.calibration.helper import HelperError, ask_helper
 from arl_tui.calibration.pages import (
@@ -25,10 +24,11 @@ from arl_tui.calibration.pages import (
     page_before,
 )
 from arl_tui.calibration.plan import PLANNED, CalibrationSetup, Part, new_parts, unfinished
-from arl_tui.calibration.scenes import TrialPosition, tick_ms
 from arl_tui.calibration.trial_screen import SMALLEST, TrialScreen
 from arl_tui.calibration.trial_store import TrialStore
-from arl_tui.calibration.views import BoxView, GameView, PitchView, View
+from arl_tui.calibration.views import BoxView
+from arl_tui.games.registry import screens_called
+from arl_tui.games.trial_view import TrialView
 from arl_tui.palette import palette_for
 from arl_tui.screens.covers import SmallWindowScreen, fits_into
 from arl_tui.screens.page import Page
@@ -168,7 +168,7 @@ class CalibrationApp(PlainApp[Outcome]):
         """Let the game of feedback-lag be prepared while the first pages are read."""
         for part in parts:
             if part.schedule.config.task == "feedback lag" and not part.complete:
-                module = game_module(part.schedule)
+                module = screens_called(part.schedule.config.game).judging_module
                 self._asked[module] = asyncio.ensure_future(self._helper(module, part.schedule))
                 # Whoever waits for it gets its error; without anybody it is nobody's.
                 self._asked[module].add_done_callback(lambda task: task.cancelled() or task.exception())
@@ -198,7 +198,7 @@ class CalibrationApp(PlainApp[Outcome]):
         self._store.close(finished=finished)
         return finished
 
-    async def _run_blocks(self, part: Part, schedule: Schedule, done: set[int], view: View) -> bool:
+    async def _run_blocks(self, part: Part, schedule: Schedule, done: set[int], view: TrialView) -> bool:
         n_trials = len(schedule.trials)
         fresh, last_block = True, -1
         while len(done) < n_trials and self._store.trouble is None:
@@ -233,23 +233,19 @@ class CalibrationApp(PlainApp[Outcome]):
             fresh, last_block = False, block.index
         return True
 
-    async def _view(self, schedule: Schedule) -> View | None:
+    async def _view(self, schedule: Schedule) -> TrialView | None:
         """Return what trials look like; None where nobody waited for the game to get ready."""
         if schedule.config.task != "feedback lag":
             return BoxView()
-        is_tetris = schedule.config.game == "tetris"
         answer = await self._wait_for(
-            game_module(schedule),
+            screens_called(schedule.config.game).judging_module,
             schedule,
             WaitingPage("Getting ready", "The game is being prepared: some seconds."),
         )
         if answer is None:
             return None
         palette = palette_for("standard", self.console.color_system)
-        if is_tetris:
-            positions = msgspec.json.decode(answer, type=list[TrialPosition])
-            return GameView(positions, palette, tick_ms(schedule), schedule.config.time_out_s)
-        return PitchView(msgspec.json.decode(answer, type=list[Clip]), palette, cycle_ms(schedule))
+        return screens_called(schedule.config.game).trial_view(answer, schedule, palette)
 
     async def _wait_for(self, module: str, question: object, page: WaitingPage) -> bytes | None:
         """Ask another process while a page says so; None where the participant would not wait.
@@ -311,8 +307,3 @@ class CalibrationApp(PlainApp[Outcome]):
         if answer is None:
             return Fitted(failures={"all": "Nobody waited. The trials are kept: fit them with --refit."})
         return msgspec.json.decode(answer, type=Fitted)
-
-
-def game_module(schedule: Schedule) -> str:
-    """Return the module that prepares the game of a feedback-lag task."""
-    return f"arl_tui.calibration.{'scenes' if schedule.config.game == 'tetris' else 'clips'}"

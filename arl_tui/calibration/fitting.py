@@ -56,7 +56,7 @@ def fit_files(order: FitOrder) -> Fitted:
         task, game = config.task, config.game
         try:
             others = _others(order.participant, recordings, task, game)
-        except TrialFileError as error:  # somebody else's file
+        except TrialFileError as error:  # another participant's file
             others = {}
             failures[f"{task}, pooled"] = str(error)
         try:

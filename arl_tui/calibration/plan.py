@@ -8,8 +8,8 @@ from typing import Literal
 
 import msgspec
 
+from arl_tui.games.registry import screens_called
 from arl_tui.recordings import CALIBRATION_FOLDER
-from core.keepaway.pitch import CYCLE_S
 from core.session.protocol import DEFAULTS, Protocol
 from studies.reaction_time.protocol import Schedule, Task, TaskConfig
 from studies.reaction_time.schedule import expected_minutes, make_schedule
@@ -122,16 +122,13 @@ def configure(
         config = msgspec.structs.replace(TaskConfig(task=TASKS[name]), **changes)
         if config.task == "feedback lag":
             config = msgspec.structs.replace(
-                config, time_out_s=JUDGING_S, game=game, picture_ms=picture_ms(protocol or DEFAULTS[game])
+                config,
+                time_out_s=JUDGING_S,
+                game=game,
+                picture_ms=screens_called(game).picture_ms((protocol or DEFAULTS[game]).screen),
             )
         configs.append(config)
     return tuple(configs)
-
-
-def picture_ms(protocol: Protocol) -> float:
-    """Return how long a session shows a tick of Tetris, or a cycle of Keepaway, in milliseconds."""
-    screen = protocol.screen
-    return float(screen.tick_ms) if protocol.game == "tetris" else CYCLE_S * 1000.0 / screen.speed
 
 
 def slug(config: TaskConfig) -> str:

@@ -1,14 +1,8 @@
 """What the participant is told, in plain words."""
 
+from arl_tui.games.registry import screens_called
+from arl_tui.words import cap
 from studies.reaction_time.protocol import NO, YES, Task, TaskConfig, TrialRecord
-
-_KEYS = {"space": "Space", NO: NO.upper(), YES: YES.upper()}
-
-
-def cap(key: str) -> str:
-    """Return a key as it is printed on the keyboard, in markup."""
-    return f"[reverse b] {_KEYS.get(key, key)} [/]"
-
 
 TITLES: dict[Task, str] = {
     "simple": "React",
@@ -45,32 +39,21 @@ INSTRUCTIONS: dict[Task, str] = {
         f"after a small cross.\n\nThe word was in the list:     press {cap(YES)}\n"
         f"The word was not in the list: press {cap(NO)}"
     ),
-    "feedback lag": (
-        "You watch a computer play Tetris. A piece enters and is moved, then it [b]drops[/]; its shadow shows "
-        "where. Full rows disappear, so a piece should leave no holes and not stand out.\n\n"
-        f"It goes to a good place: press {cap(YES)}\nIt goes to a bad place:  press {cap(NO)}\n\n"
-        "Press as soon as you have made up your mind. The computer's mistakes are put right before the next piece."
-    ),
 }
-KEEPAWAY_INSTRUCTION = (
-    "You watch a computer play: three keepers pass the ball among themselves, two takers try to get it. At one moment "
-    "the play stops, and [b]NOW[/] appears below it.\n\n"
-    f"The ball has reached a keeper:  press {cap(YES)}\nThe keepers have lost the ball: press {cap(NO)}\n\n"
-    "Press as soon as you have made up your mind."
-)
-KEEPAWAY_REMINDER = f"{cap(NO)} ball lost\n{cap(YES)} ball kept"
 
 
 def instruction(config: TaskConfig) -> str:
     """Return how a task goes, in markup."""
-    keepaway = config.task == "feedback lag" and config.game == "keepaway"
-    return KEEPAWAY_INSTRUCTION if keepaway else INSTRUCTIONS[config.task]
+    if config.task == "feedback lag":
+        return screens_called(config.game).judging.instruction
+    return INSTRUCTIONS[config.task]
 
 
 def key_reminder(config: TaskConfig) -> str:
     """Return which key says what, in markup."""
-    keepaway = config.task == "feedback lag" and config.game == "keepaway"
-    return KEEPAWAY_REMINDER if keepaway else KEY_REMINDERS[config.task]
+    if config.task == "feedback lag":
+        return screens_called(config.game).judging.reminder
+    return KEY_REMINDERS[config.task]
 
 
 SOMETIMES_NOTHING = (
@@ -84,7 +67,6 @@ KEY_REMINDERS: dict[Task, str] = {
     "memory search": f"{cap(NO)} not among them    {cap(YES)} among them",
     "visual search": f"{cap(NO)} no T    {cap(YES)} a T",
     "recognition": f"{cap(NO)} new    {cap(YES)} in the list",
-    "feedback lag": f"{cap(NO)} bad place\n{cap(YES)} good place",
 }
 SESSION_KEYS = "[b]P[/] pause   [b]Q[/] stop"
 LET_GO = "Please let go of the key."

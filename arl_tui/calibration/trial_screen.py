@@ -16,7 +16,7 @@ from textual.widgets import Static
 
 from arl_tui.app.garbage import GarbageControl
 from arl_tui.calibration.texts import LET_GO, SESSION_KEYS, key_reminder, practice_word
-from arl_tui.calibration.views import View
+from arl_tui.games.trial_view import TrialView
 from arl_tui.screens.covers import fits_into
 from core.numerics.clock import NS_PER_S, Clock, seconds
 from studies.reaction_time.protocol import BlockPlan, Schedule, TrialPlan, TrialRecord
@@ -58,7 +58,7 @@ class TrialScreen(Screen[bool], inherit_bindings=False):
         schedule: Schedule,
         block: BlockPlan,
         plans: Sequence[TrialPlan],
-        view: View,
+        view: TrialView,
         *,
         clock: Clock,
         garbage: GarbageControl,

@@ -82,7 +82,7 @@ def _reach(protocol: Protocol) -> str:
 
 
 def _compiled(protocol: Protocol) -> str:
-    from arl_tui.ahead import is_compiled, session_order
+    from arl_tui.app.compile_order import is_compiled, session_order
 
     if is_compiled(session_order(protocol)):
         return f"the kernels of {protocol.game}, already"

@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from arl_tui.app import facts
-from arl_tui.command_line import GAMES, recordings_option, say, seed_option
+from arl_tui.command_line import say
 from arl_tui.commands.exact import read_or_stop, run_again
 from arl_tui.commands.play import run_live
 from arl_tui.games.registry import screens_called, words_of
@@ -21,38 +21,20 @@ from core.session.protocol import Protocol
 PARTICIPANT = "demo"
 
 
-@click.command(short_help="See the whole path in a minute: watch, press, record, replay.")
-@click.argument("game", type=GAMES, default="tetris")
-@click.option(
-    "--person",
-    metavar="NAME",
-    help="Who presses: expert (the default), lay, myopic, hesitant, noisy, useless, adversary, instructed, bursty, hasty, "
-    "slow, tiring or leaves.",
-)
-@seed_option
-@recordings_option(to_write=True)
-def demo(game: str, person: str | None, seed: int | None, recordings: Path) -> None:
-    """Show the whole path in about a minute: watch, press, record, replay, summary.
-
-    A simulated participant presses keys; you may press, too. Without a terminal the same happens unseen.
-    """
-    run_demo(game, somebody=person, seed=seed, recordings=recordings)
-
-
-def demo_protocol(game: str, somebody: TrainerConfig | None = None) -> Protocol:
+def demo_protocol(game: str, participant: TrainerConfig | None = None) -> Protocol:
     """Return a session of about a minute with a participant who presses often; faster than real ones.
 
     Args:
         game: its name.
-        somebody: who presses; by default whoever the game's own protocol has.
+        participant: who presses; by default whoever the game's own protocol has.
     """
-    return screens_called(game).demo(somebody)
+    return screens_called(game).demo(participant)
 
 
-def run_demo(game: str, *, somebody: str | None, seed: int | None, recordings: Path) -> None:
+def run_demo(game: str, *, person_name: str | None, seed: int | None, recordings: Path) -> None:
     """Show the whole path; in a terminal on screen, elsewhere as fast as the machine can."""
     try:
-        protocol = demo_protocol(game, person(somebody) if somebody else None)
+        protocol = demo_protocol(game, person(person_name) if person_name else None)
     except ValueError as error:
         raise click.BadParameter(str(error), param_hint="--person") from error
     root_seed = secrets.randbits(63) if seed is None else seed

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import click
 import msgspec
 
-from arl_tui.command_line import GAMES, protocol_option, pseudonym, recordings_option, say, seed_option
+from arl_tui.command_line import say
 from arl_tui.drawing_rate import FRAMES_PER_S
 from arl_tui.signing import NoKey, signer_in_use
 from core.session.protocol import Protocol
@@ -21,57 +21,6 @@ if TYPE_CHECKING:
     from arl_tui.app.outcome import Outcome
     from arl_tui.session_app import ArlApp
     from core.recording.joined import FinishedPart
-
-
-@click.command(short_help="Watch an agent learn a game and judge it by key presses.")
-@click.argument("game", type=GAMES, default="tetris")
-@protocol_option
-@click.option(
-    "--participant", callback=pseudonym, default="P00", show_default=True, help="Code of the participant."
-)
-@seed_option
-@click.option("--episodes", type=click.IntRange(1), help="How many games are watched.")
-@click.option(
-    "--credit",
-    metavar="RULE",
-    help="How presses are shared out among steps: the participant's own delay (participant, feedback-lag, simple, "
-    "pooled; see `arl calibrate`), paper, or a rule as in `arl replay`. By default the protocol's choice (delay_of), the "
-    "same for every participant; without a file that is a rule: previous in Tetris, gamma:2.5,0.3 in Keepaway.",
-)
-@click.option(
-    "--resume",
-    type=click.Path(exists=True, dir_okay=False, path_type=Path),
-    help="Go on with a session that broke off, after its last finished game. All settings are those of the file; the "
-    "rest of the session is recorded beside it.",
-)
-@recordings_option(to_write=True)
-@click.pass_context
-def play(
-    context: click.Context,
-    game: str,
-    protocol: Path | None,
-    participant: str,
-    seed: int | None,
-    episodes: int | None,
-    credit: str | None,
-    resume: Path | None,
-    recordings: Path,
-) -> None:
-    """Watch an agent learn GAME, and tell it by key presses what you think of it."""
-    if resume is not None:
-        from arl_tui.commands.resume import resume_session
-
-        resume_session(context, resume)
-        return
-    play_session(
-        game,
-        protocol=protocol,
-        participant=participant,
-        seed=seed,
-        episodes=episodes,
-        recordings=recordings,
-        credit=credit,
-    )
 
 
 def play_session(
@@ -120,7 +69,7 @@ def read_protocol(path: Path | None, game: str | None = None) -> Protocol:
         protocol = load_protocol(path, game=game or "tetris")
     except (ValueError, OSError) as error:
         raise click.ClickException(str(error)) from error
-    if game is not None and protocol.game != game:
+    if game is not None and protocol.game != game.partition(":")[0]:
         raise click.ClickException(
             f"{path} is a protocol of {protocol.game}, not of {game}: say `{protocol.game}`, or change [domain] type"
         )

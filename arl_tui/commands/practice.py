@@ -3,19 +3,9 @@
 import os
 import secrets
 
-import click
-
-from arl_tui.command_line import say, seed_option
+from arl_tui.command_line import say
 from arl_tui.commands.play import need_terminal
 from arl_tui.drawing_rate import FRAMES_PER_S
-
-
-@click.command(short_help="Play Tetris yourself with the agent's own four moves.")
-@click.argument("game", type=click.Choice(["tetris"]), default="tetris")
-@seed_option
-def practice(game: str, seed: int | None) -> None:
-    """Play GAME yourself, with the agent's own four moves."""
-    practise(game, seed=seed)
 
 
 def practise(game: str, *, seed: int | None) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 import msgspec
 
-from arl_tui.command_line import FILE, ToWrite, recordings_option, say
+from arl_tui.command_line import say
 from arl_tui.home import elsewhere, recordings_folder, why_here
 from arl_tui.recordings import CALIBRATION_FOLDER, all_recordings
 from core.recording.joined import joined
@@ -53,49 +53,6 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
     ended: str = ""
     """A word that never changes: finished, participant, window-closed, ... (`core.recording.summary`)."""
     ended_in_words: str = ""
-
-
-@click.command(name="recordings", short_help="List the recordings there are, and check each.")
-@recordings_option(to_write=False)
-@click.option("--csv", "csv_path", type=ToWrite(), help="Write the list to a file, with everything it says.")
-@click.option(
-    "--publish",
-    type=ToWrite(folder=True),
-    metavar="DIR",
-    help="Copy all sound recordings into a new folder, without dates in headers and names, chained anew.",
-)
-@click.option(
-    "--verify",
-    type=FILE,
-    metavar="KEY",
-    help="Say of each recording whether it was signed with this key (KEY.pub); status 1 where one was not.",
-)
-@click.option(
-    "--make-key",
-    type=ToWrite(),
-    metavar="FILE",
-    help="Make a key for signatures: FILE, which stays with you, and FILE.pub. Sessions sign where ARL_SIGNING_KEY names "
-    "FILE.",
-)
-def list_recordings(
-    recordings: Path, csv_path: Path | None, publish: Path | None, verify: Path | None, make_key: Path | None
-) -> None:
-    """List the recordings there are, with what each holds and how its session ended, and check each.
-
-    Status 1 where a file is damaged: each of them is named with its reason, and hides no other.
-    """
-    if make_key is not None or verify is not None:
-        from arl_tui.commands.signatures import make_new_key, verify_all
-
-        if make_key is not None:
-            make_new_key(make_key)
-        if verify is not None:
-            verify_all(recordings, verify)
-        return
-    if publish is not None:
-        publish_all(recordings, publish)
-        return
-    list_all(recordings, csv_path=csv_path)
 
 
 def list_all(folder: Path, *, csv_path: Path | None = None) -> None:
@@ -160,9 +117,11 @@ def tell_one(path: Path, folder: Path, recording: Recording | None, reason: str)
         say(f"    {printable(reason, longest=None)}")
         return
     header = recording.header
-    when = header.created_utc.removesuffix("+00:00").replace("T", " ")
+    when = header.created_utc
+    if when[:1].isdigit():  # else it was removed
+        when = when.removesuffix("+00:00").replace("T", " ") + " UTC"
     say(name, nl=False, bold=True)
-    say(printable(f"  {header.participant}  {header.origin}  {when} UTC"))
+    say(printable(f"  {header.participant}  {header.origin}  {when}"))
     say(f"    {printable(summarise_recording(recording).words)}")
     for older in recording.older:
         say(f"    goes on with {printable(older.name)}: both are one session")

@@ -4,11 +4,11 @@ import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from arl_tui.command_line import FILE, ToWrite, protocol_option, say, seed_option
+from arl_tui.command_line import say
 from arl_tui.commands.credit import what_if_delays
 from arl_tui.commands.exact import GETTING_READY, need_outputs, protocol_of, read_or_stop, run_again
 from arl_tui.commands.play import read_protocol
@@ -26,75 +26,32 @@ if TYPE_CHECKING:
 OFF_POLICY = "Steps and presses are as recorded (off-policy): another agent would have shown, and been told, something else."
 
 
-@click.command(short_help="Replay a recording exactly, or under other learning rules.")
-@click.argument("recording", type=FILE)
-@click.option(
-    "--credit",
-    "credits",
-    multiple=True,
-    metavar="RULE",
-    help="What-if: how presses are shared out among steps: gamma:2.5,0.3 uniform:0.2,0.8 previous current, or participant (its own delay, see `arl calibrate`). May be given several times.",
-)
-@click.option(
-    "--scheme",
-    "schemes",
-    multiple=True,
-    metavar="NAME",
-    help="What-if: how both rewards are combined, such as linear or annealed:episode (its weight falls per episode; else per "
-    "watched-game). May be given several times.",
-)
-@click.option(
-    "--games",
-    type=click.IntRange(1),
-    default=100,
-    show_default=True,
-    help="What-if: games that each resulting policy plays.",
-)
-@protocol_option
-@seed_option
-@click.option(
-    "--workers",
-    type=click.IntRange(1),
-    help="Processes; one per core by default. The result does not depend on it.",
-)
-@click.option("--csv", "csv_path", type=ToWrite(), help="Write the table to a file.")
-@click.option(
-    "--plot",
-    "plot_path",
-    type=ToWrite(),
-    help="Draw the table (PNG, SVG or PDF).",
-)
-@click.option(
-    "--allow-truncated/--complete-only",
-    default=True,
-    show_default=True,
-    help="Take a recording that was cut off for what it holds.",
-)
-def replay(
-    recording: Path,
-    credits: tuple[str, ...],
-    schemes: tuple[str, ...],
-    protocol: Path | None,
-    games: int,
-    seed: int | None,
-    workers: int | None,
-    csv_path: Path | None,
-    plot_path: Path | None,
-    allow_truncated: bool,
-) -> None:
-    """Run RECORDING again: exactly (status 1 and the first difference if it differs), or as a what-if."""
-    replay_recording(
-        recording,
-        credits=credits,
-        schemes=schemes,
-        protocol=protocol,
-        games=games,
-        seed=seed,
-        workers=workers,
-        csv_path=csv_path,
-        plot_path=plot_path,
-        allow_truncated=allow_truncated,
-    )
+def replay_recordings(paths: Sequence[Path], **options: Any) -> None:
+    """Replay several recordings, one after the other; none hides another. Options as in `replay_recording`.
+
+    Raises:
+        click.ClickException: some recordings differ or cannot be used; each has been named with its reason.
+    """
+    if len(paths) == 1:
+        replay_recording(paths[0], **options)
+        return
+    if options["csv_path"] or options["plot_path"]:
+        raise click.UsageError(
+            "--csv and --plot write the table of one recording: name one; or use `arl compare`"
+        )
+    failed: list[Path] = []
+    for path in paths:
+        say(f"\n{path}")
+        try:
+            replay_recording(path, **options)
+        except click.UsageError:
+            raise  # the options are wrong for all of them
+        except click.ClickException as error:
+            say(f"Error: {error.format_message()}", err=True)
+            failed.append(path)
+    if failed:
+        names = ", ".join(str(path) for path in failed)
+        raise click.ClickException(f"{len(failed)} of {len(paths)} recordings failed: {names}")
 
 
 def replay_recording(

@@ -5,10 +5,6 @@ from pathlib import Path
 import click
 
 from arl_tui.command_line import FILE, GAMES, protocol_option
-from arl_tui.commands.check_protocol import check_protocol
-from arl_tui.commands.play import read_protocol
-from arl_tui.commands.protocol import print_protocol
-from arl_tui.commands.protocol_page import print_page
 
 
 @click.command(name="protocol", short_help="Print a complete protocol of a game: a file to start from.")
@@ -24,8 +20,15 @@ def show_protocol(game: str | None, protocol: Path | None, check: Path | None, m
     if sum((check is not None, markdown, protocol is not None)) > 1:
         raise click.UsageError("use one of --protocol, --check and --markdown")
     if markdown:
+        from arl_tui.commands.protocol_page import print_page
+
         print_page()
     elif check is not None:
+        from arl_tui.commands.check_protocol import check_protocol
+        from arl_tui.commands.play import read_protocol
+
         check_protocol(check, read_protocol(check, game))
     else:
+        from arl_tui.commands.protocol import print_protocol
+
         print_protocol(game, protocol)

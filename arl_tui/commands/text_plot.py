@@ -54,9 +54,9 @@ def histogram(
     return [*lines, f"{'':>14} └ share of all trials per second, longest {top:.2f}   {legend}".rstrip()]
 
 
-def bar(share: float, width: int) -> str:
-    """Return a bar over `share` (0 to 1) of `width` columns, to an eighth of a column, padded with spaces."""
-    eighths = round(min(max(share, 0.0), 1.0) * width * 8)
+def bar(fraction: float, width: int) -> str:
+    """Return a bar over `fraction` (0 to 1) of `width` columns, to an eighth of a column, padded with spaces."""
+    eighths = round(min(max(fraction, 0.0), 1.0) * width * 8)
     full, rest = divmod(eighths, 8)
     return ("█" * full + (EIGHTHS[rest] if rest else "")).ljust(width)
 

@@ -4,7 +4,8 @@ import time
 
 import click
 
-from arl_tui.ahead import Ahead, Order, fill, is_compiled, match_order, session_order
+from arl_tui.ahead import Ahead, fill
+from arl_tui.app.compile_order import Order, is_compiled, match_order, session_order
 from arl_tui.command_line import say
 from arl_tui.games.registry import BUILT_IN, screens_called
 from core.plugins import plugin_called
@@ -15,21 +16,13 @@ STEPS = 200
 """Of a bar."""
 
 
-@click.command(name="warm-up", short_help="Compile now what the first games would compile.")
-def warm_up_command() -> None:
-    """Compile everything now that sessions and matches compile when they are first played: half a minute, once.
-
-    Nothing has to be: a first game begins at once and compiles meanwhile.
-    """
-    warm_up()
-
-
 def warm_up() -> None:
     """Compile the kernels of the program's own games, with a bar for each part of the work."""
     from core.keepaway.pitch import KeepawayConfig
     from core.numerics.interpreting import kernel_notes
 
-    orders = {plugin_called(name).title: session_order(screens_called(name).demo(None)) for name in BUILT_IN}
+    compiled = [name for name in BUILT_IN if plugin_called(name).kernels]
+    orders = {plugin_called(name).title: session_order(screens_called(name).demo(None)) for name in compiled}
     orders["Watching Keepaway"] = match_order(KeepawayConfig())
     for name, order in orders.items():
         if is_compiled(order):

@@ -1,4 +1,4 @@
-"""`arl watch`: look at any policy of Keepaway."""
+"""`arl watch`: see a recorded session again (`watch_recording`), or look at any policy of Keepaway."""
 
 import atexit
 import os
@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
+from click.core import ParameterSource
 
-from arl_tui.command_line import say
+from arl_tui.command_line import ToWrite, say
 
 if TYPE_CHECKING:
     from arl_tui.screens.watch import WatchApp
@@ -21,6 +22,10 @@ if TYPE_CHECKING:
 
 BENCHMARKS = {"hand": "hand-coded", "random": "random", "hold": "always hold"}
 VISIONS = ("exact", "360", "90")
+FASTEST = 20.0
+"""Simulated seconds per second of a policy."""
+FOR_POLICIES = ("policy", "seed", "episodes", "keepers", "takers", "size", "vision", "detail")
+"""Options of `arl watch keepaway` that a recording has no use for."""
 DETAIL_NAMES = ("ascii", "half", "braille")
 """Written out here so that `--help` need not load them; a test compares."""
 
@@ -52,8 +57,29 @@ vision_option = click.option(
 )
 
 
-@click.command(short_help="Look at a policy playing Keepaway, at any speed.")
-@click.argument("game", type=click.Choice(["keepaway"]), default="keepaway")
+class GameOrRecording(click.ParamType):  # type: ignore[type-arg]
+    """The name of a game whose policies can be watched, or a recording."""
+
+    name = "keepaway|FILE"
+
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> "str | Path":
+        """Return the game's name, or the path of a file that exists."""
+        if value == "keepaway" or isinstance(value, Path):
+            return Path(value) if isinstance(value, Path) else "keepaway"
+        path = Path(str(value))
+        if not path.exists():
+            self.fail(
+                f"{str(value)!r} is neither keepaway nor a file: name a recording (`arl recordings`)",
+                param,
+                ctx,
+            )
+        return path
+
+
+@click.command(short_help="See a recorded session again, or look at a policy of Keepaway.")
+@click.argument("game", type=GameOrRecording(), default="keepaway", metavar="[keepaway|FILE]")
 @click.option(
     "--policy",
     default="hand",
@@ -66,18 +92,34 @@ vision_option = click.option(
 @click.option("--episodes", type=click.IntRange(1), help="Leave after so many.")
 @click.option(
     "--speed",
-    type=click.FloatRange(0.02, 20.0),
+    type=click.FloatRange(0.02, 64.0),
     default=1.0,
     show_default=True,
-    help="Simulated seconds per second; 0.25 is slow motion.",
+    help="Simulated seconds per second, at most 20; 0.25 is slow motion. FILE: recorded seconds per second of a film.",
 )
 @keepers_option
 @takers_option
 @region_option
 @vision_option
 @click.option("--detail", type=click.Choice(DETAIL_NAMES), help="Rendering; the finest this terminal shows.")
+@click.option(
+    "--credit", metavar="RULE", help="FILE: a what-if beside it under this credit rule, as in `arl replay`."
+)
+@click.option(
+    "--scheme", metavar="NAME", help="FILE: a what-if beside it under this scheme, as in `arl replay`."
+)
+@click.option("--at", type=click.FloatRange(0.0), metavar="SECONDS", help="FILE: where to begin.")
+@click.option("--until", type=click.FloatRange(0.0), metavar="SECONDS", help="FILE: where a film ends.")
+@click.option(
+    "--export",
+    type=ToWrite(),
+    metavar="FILM",
+    help="FILE: write a film instead: .gif, .mp4 (needs ffmpeg) or .cast (asciinema).",
+)
+@click.pass_context
 def watch(
-    game: str,
+    context: click.Context,
+    game: "str | Path",
     policy: str,
     seed: int | None,
     episodes: int | None,
@@ -87,8 +129,28 @@ def watch(
     size: tuple[float, float] | None,
     vision: str | None,
     detail: str | None,
+    credit: str | None,
+    scheme: str | None,
+    at: float | None,
+    until: float | None,
+    export: Path | None,
 ) -> None:
-    """Look at a policy playing Keepaway, as fast or slowly as you like. Nothing is recorded."""
+    """See FILE, a recorded session, again: on a timeline, with credit, values and what-ifs (docs/look-at-a-session.md).
+
+    Or look at a policy playing Keepaway (--policy), as fast or slowly as you like; nothing is recorded then.
+    """
+    if isinstance(game, Path):
+        _refuse(context, FOR_POLICIES, "for `arl watch keepaway` only; a recording holds what was played")
+        from arl_tui.commands.watch_recording import watch_recording
+
+        os.environ.setdefault("TEXTUAL_FPS", "30")
+        watch_recording(game, credit=credit, scheme=scheme, export=export, at=at, until=until, speed=speed)
+        return
+    if speed > FASTEST:
+        raise click.BadParameter(f"{speed:g} is above {FASTEST:g}", param_hint="--speed")
+    _refuse(
+        context, ("credit", "scheme", "at", "until", "export"), "for a recording only: `arl watch FILE.jsonl`"
+    )
     from arl_tui.commands.play import need_terminal
     from arl_tui.drawing_rate import FRAMES_PER_S
 
@@ -117,6 +179,15 @@ def watch(
     run(WatchApp(screen, prepare))
 
 
+def _refuse(context: click.Context, names: tuple[str, ...], why: str) -> None:
+    """Stop where options were given that have no meaning here."""
+    given = [
+        f"--{name}" for name in names if context.get_parameter_source(name) == ParameterSource.COMMANDLINE
+    ]
+    if given:
+        raise click.UsageError(f"{', '.join(given)}: {why}")
+
+
 def run(app: "WatchApp") -> None:
     """Run the app to its end and print what was seen."""
     told = app.run_in_terminal()
@@ -128,14 +199,15 @@ def run(app: "WatchApp") -> None:
     if told is not None:
         say(told)
     if app.thread.is_alive():
-        # Somebody left before everything was compiled: nothing is lost by not waiting for that.
+        # The viewer left before everything was compiled: nothing is lost by not waiting for that.
         sys.stdout.flush()
         os._exit(0)
 
 
 def get_ready(config: "KeepawayConfig") -> None:
     """Load all that matches of this task need; where it is not compiled, let Python play until it is."""
-    from arl_tui.ahead import Ahead, fill, is_compiled, match_order
+    from arl_tui.ahead import Ahead, fill
+    from arl_tui.app.compile_order import is_compiled, match_order
     from core.numerics.interpreting import (
         CAN_INTERPRET,
         load_interpreted,

@@ -82,8 +82,8 @@ def _difference(row: "WhatIfRow") -> str:
 
 
 def _weight(row: "WhatIfRow") -> str:
-    if row.share:
-        return f"handover {row.share:.2g}"
+    if row.handover:
+        return f"handover {row.handover:.2g}"
     return f"reward {row.shaping:.2g}" if row.shaping else f"{row.weight:.2g}"
 
 
@@ -142,7 +142,7 @@ def _record(row: "WhatIfRow", sources: Mapping[str, str], units: str) -> dict[st
         "episode": row.episode,
         "watched_games": row.watched,
         "weight": row.weight,
-        "share": row.share,
+        "share": row.handover,
         "shaping": row.shaping,
         **_interval(units, row.lines),
         "level": row.lines.level,

@@ -15,20 +15,23 @@ from typing import TYPE_CHECKING, ClassVar
 
 import msgspec
 
-from arl_tui.words import Words
+from arl_tui.words import JudgingWords, Words
 from core.feedback.config import TrainerConfig
 from core.plugins import GameError
 from core.session.protocol import DEFAULTS, Protocol, ScreenConfig
+from studies.reaction_time.protocol import Schedule
 
 if TYPE_CHECKING:
     from arl_tui.games.panel import Panel
     from arl_tui.games.rendering import Renderer
+    from arl_tui.games.trial_view import TrialView
     from arl_tui.palette import Palette
 
 GROUP = "arl.screens"
 BUILT_IN = {
     "tetris": "arl_tui.games.tetris.screens:SCREENS",
     "keepaway": "arl_tui.games.keepaway.screens:SCREENS",
+    "gymnasium": "arl_tui.games.gymnasium.screens:SCREENS",
 }
 """Name to where the screens of the program's own games are."""
 
@@ -40,6 +43,28 @@ class GameScreens(ABC):
     """Of the game (`core.plugins.GamePlugin.name`)."""
     words: ClassVar[Words]
     """What participants are told."""
+
+    judging_module: ClassVar[str] = ""
+    """Module that prepares the game of the feedback-lag task in a process of its own; "" where there is none."""
+    judging: ClassVar[JudgingWords] = JudgingWords("", "")
+    """What participants are told there."""
+
+    def trial_view(self, prepared: bytes, schedule: Schedule, palette: "Palette") -> "TrialView":
+        """Return what the trials of the feedback-lag task look like.
+
+        Args:
+            prepared: what `judging_module` has written.
+            schedule: of the task.
+            palette: colours.
+
+        Raises:
+            GameError: there is no such task for this game.
+        """
+        raise GameError(f"the delay of judging {self.name} cannot be measured: it has no feedback-lag task")
+
+    def picture_ms(self, screen: ScreenConfig) -> float:
+        """Return how long a session shows one picture, in milliseconds."""
+        return float(screen.tick_ms)
 
     @abstractmethod
     def slower(self, screen: ScreenConfig) -> str:

@@ -119,7 +119,7 @@ class WatchScreen(Screen[None], inherit_bindings=False):
             length_m: extent of the region from left to right.
             width_m: extent of the region downwards.
             speed: simulated seconds per second.
-            episodes: leave after so many; None for as long as somebody watches.
+            episodes: leave after so many; None until the viewer leaves.
             detail: how fine; what the terminal can show by default.
             palette: name of the colours.
             clock: of the one who watches.

@@ -150,8 +150,8 @@ class Sheet:
         across, down = column - to_column, line - to_line
         length = math.hypot(across / ASPECT, down)
         for k in range(1, int(length / PATH_GAP)):
-            share = k * PATH_GAP / length
-            self.dot(to_column + share * across, to_line + share * down, PATH)
+            fraction = k * PATH_GAP / length
+            self.dot(to_column + fraction * across, to_line + fraction * down, PATH)
 
     def dot_trail(self) -> None:
         """Draw where the ball has just been, its older half fainter."""

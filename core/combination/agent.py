@@ -94,6 +94,8 @@ class ArlAgent:
         self._policy_values = environment_values
         # Of the decision last made: how the sides were combined, and H of each action.
         self._decided: tuple[EpisodeWeights, NDArray[np.float64]] = (ENVIRONMENT_WEIGHTS, np.zeros(0))
+        self.last_values: tuple[NDArray[np.float64], NDArray[np.float64]] = (np.zeros(0), np.zeros(0))
+        """R and H of each action of the decision last made, shape (n,) each; H is 0 while there is no human policy."""
 
     @property
     def trust(self) -> float:
@@ -130,7 +132,7 @@ class ArlAgent:
         """Return the policy of the next episode without counting that episode; `exploring` as in `begin_episode`."""
         episode = self.next_episode.number
         self._asker.begin_episode()
-        share_seed = stream_seed(self._root_seed, "share", episode) >> 1
+        handover_seed = stream_seed(self._root_seed, "share", episode) >> 1
 
         def draw() -> tuple[int, NDArray[np.float64]]:
             drawn = self.bootstrap.draw(rng=stream(self._root_seed, "policy", episode))
@@ -151,7 +153,7 @@ class ArlAgent:
             human_weights=self.human.weights,
             trust=self.trust,
             weights=weights,
-            share_seed=share_seed,
+            handover_seed=handover_seed,
             exploring=started.proposed,
             chance_seed=stream_seed(self._root_seed, "softmax", episode) >> 1,
         )
@@ -178,11 +180,12 @@ class ArlAgent:
             of_participants = self.human.preferred_by_each(
                 choices, self._human_values, (human_action, human_worst_action)
             )
-            handed_over = takes_control(policy.share_seed, step, policy.weights.share)
+            handed_over = takes_control(policy.handover_seed, step, policy.weights.handover)
         preferred = human_action if handed_over else self._prefer(env_values, human_values, choices, policy)
         human = HumanPreference(human_values, policy.weights, policy.chance_seed, step, handed_over)
         action = self._environment.act(env_values, choices, preferred, human)
         self._decided = (policy.weights, human_values)
+        self.last_values = (env_values, human_values)
         return Decision(action, environment_action, human_action, human_worst_action, of_participants)
 
     def learn_from_step(
@@ -295,7 +298,7 @@ class ArlAgent:
             human_weights=self.human.weights,
             trust=self.trust,
             weights=weights,
-            share_seed=stream_seed(self._root_seed, "share", episode) >> 1,
+            handover_seed=stream_seed(self._root_seed, "share", episode) >> 1,
             exploring=False,
         )
 

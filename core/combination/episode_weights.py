@@ -31,7 +31,7 @@ class EpisodeWeights:
     """Weight of the environment's values, >= 0."""
     w_h: float
     """Weight of the human's values; negative where the human is believed to mean the opposite."""
-    share: float = 0.0
+    handover: float = 0.0
     """Probability, per decision, of taking the human model's best action instead, in [0, 1]."""
     shaping: float = 0.0
     """What is added to the environment's reward of a step per unit of its H (reward shaping)."""
@@ -43,8 +43,8 @@ class EpisodeWeights:
             raise ValueError(f"form is one of {FORM_NAMES}, got {self.form}")
         if not (math.isfinite(self.w_r) and self.w_r >= 0 and math.isfinite(self.w_h)):
             raise ValueError(f"w_r is finite and >= 0, w_h finite; got w_r={self.w_r}, w_h={self.w_h}")
-        if not 0 <= self.share <= 1:
-            raise ValueError(f"share is a probability, got {self.share}")
+        if not 0 <= self.handover <= 1:
+            raise ValueError(f"handover is a probability, got {self.handover}")
         if not (math.isfinite(self.shaping) and math.isfinite(self.augmentation)):
             raise ValueError(
                 f"shaping and augmentation are finite, got {self.shaping} and {self.augmentation}"

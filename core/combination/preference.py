@@ -130,11 +130,11 @@ def score(env_value: float, human_value: float, terms: Terms) -> tuple[float, fl
     every scheme. Advise: e^(w_r R) P(w_h H).
     """
     if terms.form == EXPONENTIAL:
-        share = (human_value - terms.centre_h) / terms.range_h if terms.range_h > 0.0 else 0.0
-        share = min(max(share, 0.0), 1.0)  # of actions that are ruled out
+        fraction = (human_value - terms.centre_h) / terms.range_h if terms.range_h > 0.0 else 0.0
+        fraction = min(max(fraction, 0.0), 1.0)  # of actions that are ruled out
         if terms.gain_h < 0.0:
-            share = 1.0 - share
-        gain = terms.gain_r * (1.0 + math.pow(share, abs(terms.gain_h)))
+            fraction = 1.0 - fraction
+        gain = terms.gain_r * (1.0 + math.pow(fraction, abs(terms.gain_h)))
         return gain * (env_value - terms.centre_r), gain
     environment = (env_value - terms.centre_r) * terms.gain_r
     human = (human_value - terms.centre_h) * terms.gain_h
@@ -218,15 +218,15 @@ def fill_logits(
 
 
 @kernel
-def takes_control(seed: int, decision: int, share: float) -> bool:
+def takes_control(seed: int, decision: int, handover: float) -> bool:
     """Return whether the human model's best action is taken in this decision (control sharing).
 
     Args:
         seed: seed of the episode's stream, in [0, 2**62).
         decision: number of the decision in the episode, >= 0.
-        share: probability, in [0, 1].
+        handover: probability, in [0, 1].
 
     Returns:
-        True with probability `share`; the same for the same arguments in compiled and plain Python.
+        True with probability `handover`; the same for the same arguments in compiled and plain Python.
     """
-    return uniform_at(seed, decision) < share
+    return uniform_at(seed, decision) < handover

@@ -84,7 +84,7 @@ class EpisodePolicy:
     """What the rule of trust said when the episode began. The scheme was given it, and need not go by it."""
     weights: EpisodeWeights
     """How the two are combined in this episode: the weights in use."""
-    share_seed: int
+    handover_seed: int
     """Seed of `takes_control` (control sharing), in [0, 2**62)."""
     exploring: bool
     """The learner proposed this policy and waits for its performance."""

@@ -247,18 +247,18 @@ class _Ledger:
         by_step: dict[int, float] = {}
         beyond_gap = 0.0
         n_cut_off = self._n_before_gap - first if time_ns > self._gap_ns else 0
-        for n, share in enumerate(result.shares.tolist()):
+        for n, credit_share in enumerate(result.shares.tolist()):
             step = self._interval_steps[first + n]
             if n < n_cut_off:
-                beyond_gap += share
-            elif share > 0:
-                by_step[step] = by_step.get(step, 0.0) + share
+                beyond_gap += credit_share
+            elif credit_share > 0:
+                by_step[step] = by_step.get(step, 0.0) + credit_share
         too_late = 0.0
         if self._config.scheme == "aggregate":
             for step in [step for step in by_step if self._is_given_out(step)]:
                 too_late += by_step.pop(step)
-        for step, share in by_step.items():
-            self._give(press, step, value, share)
+        for step, credit_share in by_step.items():
+            self._give(press, step, value, credit_share)
         return PressCredit(
             press,
             tuple(by_step),
@@ -268,15 +268,15 @@ class _Ledger:
             too_late,
         )
 
-    def _give(self, press: int, step: int, value: float, share: float) -> None:
+    def _give(self, press: int, step: int, value: float, credit_share: float) -> None:
         if step not in self._features:
             raise ValueError(
                 f"press {press} is for step {step}, which left the screen more than {FORGET_AFTER_NS // NS_PER_S} s ago"
             )
         if self._config.scheme == "individual":
-            self.samples.append(Sample(self._features[step], value, min(share, 1.0), step, (press,)))
+            self.samples.append(Sample(self._features[step], value, min(credit_share, 1.0), step, (press,)))
         else:
-            self._labels[step] = self._labels.get(step, 0.0) + value * share
+            self._labels[step] = self._labels.get(step, 0.0) + value * credit_share
             self._presses.setdefault(step, []).append(press)
 
     def _was_shown(self, step: int) -> bool:

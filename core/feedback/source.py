@@ -21,7 +21,7 @@ from core.numerics.clock import ManualClock
 State = TypeVar("State")
 
 Oracle = Callable[[State], NDArray[np.float64]]
-"""Values of all actions in a state, by somebody who knows the game; -inf for a fatal one."""
+"""Values of all actions in a state, by a participant who knows the game; -inf for a fatal one."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -117,7 +117,7 @@ class SimulatedTrainer:
 
     @property
     def press_probability(self) -> float:
-        """Chance per step in this episode, after fatigue; 0 for somebody who has stopped."""
+        """Chance per step in this episode, after fatigue; 0 for a participant who has stopped."""
         config = self.config
         if config.stops_after_episodes is not None and self._watched_episodes >= config.stops_after_episodes:
             return 0.0

@@ -6,7 +6,7 @@ from typing import Any, Protocol
 
 @dataclass(frozen=True, slots=True)
 class Watched:
-    """How somebody who watches sees one step."""
+    """How a participant sees one step."""
 
     duration_ns: int
     """How long it is on screen, >= 0."""

@@ -302,7 +302,7 @@ class ArlAutoplay:
             weights = scheme.weights(self.trust, self._next.scheduled)
         else:
             weights = ENVIRONMENT_WEIGHTS
-        seed = stream_seed(self._seed, "share", self._next.number) >> 1 if weights.share else 0
+        seed = stream_seed(self._seed, "share", self._next.number) >> 1 if weights.handover else 0
         playing, w_h_of = 0, NO_WEIGHTS
         if self._w_h_of and self.human.samples[0]:
             playing, w_h_of = self._w_h_of.index(self.bootstrap.w_h), self._w_h_of
@@ -310,8 +310,8 @@ class ArlAutoplay:
             form=int(weights.form),
             w_r=float(weights.w_r),
             w_h=float(weights.w_h),
-            share=float(weights.share),
-            share_seed=seed,
+            handover=float(weights.handover),
+            handover_seed=seed,
             sets=max(1, len(self._w_h_of)),
             playing=playing,
             w_h_of=w_h_of,

@@ -88,8 +88,8 @@ class Mix(NamedTuple):
     form: int
     w_r: float
     w_h: float
-    share: float
-    share_seed: int
+    handover: float
+    handover_seed: int
     sets: int
     """How many sets of learners there are, one learner per keeper each: 1, or one set per attitude (`SideBySide`)."""
     playing: int
@@ -251,7 +251,7 @@ def _prefer(values: Floats, human: HumanSet, mix: Mix, timeline: Timeline, i: in
     if human.samples[0] > 0:
         human_values(human, i, windows, heard)
         liked = compare_choices(values, heard, timeline.available, n, timeline.tally)
-        if takes_control(mix.share_seed, timeline.counts[EPISODE_STEPS], mix.share):
+        if takes_control(mix.handover_seed, timeline.counts[EPISODE_STEPS], mix.handover):
             return liked
     if mix.w_h == 0.0:
         return -1

@@ -86,36 +86,36 @@ class PitchFrame(msgspec.Struct, View, frozen=True, kw_only=True, array_like=Tru
         return f"{self.name(self.holder)} has the ball"
 
 
-def between(before: PitchFrame, after: PitchFrame, share: float) -> PitchFrame:
-    """Return the picture at `share` of the way from one to a later one of the same episode.
+def between(before: PitchFrame, after: PitchFrame, fraction: float) -> PitchFrame:
+    """Return the picture at `fraction` of the way from one to a later one of the same episode.
 
     Places move in a straight line and angles turn the short way; all else, and with it the option on screen, stays
-    that of `before` until the share is 1. Nothing slides over a reset: what has been put elsewhere stays until then.
+    that of `before` until the fraction is 1. Nothing slides over a reset: what has been put elsewhere stays until then.
 
     Args:
         before: a picture.
         after: usually of the next cycle.
-        share: 0 gives `before`, 1 gives `after`; what lies outside counts as the nearer end.
+        fraction: 0 gives `before`, 1 gives `after`; what lies outside counts as the nearer end.
     """
-    if share >= 1.0:
+    if fraction >= 1.0:
         return after
     n_cycles = after.cycle - before.cycle
-    if share <= 0.0 or before.episode != after.episode or n_cycles <= 0:
+    if fraction <= 0.0 or before.episode != after.episode or n_cycles <= 0:
         return before
     stride = SLACK * n_cycles
     players = tuple(
-        _player_between(p, q, share) if _distance(p, q) <= stride * PLAYER_SPEED_MAX else p
+        _player_between(p, q, fraction) if _distance(p, q) <= stride * PLAYER_SPEED_MAX else p
         for p, q in zip(before.players, after.players, strict=True)
     )
     (ball_x, ball_y), (next_x, next_y) = before.ball, after.ball
     rolls = math.hypot(next_x - ball_x, next_y - ball_y) <= stride * BALL_SPEED_MAX
-    moved = (ball_x + share * (next_x - ball_x), ball_y + share * (next_y - ball_y))
+    moved = (ball_x + fraction * (next_x - ball_x), ball_y + fraction * (next_y - ball_y))
     return msgspec.structs.replace(
         before,
         players=players,
         ball=moved if rolls else before.ball,
         trail=(*before.trail, before.ball) if rolls else before.trail,
-        time_s=before.time_s + share * n_cycles * CYCLE_S,
+        time_s=before.time_s + fraction * n_cycles * CYCLE_S,
     )
 
 
@@ -123,11 +123,11 @@ def _distance(p: PlayerView, q: PlayerView) -> float:
     return math.hypot(q.x_m - p.x_m, q.y_m - p.y_m)
 
 
-def _player_between(p: PlayerView, q: PlayerView, share: float) -> PlayerView:
+def _player_between(p: PlayerView, q: PlayerView, fraction: float) -> PlayerView:
     return PlayerView(
-        p.x_m + share * (q.x_m - p.x_m),
-        p.y_m + share * (q.y_m - p.y_m),
-        _wrap(p.body_deg + share * _wrap(q.body_deg - p.body_deg)),
+        p.x_m + fraction * (q.x_m - p.x_m),
+        p.y_m + fraction * (q.y_m - p.y_m),
+        _wrap(p.body_deg + fraction * _wrap(q.body_deg - p.body_deg)),
     )
 
 

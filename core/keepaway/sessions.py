@@ -47,7 +47,7 @@ class KeepawayViewing:
 
 
 class KeepawayOracle:
-    """What somebody would have done in the keeper's place, on what the keeper sees."""
+    """What a participant would have done in the keeper's place, on what the keeper sees."""
 
     def __init__(self, config: KeepawayConfig, knowledge: Knowledge = "expert") -> None:
         """Judge matches of this size.

@@ -1,4 +1,4 @@
-"""A match played cycle by cycle for somebody who watches.
+"""A match played cycle by cycle, one frame after each cycle.
 
 The cycles, streams and choices are those of `core.keepaway.autoplay`: for the same seeds it plays the same episodes.
 """

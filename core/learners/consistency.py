@@ -1,9 +1,9 @@
-"""Whether somebody's presses follow from what they are about: the test that random presses fail.
+"""Whether a participant's presses follow from what they are about: the test that random presses fail.
 
 Each press is predicted from the presses before it, then learned from. If presses were random, however often each
 key is pressed, no prediction made beforehand could be right more often than wrong: the sum of prediction times
 surprise would be a martingale, and divided by the root of its quadratic variation about standard normal at any time.
-(An adversary is as consistent as a good participant: which of the two somebody is, only the environment can tell.)
+(An adversary is as consistent as a good participant: which of the two a participant is, only the environment can tell.)
 """
 
 import math

@@ -188,7 +188,7 @@ def take_action(sarsa: Sarsa, k: int, windows: Ints, action: int, time: int, bef
     """Learn from learner k's ended option, now that `action` is chosen, and remember the new decision.
 
     `before` is the value of the ended option (`last_value`), unused before the first decision. The values of the
-    present state have been written to `sarsa.values[k]`. Use this where somebody else chooses the action.
+    present state have been written to `sarsa.values[k]`. Use this where another agent chooses the action.
     """
     _learn_from_ended(sarsa, k, sarsa.values[k, action], time, before)
     _begin_option(sarsa, k, windows, action, time)
@@ -238,7 +238,7 @@ def _begin_option(sarsa: Sarsa, k: int, windows: Ints, action: int, time: int) -
 
 @inner_kernel
 def observe_action(sarsa: Sarsa, k: int, windows: Ints, action: int, time: int) -> None:
-    """Learn from learner k's ended option and note the new decision: `decide` where somebody else has chosen.
+    """Learn from learner k's ended option and note the new decision: `decide` where another agent has chosen.
 
     Args:
         sarsa: learners, in place.

@@ -1,7 +1,7 @@
 """Compiled code on disk: one file per piece, whose checksum is verified before anything of it is loaded.
 
 Loading native code that was cut or changed can end the process, so a file whose checksum is wrong counts as absent: its
-code is compiled again and the file is replaced. Whatever is wrong with the folder (full, unwritable, somebody else's),
+code is compiled again and the file is replaced. Whatever is wrong with the folder (full, unwritable, another user's),
 programs get slower and go on. `notes` says why, one line per reason.
 
 Numba's own cache has no checksum, one index per kernel that may contradict its data files, and no answer to a full
@@ -198,7 +198,7 @@ def _make_private(folder: Path) -> None:
     """Make a folder and what is missing above it, for its owner alone.
 
     Raises:
-        OSError: it cannot be made, or belongs to somebody else.
+        OSError: it cannot be made, or belongs to another user.
     """
     missing = [folder, *(parent for parent in folder.parents if not parent.exists())]
     for part in reversed(missing):
@@ -222,7 +222,7 @@ def forget_old_folders(base: Path) -> int:
 
 
 def _forget(old: Path, *, now: float) -> bool:
-    """Remove a folder unless somebody uses it; return whether it went."""
+    """Remove a folder unless a program uses it; return whether it went."""
     if not (old / IN_USE).exists():
         if now - _last_used(old) < OLD_FORMAT_S:
             return False

@@ -5,22 +5,19 @@ They are chained anew, so that they read and replay as the originals do.
 
 import re
 from pathlib import Path
-from typing import Any
 
 import msgspec
 
+from core.recording.anonymise import last_chain, resealed, without_dates
 from core.recording.joined import older_path
-from core.recording.reader import CHAIN_MARK, Recording, read_recording
-from core.recording.recorder import CHAIN_DIGITS, Chain
-from core.recording.schema import End, Resumes, encode
-from core.recording.undo import as_recorded
-
-REMOVED = "(date removed)"
-_DATE = re.compile(r"\d{4}-?[01]\d-?[0-3]\d([T ][\d:.]+(Z|[+-]\d\d:?\d\d)?)?")
+from core.recording.reader import Recording, read_recording
+from core.recording.schema import Resumes
 
 
 def publish_copy(recording: Recording, target: Path, *, resumes: Resumes | None = None) -> str:
     """Write a copy of a recording whose header names no date; its events are the same, byte by byte.
+
+    `core.recording.anonymise` removes more than dates.
 
     Args:
         recording: as it was read.
@@ -34,40 +31,12 @@ def publish_copy(recording: Recording, target: Path, *, resumes: Resumes | None 
         FileExistsError: there is a file at `target` already.
         OSError: it cannot be written.
     """
-    content = as_recorded(recording.path, recording.path.read_bytes()).content
-    lines = [line for line in content.split(b"\n") if line.strip()]
-    n_lines = 1 + len(recording.events) + recording.complete
-    payloads = [line.rpartition(CHAIN_MARK)[0] + b"}" for line in lines[:n_lines]]
-    payloads[0] = _without_dates(payloads[0], resumes)
-    if recording.signature:
-        # It was about the lines with their dates.
-        payloads[-1] = encode(End(events=len(recording.events)))
-    chain = Chain()
+    about = {"published": "dates removed, chained anew"}
+    content = resealed(recording, without_dates, lambda event: event, about, resumes=resumes)
     target.parent.mkdir(parents=True, exist_ok=True)
     with target.open("xb") as file:
-        for payload in payloads:
-            sealed = chain.seal(payload)
-            file.write(sealed)
-    return sealed.rpartition(CHAIN_MARK)[2][:CHAIN_DIGITS].decode()
-
-
-def _without_dates(header: bytes, resumes: Resumes | None) -> bytes:
-    plain = _removed(msgspec.json.decode(header))
-    if resumes is not None:
-        plain["resumes"] = msgspec.to_builtins(resumes)
-    plain["source"] = plain.get("source", {}) | {"published": "dates removed, chained anew"}
-    return msgspec.json.encode(plain)
-
-
-def _removed(value: Any) -> Any:
-    """Return plain JSON with every date in a text replaced."""
-    if isinstance(value, str):
-        return _DATE.sub(REMOVED, value)
-    if isinstance(value, dict):
-        return {name: _removed(below) for name, below in value.items()}
-    if isinstance(value, list):
-        return [_removed(below) for below in value]
-    return value
+        file.write(content)
+    return last_chain(content)
 
 
 def publish_folder(paths: list[Path], into: Path) -> list[tuple[Path, Path]]:

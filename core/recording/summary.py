@@ -18,6 +18,7 @@ from core.events import (
 )
 from core.recording.reader import Recording
 from core.recording.schema import FIRST_GAME, Header
+from core.recording.upgrade import recorded_version
 
 HAS_REASONS = 2
 """First version that tells a closed window, a signal and a full disk from a participant's stop."""
@@ -69,7 +70,7 @@ def ending_of(recording: Recording) -> Ending:
 
 def _stop_words(recording: Recording, stop: StopAsked, *, last_word: bool) -> str:
     words = _STOPS[stop.reason]
-    if stop.reason == "participant" and recording.header.version < HAS_REASONS:
+    if stop.reason == "participant" and recorded_version(recording.header) < HAS_REASONS:
         words += _V1_STOP
     if not last_word and stop.reason != "worker-died":
         words += ", and the worker gave no answer"

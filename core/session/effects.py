@@ -247,7 +247,7 @@ def uses() -> Iterator[Use]:
 def _by_game(path: str, games: Sequence[GamePlugin]) -> Use:
     """Return the entry of a setting that has no effect in some games."""
     having = [game.title for game in games if path not in game.idle]
-    where = f"in {' and '.join(having)} only" if having else "in no game"
+    where = f"in {_all_of(having)} only" if having else "in no game"
     reasons = [reason for game in games if (reason := game.idle.get(path))]
     on_screen = path.startswith("screen.")
     return Use(
@@ -255,6 +255,10 @@ def _by_game(path: str, games: Sequence[GamePlugin]) -> Use:
         ": ".join([where, "; ".join(reasons)]) if reasons else where,
         lambda p, m: path not in plugin_of(p).idle and (_on_screen(p, m) or not on_screen),
     )
+
+
+def _all_of(names: Sequence[str]) -> str:
+    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
 
 
 @dataclass(frozen=True, slots=True)

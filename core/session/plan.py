@@ -92,8 +92,8 @@ def credit_in_words(protocol: Protocol) -> str:
 def _falling(weights: list[EpisodeWeights]) -> tuple[str, list[float]]:
     """Return which quantity gives the participant a say, and its value in each game."""
     first = weights[0]
-    if first.share:
-        return "probability of the participant's choice", [each.share for each in weights]
+    if first.handover:
+        return "probability of the participant's choice", [each.handover for each in weights]
     if first.shaping:
         return "reward per unit of H", [each.shaping for each in weights]
     return f"w_r = {first.w_r:g}, w_h", [each.w_h for each in weights]

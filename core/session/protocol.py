@@ -176,12 +176,14 @@ class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
 
 
 class _Defaults(Mapping[str, Protocol]):
-    """The default protocol of each game that can be played, by the game's name."""
+    """The default protocol of each game that can be played, by the game's name, or "game:variant"."""
 
     def __getitem__(self, game: str) -> Protocol:
-        if not is_game(game):
+        name, _, variant = game.partition(":")
+        if not is_game(name):
             raise KeyError(game)
-        default: Protocol = plugin_called(game).default()
+        plugin = plugin_called(name)
+        default: Protocol = plugin.default_of(variant) if variant else plugin.default()
         return default
 
     def __iter__(self) -> Iterator[str]:

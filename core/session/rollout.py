@@ -226,7 +226,7 @@ def play_episode(
         w_r=weights.w_r,
         trust=plan.policy.trust,
         weight=weights.w_h,
-        share=weights.share,
+        share=weights.handover,
         shaping=weights.shaping,
         augmentation=weights.augmentation,
     )

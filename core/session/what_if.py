@@ -11,7 +11,7 @@ from typing import Any
 
 import msgspec
 
-from core.combination.agent import ArlAgent, EpisodePolicy
+from core.combination.agent import ArlAgent, Decision, EpisodePolicy
 from core.combination.human_learner import HumanLearner
 from core.combination.tally import AGREED, AGREED_WORST, EpisodeTally
 from core.domain import Choices, Domain, Features
@@ -45,6 +45,10 @@ class WatchedStep:
     choices: Choices
     taken: Features
     """psi(s, a) of the action that was taken, shape (G,); NaN where the recording does not tell."""
+
+
+OnDecision = Callable[[ArlAgent, WatchedStep, EpisodePolicy, Decision, int], None]
+"""Is called after each decision of an agent at a watched step; last comes the number of the decision in its episode."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -126,6 +130,7 @@ def relearn(
     steps: dict[int, WatchedStep],
     *,
     root_seed: int,
+    on_decision: OnDecision | None = None,
 ) -> Relearned:
     """Let a new agent live through a recording.
 
@@ -134,6 +139,7 @@ def relearn(
         protocol: the agent's own protocol; its credit, scheme, trust and human model may differ from the recorded.
         steps: from `watched_steps` with the same protocol.
         root_seed: of the agent and of unseen episodes. That of the recording gives a live session's own agent.
+        on_decision: is called after each decision at a watched step.
     """
     game = game_of(protocol)
     agent = game.agent(protocol, root_seed)
@@ -141,7 +147,7 @@ def relearn(
     source = Recorded(recording.inputs)
     intake = FeedbackIntake(agent, source)
     relearned = Relearned(agent)
-    watched = _Watched(steps, game.time_at_end)
+    watched = _Watched(steps, game.time_at_end, on_decision)
     imported = recording.header.origin == "imported"
     session = protocol.session
     with naming_the_input(recording, source):
@@ -200,9 +206,15 @@ def replay_human_model(
 class _Watched:
     """Follows one recorded episode with an agent that is asked, but not obeyed."""
 
-    def __init__(self, steps: dict[int, WatchedStep], time_at_end: Callable[[EpisodeEnded], int]) -> None:
+    def __init__(
+        self,
+        steps: dict[int, WatchedStep],
+        time_at_end: Callable[[EpisodeEnded], int],
+        on_decision: OnDecision | None = None,
+    ) -> None:
         self._steps = steps
         self._time_at_end = time_at_end
+        self._on_decision = on_decision
         self._policy: EpisodePolicy | None = None
         self._taken = 0
         self._tally = EpisodeTally()
@@ -220,7 +232,10 @@ class _Watched:
 
     def take(self, agent: ArlAgent, intake: FeedbackIntake, output: StepTaken) -> None:
         watched = self._steps[output.step]
-        self._tally.add(agent.choose(watched.choices, self.policy, step=self._taken))
+        decision = agent.choose(watched.choices, self.policy, step=self._taken)
+        self._tally.add(decision)
+        if self._on_decision is not None:
+            self._on_decision(agent, watched, self.policy, decision, self._taken)
         agent.learn_from_step(watched.choices, output.action, output.reward, watched_step=output.step)
         intake.expect(output.step, watched.taken)
         self._taken += 1

@@ -1,6 +1,6 @@
 """Text that came from a file, made safe to show: on a terminal, on a page, in a plot, in an error message.
 
-A terminal obeys escape sequences wherever they come from: a participant code in somebody else's table can
+A terminal obeys escape sequences wherever they come from: a participant code in another person's table can
 clear the screen or set the window's title. Bidirectional overrides change the order in which a line is read.
 Every text that this program did not write itself goes through `printable` or `printable_lines` before a
 person sees it.

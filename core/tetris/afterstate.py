@@ -152,6 +152,11 @@ class Tetris:
         orientations = work[SHAPE, allowed] - FIRST_SHAPE[self.piece(state)]
         return np.column_stack([orientations, work[LEFT, allowed]])
 
+    def placements_on(self, columns: tuple[int, ...], piece: int) -> NDArray[np.int64]:
+        """Return (orientation, leftmost column) of each action of `choices_on`, shape (n, 2), in its order."""
+        work, allowed, _ = self._scan_board(columns, piece)
+        return np.column_stack([work[SHAPE, allowed] - FIRST_SHAPE[piece], work[LEFT, allowed]])
+
     def placement(self, state: TetrisState, action: int) -> Placement:
         """Describe one action in full."""
         work, allowed, _ = self._scan(state)

@@ -52,7 +52,7 @@ class CombinedGame(KeptGame):
         config: TetrisConfig,
         combination: EpisodeWeights = ENVIRONMENT_WEIGHTS,
         *,
-        share_seed: int = 0,
+        handover_seed: int = 0,
         window: int = 1,
     ) -> None:
         """Set up a game.
@@ -63,13 +63,13 @@ class CombinedGame(KeptGame):
             seed: of the piece stream, in [0, 2**63).
             config: board and rules; `lines_in_value` must be off.
             combination: form and weights of the combination in this game.
-            share_seed: seed that decides where control is shared (`combination.share`), in [0, 2**62).
+            handover_seed: seed that decides where control is shared (`combination.handover`), in [0, 2**62).
             window: how many of the last decisions are kept, >= 1.
         """
         super().__init__(human_weights, config, combination, window=window)
         self._environment = linear_policy(environment_weights, config, config.features)
         self._seed = seed
-        self._share_seed = share_seed
+        self._handover_seed = handover_seed
 
     def advance(self, piece_cap: int) -> None:
         """Play on until the game ends or has `piece_cap` pieces."""
@@ -83,8 +83,8 @@ class CombinedGame(KeptGame):
             self._combination.form,
             float(self._combination.w_r),
             float(self._combination.w_h),
-            float(self._combination.share),
-            self._share_seed,
+            float(self._combination.handover),
+            self._handover_seed,
             self._ring,
             self._counters,
             self.tally,
@@ -106,8 +106,8 @@ def _play_combined(
     form: int,
     w_r: float,
     w_h: float,
-    share: float,
-    share_seed: int,
+    handover: float,
+    handover_seed: int,
     ring: Ints,
     counters: Ints,
     tally: Tally,
@@ -150,7 +150,7 @@ def _play_combined(
             human_worst = worst_action(human_values, ruled_out, n)
         count_decision(tally, env_best, human_best, human_worst)
         action = choose(env_values, human_values, ruled_out, n, form, w_r, w_h)
-        if share > 0.0 and takes_control(share_seed, decision, share):
+        if handover > 0.0 and takes_control(handover_seed, decision, handover):
             action = human_best
         ring[kept, MAX_COLUMNS] = place_among_offered(ruled_out, action) if must_fit else action
         full = put_down(work, NOW, action)

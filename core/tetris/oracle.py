@@ -21,7 +21,7 @@ per game: means of 100 games.)"""
 
 
 class TetrisOracle:
-    """Somebody who values placements: far better than the learner's features can express, or as a lay person."""
+    """A participant who values placements: far better than the learner's features can express, or as a lay person."""
 
     def __init__(self, config: TetrisConfig, knowledge: Knowledge = "expert") -> None:
         """Judge games under these rules.

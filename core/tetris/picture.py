@@ -39,6 +39,13 @@ class Wall(msgspec.Struct, frozen=True, array_like=True):
     levels: tuple[bytes, ...] = ()
     """Rows from the bottom, one byte per cell (codes above); rows that are not listed are empty."""
 
+    @classmethod
+    def of_board(cls, board: Board, rows: int) -> "Wall":
+        """Return a wall whose pieces nobody knows."""
+        height = max(bits.bit_length() for bits in board)
+        levels = tuple(bytes(UNKNOWN * (bits >> row & 1) for bits in board) for row in range(height))
+        return cls(rows=rows, columns=len(board), levels=levels)
+
     @property
     def board(self) -> Board:
         """Column bitboards, as the learner sees them."""

@@ -68,7 +68,7 @@ class PolicyGradientGame(KeptGame):
         combination: EpisodeWeights = ENVIRONMENT_WEIGHTS,
         *,
         chance_seed: int,
-        share_seed: int = 0,
+        handover_seed: int = 0,
         window: int = 1,
     ) -> None:
         """Set up a game; the learner begins an episode, and whoever asked for it ends it (`end_episode`).
@@ -81,7 +81,7 @@ class PolicyGradientGame(KeptGame):
             config: board and rules; `lines_in_value` must be off.
             combination: form and weights of the combination in this game.
             chance_seed: seed of the draws from the softmax, in [0, 2**62).
-            share_seed: seed that decides where control is shared, in [0, 2**62).
+            handover_seed: seed that decides where control is shared, in [0, 2**62).
             window: how many of the last decisions are kept, >= 1.
         """
         features = feature_set(config.features, config.columns)
@@ -94,7 +94,7 @@ class PolicyGradientGame(KeptGame):
         self._memory = learner.memory
         self._code = features.code
         self._units = features.denominators * learner.scales
-        self._seeds = np.array([seed, share_seed, chance_seed], dtype=np.int64)
+        self._seeds = np.array([seed, handover_seed, chance_seed], dtype=np.int64)
         learner.begin_episode()
 
     def advance(self, piece_cap: int) -> None:
@@ -113,7 +113,7 @@ class PolicyGradientGame(KeptGame):
             combination.form,
             float(combination.w_r),
             float(combination.w_h),
-            float(combination.share),
+            float(combination.handover),
             float(combination.shaping),
             self._ring,
             self._counters,
@@ -210,7 +210,7 @@ def _play_on(
     form: int,
     w_r: float,
     w_h: float,
-    share: float,
+    handover: float,
     shaping: float,
     ring: Ints,
     counters: Ints,
@@ -239,7 +239,7 @@ def _play_on(
         if human_known:
             fill_values(human_code, human_table, human_numbers, work, rules, n, True, human_values)
             human_best = compare_choices(env_values, human_values, ruled_out, n, tally)
-        if share > 0.0 and takes_control(seeds[1], piece, share):
+        if handover > 0.0 and takes_control(seeds[1], piece, handover):
             action = human_best
             score[:] = 0.0
         elif w_r == 0.0:

@@ -141,7 +141,7 @@ def open_game(
             seed,
             config,
             policy.weights,
-            share_seed=policy.share_seed,
+            handover_seed=policy.handover_seed,
             window=window,
         )
     climbs = not isinstance(scheme, Coach) or scheme.environment_too
@@ -152,7 +152,7 @@ def open_game(
         config,
         policy.weights,
         chance_seed=policy.chance_seed,
-        share_seed=policy.share_seed,
+        handover_seed=policy.handover_seed,
         window=window,
     )
 

@@ -1,4 +1,4 @@
-"""A session in which somebody watches every episode, played in compiled code between the moments that matter.
+"""A session in which a participant watches every episode, played in compiled code between the moments that matter.
 
 A simulated participant speaks a few times per game. Whether they feel like it at a step is drawn in advance, so
 everything between is one compiled call; what they say, how it is credited and what is learned from it is done by

@@ -33,7 +33,7 @@ TRIED_ON_PEOPLE = (OURS, "margin", "constant", "tried")
 """Rules that they meet."""
 
 
-def somebody(name: str) -> KeepawayPersonConfig:
+def talkative(name: str) -> KeepawayPersonConfig:
     """Return a named person who is as talkative as the person of Fig. 7."""
     usual = person()
     trainer = msgspec.structs.replace(
@@ -45,23 +45,23 @@ def somebody(name: str) -> KeepawayPersonConfig:
     return msgspec.structs.replace(usual, trainer=trainer)
 
 
-def _rules(someone: KeepawayPersonConfig) -> dict[str, tuple[str, KeepawayTrial]]:
+def _rules(participant: KeepawayPersonConfig) -> dict[str, tuple[str, KeepawayTrial]]:
     """Return name -> (label, trial) of every rule with this person."""
     return {
-        OURS: ("learners side by side (ours)", arl(trust=SideBySide(), watched_by=someone, hours=HOURS)),
+        OURS: ("learners side by side (ours)", arl(trust=SideBySide(), watched_by=participant, hours=HOURS)),
         "annealed": (
             "annealed, 0.98 per episode",
-            arl(Annealed(per="episode"), watched_by=someone, hours=HOURS),
+            arl(Annealed(per="episode"), watched_by=participant, hours=HOURS),
         ),
-        "constant": ("constant w_h = 1", arl(Constant(), watched_by=someone, hours=HOURS)),
-        "eq4": ("Eq. 4", arl(trust=Equation4(), watched_by=someone, hours=HOURS)),
-        "eq5": ("Eq. 5", arl(trust=Equation5(), watched_by=someone, hours=HOURS)),
-        "signed": ("signed agreement", arl(trust=Signed(), watched_by=someone, hours=HOURS)),
+        "constant": ("constant w_h = 1", arl(Constant(), watched_by=participant, hours=HOURS)),
+        "eq4": ("Eq. 4", arl(trust=Equation4(), watched_by=participant, hours=HOURS)),
+        "eq5": ("Eq. 5", arl(trust=Equation5(), watched_by=participant, hours=HOURS)),
+        "signed": ("signed agreement", arl(trust=Signed(), watched_by=participant, hours=HOURS)),
         "margin": (
             "signed agreement with a margin",
-            arl(trust=Signed(margin=0.1), watched_by=someone, hours=HOURS),
+            arl(trust=Signed(margin=0.1), watched_by=participant, hours=HOURS),
         ),
-        "tried": ("trust by trial", arl(trust=Tried(), watched_by=someone, hours=HOURS)),
+        "tried": ("trust by trial", arl(trust=Tried(), watched_by=participant, hours=HOURS)),
     }
 
 
@@ -70,11 +70,11 @@ def _conditions() -> Iterator[Condition]:
     for percent in WRONG_PERCENT:
         for name, (label, trial) in _rules(person(percent / 100)).items():
             yield Condition(f"{name}-{percent}", f"{label}, {percent} % wrong", trial)
-    for someone in PEOPLE:
-        rules = _rules(somebody(someone))
+    for participant in PEOPLE:
+        rules = _rules(talkative(participant))
         for name in TRIED_ON_PEOPLE:
             label, trial = rules[name]
-            yield Condition(f"{name}-{someone}", f"{label}, {someone}", trial)
+            yield Condition(f"{name}-{participant}", f"{label}, {participant}", trial)
 
 
 EXPERIMENT = Experiment(
@@ -140,10 +140,10 @@ def _goal_table(scores: Mapping[str, Floats]) -> str:
 def _people_table(results: Results, scores: Mapping[str, Floats]) -> str:
     """Return the ratio to Sarsa alone of each rule with each named person, and w_h at the end."""
     rows = []
-    for someone in PEOPLE:
+    for participant in PEOPLE:
         cells = []
         for rule in TRIED_ON_PEOPLE:
-            name = f"{rule}-{someone}"
+            name = f"{rule}-{participant}"
             if name in scores and "sarsa" in scores:
                 weight = weights_used(results, name)[:, -1].mean()
                 ratio = page.verdict(name, "sarsa", scores).ratio
@@ -151,7 +151,7 @@ def _people_table(results: Results, scores: Mapping[str, Floats]) -> str:
             else:
                 cells.append("")
         if any(cells):
-            rows.append([someone, *cells])
+            rows.append([participant, *cells])
     if not rows:
         return "These trials were not played.\n"
     columns = [f"{RULES[rule]}: ratio to Sarsa (w_h at the end)" for rule in TRIED_ON_PEOPLE]

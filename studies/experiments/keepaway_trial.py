@@ -64,7 +64,7 @@ def quick(settings: KeepawayTrial) -> KeepawayTrial:
 
 
 def measured_delay(true: Density, n: int, *, root_seed: int) -> GammaDelay:
-    """Return the shifted gamma density fitted to n reactions of somebody whose delay has the density `true`."""
+    """Return the shifted gamma density fitted to n reactions of a participant whose delay has the density `true`."""
     rng = stream(root_seed, "calibration")
     fit = fit_family(SHIFTED_GAMMA, sample([draw_delay_s(true, rng=rng) for _ in range(n)]))
     return GammaDelay(*SHIFTED_GAMMA.values(fit.parameters))

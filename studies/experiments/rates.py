@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MOSTLY_WRONG = 80
-"""Rate in per cent from which somebody is an adversary."""
+"""Rate in per cent from which a participant is an adversary."""
 WIDE_TICKS = (0.2, 0.5, 1, 2, 5, 10, 20, 50)
 FINE_TICKS = (0.5, 0.6, 0.8, 1, 1.25, 1.5, 2)
 """Of ratios, where all of them lie within a factor of 3 or so of 1."""
@@ -49,7 +49,7 @@ def weights_table(found: ByRule, rates: Sequence[int]) -> str:
 
 
 def summary(found: ByRule) -> str:
-    """Return which rules do no harm at any rate, and which use somebody who errs at 80 % or more, by their 95 % intervals."""
+    """Return which rules do no harm at any rate, and which gain from a participant who errs at 80 % or more, by their 95 % intervals."""
     harmless = [rule for rule, cells in found.items() if all(cell.ratio.high >= 1 for cell in cells.values())]
     adversary = [
         rule

@@ -46,7 +46,7 @@ def wrong(rate: int) -> TrainerConfig:
     return msgspec.structs.replace(PERSON, mistake_rate=rate / 100)
 
 
-def somebody(name: str) -> TrainerConfig:
+def talkative(name: str) -> TrainerConfig:
     """Return a named person who is as talkative as the person of Fig. 5."""
     return msgspec.structs.replace(person(name), press_probability=PERSON.press_probability)
 
@@ -70,15 +70,15 @@ def _conditions() -> tuple[Condition, ...]:
             Condition(f"gradient-{rate:03d}", "policy gradient", gradient_trial(listening, wrong(rate)))
         )
     for name in PEOPLE:
-        found.append(Condition(f"gradient-{name}", name, gradient_trial(listening, somebody(name))))
+        found.append(Condition(f"gradient-{name}", name, gradient_trial(listening, talkative(name))))
     return tuple(found)
 
 
 def _fresh_conditions() -> Iterator[Condition]:
     """Yield what the goal is judged by, and everybody whom the rule meets, on seeds of their own."""
 
-    def fresh(name: str, label: str, agent: AgentConfig, someone: TrainerConfig = PERSON) -> Condition:
-        return Condition(name, label, FreshTrial(session(agent, someone)))
+    def fresh(name: str, label: str, agent: AgentConfig, participant: TrainerConfig = PERSON) -> Condition:
+        return Condition(name, label, FreshTrial(session(agent, participant)))
 
     listening = tetris_agent(trust=RULE)
     yield fresh(FRESH_ENVIRONMENT, "environment only", tetris_agent(scheme=EnvironmentOnly()))
@@ -92,7 +92,7 @@ def _fresh_conditions() -> Iterator[Condition]:
     for rate in RATES:
         yield fresh(f"{MARGIN}-{rate:03d}", "signed agreement with a margin (ours)", listening, wrong(rate))
     for name in PEOPLE:
-        yield fresh(f"person-{name}", name, listening, somebody(name))
+        yield fresh(f"person-{name}", name, listening, talkative(name))
 
 
 def run_any(settings: Protocol | FreshTrial | GradientTrial, root_seed: int) -> Rows:

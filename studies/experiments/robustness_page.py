@@ -238,13 +238,13 @@ def _gradient_table(results: Results, scores: Mapping[str, Floats]) -> str:
     if GRADIENT not in scores or not people.keys() & scores.keys():
         return "These trials were not played.\n"
     rows, below, above = [], [], []
-    for name, someone in people.items():
+    for name, participant in people.items():
         if name in scores:
             found = page.verdict(name, GRADIENT, scores)
-            below += [someone] if found.ratio.high < 1 else []
-            above += [someone] if found.ratio.low > 1 else []
+            below += [participant] if found.ratio.high < 1 else []
+            above += [participant] if found.ratio.low > 1 else []
             weight = results.table(name, "w_h")[:, -100:].mean()
-            rows.append([someone, page.interval(found.ratio), page.p_value(found.p), f"{weight:.2f}"])
+            rows.append([participant, page.interval(found.ratio), page.p_value(found.p), f"{weight:.2f}"])
     told = f"Significantly below policy gradient alone with: {', '.join(below) or 'nobody'}. Significantly above it with: {', '.join(above) or 'nobody'}."
     table = page.table(["person", "ratio to policy gradient alone", "p", "w_h at the end"], rows)
     return f"The same rule, its constants as they are. {told}\n\n{table}"

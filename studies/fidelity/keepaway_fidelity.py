@@ -197,7 +197,7 @@ def play_traces(setting: Setting, n_episodes: int, root_seed: int) -> list[Trace
 def passes_of(trace: Trace) -> list[tuple[float, int]]:
     """Return (release speed in metres per cycle, flight in cycles) of every pass of an episode.
 
-    A pass starts with a keeper's kick after which the ball leaves his reach fast; it flies until somebody of the
+    A pass starts with a keeper's kick after which the ball leaves his reach fast; it flies until one of the
     keepers has it in reach again or the episode ends. A ball that is dropped, and its keepers put back, has no speed.
     """
     gaps = np.linalg.norm(trace.keepers - trace.ball[:, None, :2], axis=2)

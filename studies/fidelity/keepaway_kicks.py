@@ -32,7 +32,7 @@ from studies.fidelity.keepaway_rollouts import JUMP_M, LoggedEpisode, follow
 ROUNDING_M = 0.02
 """What the log's own rounding of places and directions can move a ball by."""
 CLEAR_M = 0.01
-"""A ball this near to touching somebody has been stopped by them, and tells nothing of the kick."""
+"""A ball this near to touching a player has been stopped by it, and tells nothing of the kick."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +84,7 @@ def logged_kicks(setting: Setting, episodes: list[LoggedEpisode], players: range
 
 
 def _put_back(episode: LoggedEpisode, row: int) -> bool:
-    """Return whether somebody was put back on the way to this row."""
+    """Return whether a player was put back on the way to this row."""
     moved = episode.players[row, :, :2] - episode.players[row - 1, :, :2]
     return bool(np.linalg.norm(moved, axis=1).max() > JUMP_M)
 

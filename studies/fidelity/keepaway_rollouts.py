@@ -33,7 +33,7 @@ LEAST_EXPECTED = 5.0
 RUN_UP = 9
 """Cycles after a drop before the takers, put back to 9.45 m, can be there."""
 JUMP_M = 1.5
-"""Farther than anybody runs in a cycle: who moved more was put back."""
+"""Farther than a player runs in a cycle: a player that moved more was put back."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,7 +60,7 @@ class LoggedEpisode:
 
 @dataclass(frozen=True, slots=True)
 class Rollout:
-    """From one kind of start: how often somebody has the ball so many cycles later."""
+    """From one kind of start: how often a side has the ball so many cycles later."""
 
     start: Start
     n: int

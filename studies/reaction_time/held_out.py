@@ -35,7 +35,7 @@ class HeldOutScore(msgspec.Struct, frozen=True, kw_only=True):
     """Trials per person that were fitted."""
     n_people: int
     log_density: float
-    """Mean over people of the mean log density per held-out trial (per second); -inf if anybody's is."""
+    """Mean over people of the mean log density per held-out trial (per second); -inf if one person's is."""
     impossible: float
     """Share of people with a held-out response that the fit calls impossible."""
     pinball_ms: float

@@ -31,7 +31,7 @@ class Group(msgspec.Struct, frozen=True, kw_only=True):
 
     shifted: bool
     offset_limit_s: float
-    """Upper end of offsets: the fastest response of anybody; 0 for the two-parameter gamma."""
+    """Upper end of offsets: the fastest response of all participants; 0 for the two-parameter gamma."""
     mean: tuple[float, ...]
     """Means over people of log(mean - offset), log shape and, if shifted, log odds of offset / offset_limit_s."""
     covariance: tuple[tuple[float, ...], ...]

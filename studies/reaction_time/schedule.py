@@ -1,4 +1,4 @@
-"""Make a schedule from configuration and seed, and print it as text before anybody sits down."""
+"""Make a schedule from configuration and seed, and print it as text before a participant begins."""
 
 import math
 from collections import Counter

@@ -12,8 +12,8 @@ from arl_tui.calibration import app as calibration_app
 from arl_tui.calibration.app import CalibrationApp
 from arl_tui.calibration.fitting import fit_files
 from arl_tui.calibration.plan import TASKS, CalibrationSetup
-from arl_tui.calibration.scenes import make_positions
 from arl_tui.calibration.trial_screen import TrialScreen
+from arl_tui.games.tetris.judging import make_positions
 from studies.reaction_time.protocol import Foreperiod, TaskConfig, TrialPlan
 from studies.reaction_time.trial import TrialTiming
 from studies.reaction_time.trial_log import TrialFile, read_trials

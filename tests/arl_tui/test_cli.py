@@ -9,12 +9,13 @@ import pytest
 from click.testing import CliRunner, Result
 
 from arl_tui.cli import COMMANDS, main
-from arl_tui.command_line import Listed
+from arl_tui.command_line import OWN_GAMES, Listed
 from arl_tui.commands.demo import demo_protocol
 from arl_tui.commands.protocol import toml_lines
 from arl_tui.recordings import new_path
 from core.events import KeyPressed
 from core.feedback.simulated_participants import person, persons
+from core.plugins import BUILT_IN
 from core.recording.recorder import LineWriter
 from core.recording.schema import Header, to_plain
 from core.session.protocol import Protocol
@@ -196,3 +197,7 @@ def test_an_unknown_command_is_refused() -> None:
     done = run("plya")
     assert done.exit_code == 2
     assert "No such command 'plya'" in done.output
+
+
+def test_the_names_of_our_own_games_are_those_of_the_look_up() -> None:
+    assert tuple(BUILT_IN) == OWN_GAMES

@@ -11,6 +11,7 @@ import arl_tui
 import core
 import studies
 from arl_tui.cli import main
+from tests.arl_tui.command_tree import members
 
 SCREEN_PROCESS = "numba", "scipy.stats", "matplotlib"
 HEADLESS = "textual", "rich", "click"
@@ -43,7 +44,7 @@ def test_the_screens_process_never_loads_the_compiler_or_the_statistics() -> Non
 def commands(group: click.Group, path: tuple[str, ...] = ()) -> list[list[str]]:
     """Return the words of every command and group, the empty list first."""
     found = [list(path)]
-    for name, command in group.commands.items():
+    for name, command in members(group):
         words = (*path, name)
         found += commands(command, words) if isinstance(command, click.Group) else [list(words)]
     return found

@@ -107,9 +107,9 @@ def test_policy_gradient_is_within_ten_times_of_greedy_play(record_weights):
 
 def test_a_warm_start_gives_its_first_result_within_1_2_s():
     code = (
-        "import time; import numpy as np; from core.tetris.autoplay import play_greedy; "
+        "import time; import numpy as np; from core.tetris.autoplay import GreedyGames; "
         "from core.tetris.config import TetrisConfig; "
-        "assert play_greedy(-np.ones(21), [1], TetrisConfig(), 20).pieces[0] == 20; print(time.process_time())"
+        "games = GreedyGames(-np.ones(21), [1], TetrisConfig()); games.advance(20); assert games.pieces[0] == 20; print(time.process_time())"
     )
     runs = [subprocess.run([sys.executable, "-c", code], check=True, capture_output=True) for _ in range(6)]
     spent = [float(run.stdout) for run in runs[1:]]  # the first one may have to compile

@@ -21,7 +21,7 @@ from core.session.protocol_file import ProtocolError
 from core.session.protocol_reading import load_protocol, protocol_from
 from core.session.replay import replay_exactly
 from core.session.session import build_session
-from core.session.what_if import hear, relearn, watched_steps
+from core.session.what_if import relearn, replay_human_model, watched_steps
 from studies.demo import summarise
 from tests.contracts.domain_contract import DomainContract
 from tests.core.sessions import simulated
@@ -93,7 +93,7 @@ def test_a_third_game_plays_is_recorded_replayed_and_asked_about(
     assert again.agent.digest() == recording.outputs[-1].digest
     other = protocol_from({**recording.header.protocol, "agent": {"credit": {"delay": "current"}}})
     assert relearn(recording, other, steps, root_seed=1).agent.digest() != again.agent.digest()
-    heard = hear(recording, protocol, steps, count=lambda press: True)
+    heard = replay_human_model(recording, protocol, steps, count=lambda press: True)
     np.testing.assert_array_equal(heard.human.weights, again.agent.human.weights)
 
 
@@ -112,7 +112,7 @@ def test_sarsa_learns_the_third_game_from_its_costs(corridor: GamePlugin) -> Non
 
 def test_words_about_settings_name_the_games_that_have_them(corridor: GamePlugin, tmp_path: Path) -> None:
     where = {use.settings: use.where for use in uses()}
-    assert where["screen.tick_ms",] == "in Tetris and Corridor only"
+    assert where["screen.tick_ms",] == "in Tetris, Gymnasium and Corridor only"
     assert where["domain.slip",] == "in long corridors only"
     short = protocol_from({"domain": {"type": "corridor", "cells": 2, "slip": 0.5}})
     assert [each.path for each in idle(short, DEFAULTS["corridor"])] == [("domain", "slip")]
@@ -122,12 +122,14 @@ def test_words_about_settings_name_the_games_that_have_them(corridor: GamePlugin
     with pytest.raises(ProtocolError, match=r"p.toml:3: \[domain\] sell .*did you mean `cells`"):
         load_protocol(file)
     file.write_text('[domain]\ntype = "coridor"\n')
-    with pytest.raises(ProtocolError, match='"keepaway", "corridor"; did you mean "corridor"'):
+    with pytest.raises(ProtocolError, match='"gymnasium", "corridor"; did you mean "corridor"'):
         load_protocol(file)
 
 
 def test_a_recording_of_a_game_that_is_gone_says_which_and_that_a_package_is_missing(tmp_path: Path) -> None:
-    with pytest.raises(ConfigurationError, match='type = "corridor": expected one of "tetris", "keepaway"'):
+    with pytest.raises(
+        ConfigurationError, match='type = "corridor": expected one of "tetris", "keepaway", "gymnasium"'
+    ):
         protocol_from({"domain": {"type": "corridor"}})
 
 
@@ -135,7 +137,7 @@ def test_a_game_that_cannot_be_loaded_hinders_no_other_and_says_why(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(plugins, "_installed", lambda: (("broken", "no_such_module:PLUGIN"),))
-    assert list(DEFAULTS) == ["tetris", "keepaway"]
+    assert list(DEFAULTS) == ["tetris", "keepaway", "gymnasium"]
     with pytest.raises(ConfigurationError, match="'broken' at no_such_module:PLUGIN cannot be loaded"):
         protocol_from({"domain": "broken"})
 

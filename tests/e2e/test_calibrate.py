@@ -9,7 +9,7 @@ from statistics import median
 
 import pytest
 
-from arl_tui.calibration.clips import KEPT, LOST, MARK
+from arl_tui.games.keepaway.judging import KEPT, LOST, MARK
 from arl_tui.participants import read_delays
 from studies.reaction_time.protocol import TrialRecord
 from studies.reaction_time.trial_log import TrialFile, read_trials

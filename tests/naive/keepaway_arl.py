@@ -126,7 +126,7 @@ class ArlKeepaway:
             self.w_h_of = {0: 0.0, 1: trust.weight, 2: -trust.weight}
             playing = {0.0: 0, 1.0: 1, -1.0: 2}[self.w_h / trust.weight]
             self.sarsa = self.learners[playing]
-        self.share_seed = stream_seed(self.seed, "share", self.episode) >> 1
+        self.handover_seed = stream_seed(self.seed, "share", self.episode) >> 1
         self.record = Episode(0, self.w_h, (0, 0, 0))
         self.in_episode = 0
         self.gate.episode_started()
@@ -206,7 +206,7 @@ class ArlKeepaway:
             n, agreed, worst = self.record.agreement
             disliked = worst_action(heard, none, self.n)
             self.record.agreement = (n + 1, agreed + (own == liked), worst + (own == disliked))
-            if takes_control(self.share_seed, self.in_episode, weights.share):
+            if takes_control(self.handover_seed, self.in_episode, weights.handover):
                 preferred = liked
         if preferred < 0 and weights.w_h:
             preferred = choose(values, heard, none, self.n, weights.form, weights.w_r, weights.w_h)

@@ -100,7 +100,7 @@ def test_a_what_if_under_the_sessions_own_rules_judges_the_sessions_own_agent(ta
     (row,) = what_if(recording.path, protocol, [protocol.agent.credit.delay], [tag], QUICK)
     assert row.lines.estimate == expected.mean()
     assert (row.episode, row.watched) == (own.so_far.episodes, 3)
-    assert (row.weight, row.share, row.shaping) == dataclasses.astuple(own.final_policy().weights)[2:5]
+    assert (row.weight, row.handover, row.shaping) == dataclasses.astuple(own.final_policy().weights)[2:5]
     # Being judged leaves an agent where it was.
     assert own.so_far == again.so_far
     np.testing.assert_array_equal(judge(own, protocol, QUICK)[0], expected)
@@ -119,8 +119,8 @@ def test_a_weight_that_falls_with_episodes_is_judged_after_all_of_them(kind, tmp
     def used(scheme, number):
         return dataclasses.astuple(scheme.weights(0.0, number))[2:5]
 
-    assert (games.weight, games.share, games.shaping) == used(by_game, 3)
-    assert (episodes.weight, episodes.share, episodes.shaping) == used(by_episode, games.episode)
+    assert (games.weight, games.handover, games.shaping) == used(by_game, 3)
+    assert (episodes.weight, episodes.handover, episodes.shaping) == used(by_episode, games.episode)
     assert (games.rule, episodes.rule) == (f"{tag}:watched-game", f"{tag}:episode")
     assert games.episode == 3 + 2 * protocol.session.unseen_between
 

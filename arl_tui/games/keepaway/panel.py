@@ -54,9 +54,9 @@ class LivePitch(PitchWidget):
             return
         assert isinstance(picture.view, PitchFrame)
         assert isinstance(picture.ahead, PitchFrame)
-        share = (self._clock.now_ns() - self._since_ns) / picture.lasts_ns
+        fraction = (self._clock.now_ns() - self._since_ns) / picture.lasts_ns
         # Never the next picture itself: another step may begin with it.
-        self.show(between(picture.view, picture.ahead, min(share, 0.99)), picture.number)
+        self.show(between(picture.view, picture.ahead, min(fraction, 0.99)), picture.number)
 
 
 class PitchPanel:

@@ -53,6 +53,17 @@ class PitchRenderer:
         """The picture of the moment in which the match stands still."""
         return self._now
 
+    @property
+    def receivers(self) -> tuple[int, ...]:
+        """Keepers to whom the one who decides can pass, nearest first as it sees them: those of options 1, 2, ..."""
+        order = self._play.match.order[max(self._play.keeper, 0)]
+        return tuple(int(keeper) for keeper in order[1:])
+
+    def could_be(self, step: StepTaken) -> bool:
+        """Return whether a recorded step can be the next one: the same keeper decides, and sees the same."""
+        same_keeper = self._play.keeper == step.detail["keeper"]
+        return same_keeper and (step.state is None or self._play.variables.tolist() == step.state)
+
     def begin(self, episode: EpisodeStarted) -> tuple[Shot, ...]:
         """Return the pictures from the kick-off to the cycle before the first decision."""
         self._episodes += 1

@@ -5,15 +5,17 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from arl_tui.games.registry import GameScreens
-from arl_tui.words import Words
+from arl_tui.words import JudgingWords, Words, cap
 from core.feedback.config import TrainerConfig
-from core.keepaway.pitch import KeepawayConfig
+from core.keepaway.pitch import CYCLE_S, KeepawayConfig
 from core.keepaway.plugin import KEEPAWAY
 from core.session.protocol import Protocol, ScreenConfig, SessionConfig
+from studies.reaction_time.protocol import NO, YES, Schedule
 
 if TYPE_CHECKING:
     from arl_tui.games.keepaway.panel import PitchPanel
     from arl_tui.games.keepaway.renderer import PitchRenderer
+    from arl_tui.games.keepaway.trial_view import PitchTrialView
     from arl_tui.palette import Palette
 
 WORDS = Words(
@@ -35,6 +37,15 @@ WORDS = Words(
     steps="decisions",
     step="option",
 )
+JUDGING = JudgingWords(
+    instruction=(
+        "You watch a computer play: three keepers pass the ball among themselves, two takers try to get it. At one moment "
+        "the play stops, and [b]NOW[/] appears below it.\n\n"
+        f"The ball has reached a keeper:  press {cap(YES)}\nThe keepers have lost the ball: press {cap(NO)}\n\n"
+        "Press as soon as you have made up your mind."
+    ),
+    reminder=f"{cap(NO)} ball lost\n{cap(YES)} ball kept",
+)
 
 
 class KeepawayScreens(GameScreens):
@@ -42,6 +53,19 @@ class KeepawayScreens(GameScreens):
 
     name = "keepaway"
     words = WORDS
+    judging_module = "arl_tui.games.keepaway.judging"
+    judging = JUDGING
+
+    def trial_view(self, prepared: bytes, schedule: Schedule, palette: "Palette") -> "PitchTrialView":
+        """Return the pitch on which a possession ends in each trial."""
+        from arl_tui.games.keepaway.judging import Clip, cycle_ms
+        from arl_tui.games.keepaway.trial_view import PitchTrialView
+
+        return PitchTrialView(msgspec.json.decode(prepared, type=list[Clip]), palette, cycle_ms(schedule))
+
+    def picture_ms(self, screen: ScreenConfig) -> float:
+        """Return how long a cycle is shown."""
+        return CYCLE_S * 1000.0 / screen.speed
 
     def slower(self, screen: ScreenConfig) -> str:
         """Return the pace and how it is made slower."""

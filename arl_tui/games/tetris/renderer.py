@@ -41,6 +41,11 @@ class TetrisRenderer:
         self.picture = snapshot(self._wall, counts=self._counts)
         return (Shot(self.picture),)
 
+    def stand_at(self, wall: Wall, counts: Counts, episode_seed: int) -> None:
+        """Go to any board of an episode, as if its steps so far had been drawn."""
+        self._wall, self._counts, self._episode_seed = wall, counts, episode_seed
+        self.picture = snapshot(wall, counts=counts)
+
     def act(self, step: StepTaken) -> tuple[Shot, ...]:
         """Return the pictures of a step; the last one stays."""
         piece = step.detail["piece"]

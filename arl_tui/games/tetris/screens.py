@@ -5,15 +5,17 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from arl_tui.games.registry import GameScreens
-from arl_tui.words import Words
+from arl_tui.words import JudgingWords, Words, cap
 from core.feedback.config import TrainerConfig
 from core.feedback.keys import NS_PER_MS
 from core.session.protocol import Protocol, ScreenConfig, SessionConfig
 from core.tetris.config import TetrisConfig
+from studies.reaction_time.protocol import NO, YES, Schedule
 
 if TYPE_CHECKING:
     from arl_tui.games.tetris.panel import TetrisPanel
     from arl_tui.games.tetris.renderer import TetrisRenderer
+    from arl_tui.games.tetris.trial_view import BoardTrialView
     from arl_tui.palette import Palette
 
 WORDS = Words(
@@ -32,6 +34,15 @@ WORDS = Words(
     steps="pieces",
     step="piece",
 )
+JUDGING = JudgingWords(
+    instruction=(
+        "You watch a computer play Tetris. A piece enters and is moved, then it [b]drops[/]; its shadow shows "
+        "where. Full rows disappear, so a piece should leave no holes and not stand out.\n\n"
+        f"It goes to a good place: press {cap(YES)}\nIt goes to a bad place:  press {cap(NO)}\n\n"
+        "Press as soon as you have made up your mind. The computer's mistakes are put right before the next piece."
+    ),
+    reminder=f"{cap(NO)} bad place\n{cap(YES)} good place",
+)
 
 
 class TetrisScreens(GameScreens):
@@ -39,6 +50,16 @@ class TetrisScreens(GameScreens):
 
     name = "tetris"
     words = WORDS
+    judging_module = "arl_tui.games.tetris.judging"
+    judging = JUDGING
+
+    def trial_view(self, prepared: bytes, schedule: Schedule, palette: "Palette") -> "BoardTrialView":
+        """Return the board on which a piece drops in each trial."""
+        from arl_tui.games.tetris.judging import TrialPosition, tick_ms
+        from arl_tui.games.tetris.trial_view import BoardTrialView
+
+        positions = msgspec.json.decode(prepared, type=list[TrialPosition])
+        return BoardTrialView(positions, palette, tick_ms(schedule), schedule.config.time_out_s)
 
     def slower(self, screen: ScreenConfig) -> str:
         """Return the pace and how it is made slower."""

@@ -96,7 +96,7 @@ def fastest_to_ball(
 
 @inner_kernel
 def keeper_to_go(ball: Floats, players: Floats, known: Bools, n_keepers: int) -> int:
-    """Return the keeper that goes to the ball: the fastest to where anybody, a taker too, can first have it; -1 for none.
+    """Return the keeper that goes to the ball: the fastest to where any player, a taker too, can first have it; -1 for none.
 
     Where a taker comes first, that is the keeper who is soonest at the place where it gets the ball.
     """

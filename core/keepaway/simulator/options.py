@@ -154,7 +154,7 @@ def command_keeper(
         ball: as keeper i believes.
         players: as keeper i believes.
         known: which players it knows the place of.
-        arrival: cycles until somebody is believed to reach the ball; used while it gets open.
+        arrival: cycles until a player is believed to reach the ball; used while it gets open.
         meet: its memory of the last meeting point, in place.
         cycle: of the episode.
         rules: size of the game.

@@ -71,8 +71,8 @@ def most_open_keeper(ball: Floats, players: Floats, known: Bools, n_keepers: int
 def block_pass(me: Floats, ball: Floats, mark: Floats, cycle: int, command: Floats) -> None:
     """BlockPass: stand 4 m from the marked keeper on the ball's side; look around when there."""
     dx, dy = ball[X] - mark[X], ball[Y] - mark[Y]
-    share = BLOCK_DISTANCE / max(math.sqrt(dx * dx + dy * dy), BLOCK_DISTANCE)
-    x, y = mark[X] + share * dx, mark[Y] + share * dy
+    fraction = BLOCK_DISTANCE / max(math.sqrt(dx * dx + dy * dy), BLOCK_DISTANCE)
+    x, y = mark[X] + fraction * dx, mark[Y] + fraction * dy
     if length(me[X] - x, me[Y] - y) < BLOCK_CLOSE_ENOUGH:
         turn = BLOCK_LOOK_TURN if cycle % 2 == 0 else -BLOCK_LOOK_TURN
         send_turn(turn, length(me[VX], me[VY]), command)

@@ -1,4 +1,4 @@
-"""Which columns somebody may have meant: a few proposals from the file, never all of its names."""
+"""Which columns a user may have meant: a few proposals from the file, never all of its names."""
 
 import difflib
 import re

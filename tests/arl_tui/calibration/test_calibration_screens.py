@@ -340,7 +340,7 @@ async def test_a_game_that_cannot_be_prepared_ends_the_session_with_a_message(tm
 
 async def test_another_process_answers_and_its_failure_is_an_error_with_its_last_word() -> None:
     with pytest.raises(HelperError, match=r"scenes left with status 1: .*ValidationError"):
-        await ask_helper("arl_tui.calibration.scenes", {"not": "a schedule"})
+        await ask_helper("arl_tui.games.tetris.judging", {"not": "a schedule"})
 
 
 def test_a_calibration_has_no_palette_and_no_animation(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ from click.testing import CliRunner, Result
 
 from arl_tui.cli import main
 from arl_tui.command_line import ToWrite, why_not_writable
+from tests.arl_tui.command_tree import members
 from tests.data_folder import REPOSITORY
 
 GOLDEN = REPOSITORY / "recordings" / "reference" / "tetris-linear-equation-4.jsonl"
@@ -29,15 +30,32 @@ WRITING: dict[str, tuple[str | Path, ...]] = {
     "timing --json": ("timing",),
     "import tamer-log --recordings": ("import", "tamer-log", GOLDEN),
     "import tamer-log --out": ("import", "tamer-log", GOLDEN),
+    "import evaluations --recordings": ("import", "evaluations", GOLDEN),
+    "import evaluations --out": ("import", "evaluations", GOLDEN),
     "replay --csv": ("replay", GOLDEN, *RULE),
     "replay --plot": ("replay", GOLDEN, *RULE),
     "recordings --csv": ("recordings", "--recordings", GOLDEN.parent),
     "recordings --publish": ("recordings", "--recordings", GOLDEN.parent),
+    "recordings upgrade into": ("recordings", "upgrade", GOLDEN),
+    "anonymise into": ("anonymise", GOLDEN, "--key", "no-key"),
+    "archive --out": ("archive", GOLDEN.parent, "--key", "no-key"),
+    "export tidy --out": ("export", "tidy", GOLDEN),
+    "export bids --out": ("export", "bids", GOLDEN),
+    "export minari --out": ("export", "minari", GOLDEN),
+    "study run --recordings": ("study", "run", GOLDEN),
+    "study simulate --recordings": ("study", "simulate", GOLDEN),
+    "study withdraw --recordings": ("study", "withdraw", GOLDEN, "P01"),
+    "study drop --recordings": ("study", "drop", GOLDEN, "P01"),
     "train --save": ("train", "keepaway"),
     "fit --figure": ("fit", GOLDEN),
     "fit --json": ("fit", GOLDEN),
     "fit --html": ("fit", GOLDEN),
     "fit --out": ("fit", GOLDEN),
+    "recordings --make-key": ("recordings", "--recordings", GOLDEN.parent),
+    "compare --csv": ("compare", GOLDEN, GOLDEN),
+    "compare --plot": ("compare", GOLDEN, GOLDEN),
+    "compare --html": ("compare", GOLDEN, GOLDEN),
+    "watch --export": ("watch", GOLDEN),
     "experiment run --out": ("experiment", "run", "fig5", "--quick", "--trials", "1"),
     "experiment report --into": ("experiment", "report", "fig5"),
     "experiment report --out": ("experiment", "report", "fig5"),
@@ -47,7 +65,8 @@ WRITING: dict[str, tuple[str | Path, ...]] = {
 @pytest.mark.parametrize("case", WRITING)
 def test_a_place_that_cannot_be_written_is_refused_in_a_sentence(case: str, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("in the way")
-    result = arl(*WRITING[case], case.split()[-1], tmp_path / "file" / "below.csv")
+    option = [case.split()[-1]] if "--" in case else []  # else it is an argument
+    result = arl(*WRITING[case], *option, tmp_path / "file" / "below.csv")
     assert result.exit_code != 0
     assert isinstance(result.exception, SystemExit), result.exception
     said = " ".join(result.output.split())
@@ -57,13 +76,10 @@ def test_a_place_that_cannot_be_written_is_refused_in_a_sentence(case: str, tmp_
 
 def options_that_write(command: click.Command, name: str = "") -> set[str]:
     """Return every option whose type says that it writes, as "command --option"."""
-    if isinstance(command, click.Group):
-        return {
-            found
-            for below, inner in command.commands.items()
-            for found in options_that_write(inner, f"{name} {below}".strip())
-        }
-    return {f"{name} {option.opts[0]}" for option in command.params if isinstance(option.type, ToWrite)}
+    found = {f"{name} {option.opts[0]}" for option in command.params if isinstance(option.type, ToWrite)}
+    for below, inner in members(command) if isinstance(command, click.Group) else ():
+        found |= options_that_write(inner, f"{name} {below}".strip())
+    return found
 
 
 def test_no_option_that_writes_is_forgotten_here() -> None:

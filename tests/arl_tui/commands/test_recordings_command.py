@@ -162,3 +162,10 @@ def test_a_game_that_was_broken_off_is_not_finished(tmp_path: Path) -> None:
     writer.close()
     said = words(arl("recordings", "--recordings", tmp_path).output)
     assert "1 of 10 games finished; 0 presses counted; ended: stopped by the participant" in said
+
+
+def test_options_of_the_list_are_refused_where_another_command_follows(tmp_path: Path) -> None:
+    csv, new = tmp_path / "list.csv", tmp_path / "new"
+    result = CliRunner().invoke(main, ["recordings", "--csv", str(csv), "upgrade", str(tmp_path), str(new)])
+    assert result.exit_code == 2
+    assert "not for upgrade" in result.output

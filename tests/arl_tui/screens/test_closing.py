@@ -22,7 +22,7 @@ def tally(practised: list[float]) -> Tally:
 
 
 class Closing(App[None]):
-    CSS_PATH = "../../arl_tui/app.tcss"
+    CSS_PATH = "../../../arl_tui/app.tcss"
 
     def __init__(
         self,

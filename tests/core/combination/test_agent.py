@@ -232,9 +232,9 @@ def test_shared_control_hands_the_drawn_decisions_to_the_human_policy() -> None:
     policy = pupil.begin_episode(exploring=True, watched=True)
     for step in range(40):
         decision = pupil.choose(choices((1, 2), (3, 1)), policy, step=step)
-        expected = 1 if takes_control(policy.share_seed, step, 0.5) else 0
+        expected = 1 if takes_control(policy.handover_seed, step, 0.5) else 0
         assert (decision.action, decision.environment_action, decision.human_action) == (expected, 0, 1)
-    assert 0 <= policy.share_seed < 2**62
+    assert 0 <= policy.handover_seed < 2**62
 
 
 def test_a_retracted_press_leaves_no_trace_in_the_agent() -> None:

@@ -80,7 +80,12 @@ def test_watched_and_unseen_episodes_are_decided_alike(scheme: Scheme) -> None:
         policy = agent.begin_episode(exploring=True, watched=False)
         seed = 1000 + episode
         unseen = CombinedGame(
-            policy.theta, policy.human_weights, seed, RULES, policy.weights, share_seed=policy.share_seed
+            policy.theta,
+            policy.human_weights,
+            seed,
+            RULES,
+            policy.weights,
+            handover_seed=policy.handover_seed,
         )
         unseen.advance(60)
         assert play(agent, policy, seed, 60) == (unseen.lines, *unseen.tally.tolist())

@@ -192,7 +192,7 @@ def test_weights_of_every_scheme_by_hand() -> None:
     # 10 * 0.5^2 = 2.5, on raw values
     assert ActionBiasing(decay=0.5).weights(trust, 2) == EpisodeWeights(LINEAR_RAW, 1.0, 2.5)
     # 4 * 0.5^k = 4, 2, 1, 0.5: a probability is clipped at 1
-    shares = [ControlSharing(beta_0=4.0, decay=0.5).weights(trust, k).share for k in range(4)]
+    shares = [ControlSharing(beta_0=4.0, decay=0.5).weights(trust, k).handover for k in range(4)]
     assert shares == [1.0, 1.0, 1.0, 0.5]
     assert ControlSharing().weights(trust, 0).w_h == 0.0
     # 4 * 0.5^3 = 0.5 in the reward, nothing in the choice
@@ -245,7 +245,7 @@ def test_wrong_episode_weights_are_refused() -> None:
         EpisodeWeights(LINEAR, -1.0, 0.0)
     with pytest.raises(ValueError, match="w_h"):
         EpisodeWeights(LINEAR, 1.0, math.nan)
-    with pytest.raises(ValueError, match="share"):
+    with pytest.raises(ValueError, match="handover"):
         EpisodeWeights(LINEAR, 1.0, 0.0, 1.01)
     with pytest.raises(ValueError, match="shaping"):
         EpisodeWeights(LINEAR, 1.0, 0.0, shaping=math.inf)
@@ -254,12 +254,12 @@ def test_wrong_episode_weights_are_refused() -> None:
 
 
 @pytest.mark.statistical
-@pytest.mark.parametrize("share", [0.1, 0.5, 0.98])
-def test_control_is_shared_in_the_stated_proportion(share: float) -> None:
+@pytest.mark.parametrize("handover", [0.1, 0.5, 0.98])
+def test_control_is_shared_in_the_stated_proportion(handover: float) -> None:
     n = 20_000
-    taken = [takes_control(seed, decision, share) for seed in range(20) for decision in range(n // 20)]
+    taken = [takes_control(seed, decision, handover) for seed in range(20) for decision in range(n // 20)]
     # standard error sqrt(p (1 - p) / n); allow 4 of them
-    assert np.mean(taken) == pytest.approx(share, abs=4 * math.sqrt(share * (1 - share) / n))
+    assert np.mean(taken) == pytest.approx(handover, abs=4 * math.sqrt(handover * (1 - handover) / n))
 
 
 def test_control_is_never_shared_at_0_and_always_at_1() -> None:
@@ -280,8 +280,8 @@ def test_compiled_and_plain_draws_are_the_same() -> None:
     plain = getattr(takes_control, "py_func", takes_control)
     for seed in (0, 1, (1 << 62) - 1):
         for decision in (0, 1, 10**9):
-            for share in (0.2, 0.5, 0.8):
-                assert takes_control(seed, decision, share) == plain(seed, decision, share)
+            for handover in (0.2, 0.5, 0.8):
+                assert takes_control(seed, decision, handover) == plain(seed, decision, handover)
 
 
 def test_settings_are_read_without_compiled_code() -> None:

@@ -12,6 +12,7 @@ from core.combination.bootstrap_learning import BootstrapLearning
 from core.combination.config import AgentConfig, BootstrapConfig, Equation4, Signed, TrustRule
 from core.combination.ranking import EpisodeReport
 from core.combination.trust.contract import Needs, Trust, weight_bytes
+from core.configuration.open_table import decode_open_table
 from core.events import EpisodeEnded
 from core.session.protocol import Protocol
 from core.session.protocol_reading import protocol_from
@@ -111,7 +112,7 @@ class ProtocolWithRecent(Protocol, frozen=True, kw_only=True):
 def protocol_with(rule: Recent) -> ProtocolWithRecent:
     plain = msgspec.to_builtins(small_protocol())
     plain["agent"]["bootstrap"]["trust"] = msgspec.to_builtins(rule)
-    return msgspec.convert(plain, ProtocolWithRecent)
+    return msgspec.convert(plain, ProtocolWithRecent, dec_hook=decode_open_table)
 
 
 def test_the_documentation_adds_this_rule_in_less_than_forty_lines():
@@ -130,7 +131,7 @@ def test_the_rule_of_the_documentation_by_hand():
 def test_a_session_under_a_new_rule_is_recorded_and_replayed_bit_for_bit(tmp_path: Path):
     recording = simulated(tmp_path, protocol_with(Recent(episodes=3)))
     assert recording.header.protocol["agent"]["bootstrap"]["trust"] == {"type": "recent", "episodes": 3}
-    protocol = msgspec.convert(recording.header.protocol, ProtocolWithRecent)
+    protocol = msgspec.convert(recording.header.protocol, ProtocolWithRecent, dec_hook=decode_open_table)
     session = build_session(protocol, recording.header.root_seed)
     assert replay_exactly(recording, session).difference is None
     weights = [output.trust for output in recording.outputs if isinstance(output, EpisodeEnded)]

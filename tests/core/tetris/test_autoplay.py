@@ -153,7 +153,7 @@ COMBINATIONS = {
     "raw": EpisodeWeights(LINEAR_RAW, 1.0, 0.7),
     "exponential": EpisodeWeights(EXPONENTIAL, 1.0, 0.5),
     "human": EpisodeWeights(LINEAR, 0.0, 1.0),
-    "shared": EpisodeWeights(LINEAR, 1.0, 0.0, share=0.4),
+    "shared": EpisodeWeights(LINEAR, 1.0, 0.0, handover=0.4),
 }
 
 
@@ -176,10 +176,10 @@ def test_a_combined_episode_is_the_one_played_step_by_step(rules, combination, f
         agree += best_action(r, choices.ruled_out, n) == human
         agree_worst += best_action(r, choices.ruled_out, n) == worst_action(h, choices.ruled_out, n)
         action = choose(r, h, choices.ruled_out, n, weighted.form, weighted.w_r, weighted.w_h)
-        if weighted.share > 0 and takes_control(99, state.pieces, weighted.share):
+        if weighted.handover > 0 and takes_control(99, state.pieces, weighted.handover):
             action = human
         state = domain.transition(state, action).next_state
-    game = play_combined(theta, v, 3, config, weighted, share_seed=99, piece_cap=120, window=25)
+    game = play_combined(theta, v, 3, config, weighted, handover_seed=99, piece_cap=120, window=25)
     assert (game.pieces, game.lines, game.finished) == (state.pieces, state.lines, state.over)
     assert game.tally.tolist() == [state.pieces, agree, agree_worst]
     recent = range(max(0, game.pieces - 25), game.pieces)

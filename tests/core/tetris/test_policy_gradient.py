@@ -45,7 +45,7 @@ def likes(config):
     return np.array(base) + stream(1, "human").normal(size=len(names)) * 0.1
 
 
-def naive_episode(pupil, human, seed, config, weights, chance_seed, share_seed):
+def naive_episode(pupil, human, seed, config, weights, chance_seed, handover_seed):
     """Lines, pieces, agreements with the human's best and worst: over the domain's own steps."""
     domain, scales = Tetris(config), placement_scales(config)
     state, agreed, worst = domain.initial(seed), 0, 0
@@ -61,7 +61,7 @@ def naive_episode(pupil, human, seed, config, weights, chance_seed, share_seed):
         agreed += best_action(env, out, n) == human_best
         worst += best_action(env, out, n) == worst_action(heard, out, n)
         open_ = ~out if not out.all() else np.arange(n) == 0
-        if uniform_at(share_seed, state.k) < weights.share:
+        if uniform_at(handover_seed, state.k) < weights.handover:
             action, score = human_best, np.zeros(len(scales))
         else:
             shares = np.zeros(n)
@@ -90,12 +90,12 @@ def test_compiled_episodes_are_those_of_the_slow_twin(case, update):
     pupil = pupil_for(config, update=update, **rates)
     twin = NaiveLearner(len(pupil.scales), **rates, online=update == "step")
     for k in range(N_EPISODES):
-        seed, chance, share = (stream_seed(4, name, k) >> 1 for name in ("episode", "softmax", "share"))
+        seed, chance, handover = (stream_seed(4, name, k) >> 1 for name in ("episode", "softmax", "share"))
         played = play_policy_gradient(
-            pupil, human, seed, config, weights, chance_seed=chance, share_seed=share
+            pupil, human, seed, config, weights, chance_seed=chance, handover_seed=handover
         )
         twin.trace, twin.gradient = np.zeros(len(pupil.scales)), np.zeros(len(pupil.scales))
-        expected = naive_episode(twin, human, seed, config, weights, chance, share)
+        expected = naive_episode(twin, human, seed, config, weights, chance, handover)
         if update == "episode":
             twin.theta = twin.theta + rates["step_size"] * twin.gradient
         compared, agreed, agreed_worst = played.tally.tolist()

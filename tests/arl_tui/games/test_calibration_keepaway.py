@@ -7,10 +7,10 @@ import msgspec
 import pytest
 from textual.geometry import Size
 
-from arl_tui.calibration.clips import KEPT, LONGEST_S, LOST, MARK, Clip, judged, make_clips
 from arl_tui.calibration.plan import configure, newest_complete
 from arl_tui.calibration.trial_screen import TrialScreen
-from arl_tui.calibration.views import PitchView
+from arl_tui.games.keepaway.judging import KEPT, LONGEST_S, LOST, MARK, Clip, judged, make_clips
+from arl_tui.games.keepaway.trial_view import PitchTrialView
 from arl_tui.palette import STANDARD
 from arl_tui.participants import ParticipantError, choose_credit, keep_delay
 from arl_tui.widgets.pitch_drawing import draw, fit, plain
@@ -90,7 +90,7 @@ def test_play_slides_from_cycle_to_cycle_reaches_the_last_at_the_event_and_shows
     (config,) = configure(["feedback-lag"], n_trials=1, n_practice=0, game="keepaway")
     trial = make_schedule(config, 4).trials[0]
     plan = msgspec.structs.replace(trial, index=0, foreperiod_s=foreperiod_s, catch=False)
-    view = PitchView([clip], STANDARD, 100.0)
+    view = PitchTrialView([clip], STANDARD, 100.0)
     shown: list[PitchFrame] = []
     view.pitch.show = lambda picture, number=-1: shown.append(picture)  # type: ignore[method-assign]
     assert view.tick_ns is not None
@@ -124,7 +124,7 @@ async def test_a_participant_judges_a_marked_picture_of_the_pitch(tmp_path: Path
         await until(pilot, trial_in(pilot, "shown"))
         assert isinstance(pilot.app.screen, TrialScreen)
         view = pilot.app.screen._view
-        assert isinstance(view, PitchView)
+        assert isinstance(view, PitchTrialView)
         assert view.pitch.note == MARK
         assert view.pitch.size == Size(34, 20)
         assert "Too small" not in "".join(str(view.pitch.render_line(y).text) for y in range(20))
@@ -149,7 +149,7 @@ async def test_a_participant_judges_a_marked_picture_of_the_pitch(tmp_path: Path
     ids=str,
 )
 def test_nothing_but_the_players_and_the_ball_says_how_it_ended(event, detail) -> None:
-    pitch = PitchView([Clip(before=(frame(1),), event=frame(2), note="")], STANDARD, 500.0).pitch
+    pitch = PitchTrialView([Clip(before=(frame(1),), event=frame(2), note="")], STANDARD, 500.0).pitch
     assert pitch.styles.width is not None
     assert pitch.styles.height is not None
     shape = fit(20.0, 20.0, int(pitch.styles.width.value), int(pitch.styles.height.value))

@@ -11,7 +11,7 @@ import pytest
 from studies.experiments.results import DamagedSweep, read_beside, read_results
 from studies.experiments.run import SWEEP_FILE, SweepError, run_sweep
 from studies.experiments.trial_file import DamagedTrial, Played, read_rows, seal_path
-from tests.studies.test_experiment_runs import Inline
+from tests.studies.experiments.test_experiment_runs import Inline
 from tests.studies.tiny_experiment import EXPERIMENT
 
 FIRST = "low/seed-0000000.csv"

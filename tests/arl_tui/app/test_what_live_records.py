@@ -12,8 +12,8 @@ from core.feedback.keys import KeyConfig
 from core.recording.reader import Recording, RecordingError
 from core.recording.schema import Header
 from core.session.inputs import check_inputs
+from tests.arl_tui.app.test_live import MS, Bench
 from tests.arl_tui.fakes import episode_ended, episode_started, step_taken
-from tests.arl_tui.test_live import MS, Bench
 
 KEYS = KeyConfig(max_presses_per_episode=3, wrong_press_rate=0.3)
 WORDS = st.sampled_from(

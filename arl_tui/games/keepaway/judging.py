@@ -113,7 +113,7 @@ def _possessions(schedule: Schedule) -> Iterator[list[PitchFrame]]:
 
 def main() -> None:
     """Read a schedule from the standard input, write its clips to the standard output, both JSON."""
-    from arl_tui.ahead import is_compiled, match_order
+    from arl_tui.app.compile_order import is_compiled, match_order
     from core.numerics.interpreting import start_interpreting
 
     schedule = msgspec.json.decode(sys.stdin.buffer.read(), type=Schedule)

@@ -6,9 +6,9 @@ import msgspec
 import pytest
 
 from arl_tui.calibration.plan import configure
-from arl_tui.calibration.scenes import N_WORST, TrialPosition, make_positions, position_of, tick_ms
-from arl_tui.calibration.views import GameView
+from arl_tui.games.tetris.judging import N_WORST, TrialPosition, make_positions, position_of, tick_ms
 from arl_tui.games.tetris.renderer import TetrisRenderer
+from arl_tui.games.tetris.trial_view import BoardTrialView
 from arl_tui.palette import STANDARD
 from core.session.protocol import ScreenConfig
 from core.tetris.game import reachable_placements
@@ -78,7 +78,7 @@ def test_every_move_is_shown_for_a_whole_tick_and_the_drop_comes_with_the_end_of
 ) -> None:
     schedule, positions = watched
     assert tick_ms(schedule) == TICK_MS == TETRIS.screen.tick_ms
-    view = GameView(positions, STANDARD, TICK_MS, schedule.config.time_out_s)
+    view = BoardTrialView(positions, STANDARD, TICK_MS, schedule.config.time_out_s)
     shown: list[Snapshot] = []
     view.board.show = lambda picture, number=-1: bool(shown.append(picture))  # type: ignore[method-assign, func-returns-value]
     assert view.tick_ns is not None
@@ -102,7 +102,7 @@ def test_every_move_is_shown_for_a_whole_tick_and_the_drop_comes_with_the_end_of
 
 def test_no_piece_drops_in_a_catch_trial(watched: tuple[Schedule, list[TrialPosition]]) -> None:
     schedule, positions = watched
-    view = GameView(positions, STANDARD, TICK_MS, schedule.config.time_out_s)
+    view = BoardTrialView(positions, STANDARD, TICK_MS, schedule.config.time_out_s)
     shown: list[Snapshot] = []
     view.board.show = lambda picture, number=-1: bool(shown.append(picture))  # type: ignore[method-assign, func-returns-value]
     catches = [plan for plan in schedule.trials if plan.catch]

@@ -1,0 +1,58 @@
+"""What the app has of Gymnasium environments (`arl_tui.games.registry`)."""
+
+from typing import TYPE_CHECKING
+
+from arl_tui.games.registry import GameScreens
+from arl_tui.words import Words
+from core.feedback.keys import NS_PER_MS
+from core.session.protocol import Protocol, ScreenConfig
+
+if TYPE_CHECKING:
+    from arl_tui.games.gymnasium.panel import EnvPanel
+    from arl_tui.games.gymnasium.renderer import EnvRenderer
+    from arl_tui.palette import Palette
+
+WORDS = Words(
+    heading="Teach a computer a task",
+    welcome=(
+        "You will watch a computer try a task, {games}. It does not know yet how to do it well. {practises}You can help it: "
+        "tell it what you think of what it has just done."
+    ),
+    rules=(
+        "The computer does one thing after another, and the task is scored as you see beside it: the more, the better."
+        "\n\nTell it what you think of what it has just done:\n"
+    ),
+    practises="It practises on its own between games. ",
+    performance="Reward",
+    units=("point", "points"),
+    steps="steps",
+    step="step",
+)
+
+
+class GymnasiumScreens(GameScreens):
+    """The environment's own picture, and figures."""
+
+    name = "gymnasium"
+    words = WORDS
+
+    def slower(self, screen: ScreenConfig) -> str:
+        """Return the pace and how it is made slower."""
+        return f"[screen] tick_ms is {screen.tick_ms}: more is slower"
+
+    def renderer(self, protocol: Protocol) -> "EnvRenderer":
+        """Return what plays the environment again and lets it draw itself."""
+        from arl_tui.games.gymnasium.renderer import EnvRenderer
+        from core.interop.gymnasium.config import GymnasiumConfig
+
+        assert isinstance(protocol.domain, GymnasiumConfig), "a protocol of Gymnasium"
+        return EnvRenderer(protocol.domain.env, protocol.screen.tick_ms * NS_PER_MS)
+
+    def panel(self, protocol: Protocol, palette: "Palette") -> "EnvPanel":
+        """Return the picture and what stands beside it."""
+        from arl_tui.games.gymnasium.panel import EnvPanel
+
+        return EnvPanel()
+
+
+SCREENS = GymnasiumScreens()

@@ -1,0 +1,1 @@
+"""Screens of the viewer: a recorded session on a timeline (`arl watch FILE.jsonl`)."""

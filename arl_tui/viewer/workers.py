@@ -1,0 +1,91 @@
+"""Works out in another process what agents thought, while the screen goes on."""
+
+import contextlib
+import tempfile
+from concurrent.futures import Future, ProcessPoolExecutor
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from core.session.protocol import Protocol
+from core.system.foreign_text import printable
+from studies.pools import processes
+from studies.session_view.thoughts import Thoughts
+
+
+class Working:
+    """One agent's decisions, perhaps still being worked out."""
+
+    def __init__(self, thoughts: Thoughts, future: "Future[str] | None" = None, words: str = "") -> None:
+        """Follow a future; without one everything is there, found as `words` say."""
+        self.thoughts = thoughts
+        self._future = future
+        self._words = words
+
+    @property
+    def done(self) -> bool:
+        """Whether nothing more will come."""
+        return self._future is None or self._future.done()
+
+    @property
+    def words(self) -> str:
+        """Say how far it is, and how the values were found."""
+        if self._future is None:
+            return self._words
+        if not self._future.done():
+            return f"working out values ... {len(self.thoughts):,} decisions"
+        error = self._future.exception()
+        return self._future.result() if error is None else f"no values: {printable(str(error))}"
+
+
+class Workers:
+    """A process that works out decisions, and the folder in which it writes them; both go with the viewer."""
+
+    def __init__(self, recording: Path) -> None:
+        """Prepare for one recording."""
+        self._recording = recording
+        self._stack = contextlib.ExitStack()
+        self._pool: ProcessPoolExecutor | None = None
+        self._n = 0
+
+    def __enter__(self) -> Self:
+        self._folder = Path(self._stack.enter_context(tempfile.TemporaryDirectory(prefix="arl-watch-")))
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._pool is not None:
+            # What is being worked out is of no use any more; processes of our own pool only.
+            for process in list(getattr(self._pool, "_processes", {}).values()):
+                process.terminate()
+        with contextlib.suppress(Exception):
+            self._stack.close()
+
+    def own(self) -> Working:
+        """Begin with the session's own agent."""
+        return self._submit(_own)
+
+    def what_if(self, protocol: Protocol) -> Working:
+        """Begin with an agent that learns from the recording under another protocol."""
+        return self._submit(_what_if, protocol)
+
+    def _submit(self, function: object, *arguments: object) -> Working:
+        if self._pool is None:
+            self._pool = self._stack.enter_context(processes(1))
+        self._n += 1
+        out = self._folder / f"{self._n}.thoughts"
+        assert callable(function)
+        return Working(Thoughts(out), self._pool.submit(function, self._recording, out, *arguments))
+
+
+def _own(recording: Path, out: Path) -> str:
+    from studies.session_view.thinking import own_thoughts  # here, not above: compiled code comes with it
+
+    return own_thoughts(recording, out)
+
+
+def _what_if(recording: Path, out: Path, protocol: Protocol) -> str:
+    from studies.session_view.thinking import what_if_thoughts
+
+    return what_if_thoughts(recording, out, protocol)

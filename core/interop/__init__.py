@@ -1,0 +1,1 @@
+"""Other people's environments as games of this program."""

@@ -1,0 +1,98 @@
+"""Gymnasium environments as protocols know them (`core.plugins`). Neither Gymnasium nor compiled code is imported."""
+
+from collections.abc import Iterator, Mapping
+from functools import cache
+from typing import TYPE_CHECKING, ClassVar
+
+import msgspec
+
+from core.combination.config import AgentConfig
+from core.configuration.reading import Path, Problem
+from core.feedback.config import CreditConfig, TrainerConfig
+from core.feedback.delays import GammaDelay
+from core.interop.gymnasium import REVISION
+from core.interop.gymnasium.config import GymnasiumConfig
+from core.learners.human_config import TileModel
+from core.learners.sarsa_config import SarsaConfig
+from core.plugins import GamePlugin
+from core.session.protocol import Protocol, ScreenConfig, SessionConfig
+
+if TYPE_CHECKING:
+    from core.interop.gymnasium.picture import EnvPicture
+    from core.registry import Game
+
+
+class GymnasiumPlugin(GamePlugin):
+    """Whatever `gymnasium.make` gives."""
+
+    name = "gymnasium"
+    title = "Gymnasium"
+    config = GymnasiumConfig
+    revision = REVISION
+    learners = (SarsaConfig,)
+    human_models = (TileModel,)
+    steps = "steps"
+    idle: ClassVar[Mapping[str, str]] = {
+        "screen.speed": "",
+        "session.watched": "Sarsa changes at every step, and no policy of it comes back",
+    }
+
+    @cache  # noqa: B019 - there is one instance
+    def default(self) -> Protocol:
+        """Return Sarsa on the pole, slow enough to judge."""
+        return Protocol(
+            domain=GymnasiumConfig(),
+            learner=SarsaConfig(step_size=0.5, exploration=0.02),
+            agent=AgentConfig(credit=CreditConfig(delay=GammaDelay()), human_model=TileModel()),
+            trainer=TrainerConfig(knowledge="myopic"),
+            session=SessionConfig(episodes=10, unseen_between=10, watched_steps=200, unseen_steps=500),
+            screen=ScreenConfig(tick_ms=200),
+        )
+
+    def default_of(self, variant: str) -> Protocol:
+        """Return the default protocol with another environment: "gymnasium:MountainCar-v0"."""
+        return msgspec.structs.replace(self.default(), domain=GymnasiumConfig(variant))
+
+    def view(self) -> "type[EnvPicture]":
+        """Return the pictures."""
+        from core.interop.gymnasium.picture import EnvPicture
+
+        return EnvPicture
+
+    def expected_game_s(self, protocol: Protocol) -> float:
+        """Return the time of a game of all its steps: how long one lasts only the environment knows."""
+        return protocol.session.watched_steps * protocol.screen.tick_ms / 1000
+
+    def load(self) -> "Game":
+        """Return the game.
+
+        Raises:
+            GameError: Gymnasium is not installed.
+        """
+        from core.interop.gymnasium.game import GymnasiumGame
+
+        return GymnasiumGame()
+
+    def contradictions(self, protocol: Protocol) -> Iterator[Problem]:
+        """Yield the simulated participants who would have to know the environment."""
+        for number_of, trainer in enumerate((protocol.trainer, *protocol.others)):
+            if trainer.knowledge != "myopic":
+                where: Path = ("others", number_of - 1) if number_of else ("trainer",)
+                yield Problem(
+                    (*where, "knowledge"),
+                    "nobody is an expert of an environment that the program does not know; "
+                    '"myopic" judges by the reward of the step',
+                    trainer.knowledge,
+                )
+
+    def departures(self, protocol: Protocol) -> list[str]:
+        """Return what is particular to it."""
+        assert isinstance(protocol.domain, GymnasiumConfig), "a protocol of Gymnasium"
+        return [
+            f"the domain is the Gymnasium environment {protocol.domain.env}, without its own time limit",
+            "every episode counts as one policy, because the learner changes all the time",
+            "each number of the observation is tiled alone; the human model sees the learner's tiles",
+        ]
+
+
+PLUGIN = GymnasiumPlugin()

@@ -1,0 +1,113 @@
+"""Anonymised copies: nothing names a person, a day or a machine, and a replay is as exact as before."""
+
+import hashlib
+import hmac
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from core.events import KeyPressed
+from core.recording.anonymise import OTHER_KEY, Anonymising, anonymised, removals
+from core.recording.reader import Recording, read_recording
+from core.recording.recorder import LineWriter
+from core.session.protocol_reading import protocol_from
+from core.session.replay import replay_exactly
+from core.session.session import build_session
+from tests.core.recording.test_recording import HEADER, press
+
+REFERENCE = Path(__file__).resolve().parents[3] / "recordings" / "reference"
+KEY = bytes(range(32))
+
+
+def copy_of(path: Path, how: Anonymising, into: Path) -> Recording:
+    target = into / "copy.jsonl"
+    target.write_bytes(anonymised(read_recording(path), how))
+    return read_recording(target)
+
+
+@pytest.mark.parametrize(
+    "path", sorted(REFERENCE.rglob("*.jsonl")), ids=lambda path: f"{path.parent.name}-{path.stem}"
+)
+@pytest.mark.jit
+def test_a_copy_of_either_version_replays_exactly(path: Path, tmp_path: Path) -> None:
+    original, copy = read_recording(path), copy_of(path, Anonymising(KEY), tmp_path)
+    assert (copy.header.version, copy.events) == (original.header.version, original.events)
+    session = build_session(protocol_from(copy.header.protocol), copy.header.root_seed)
+    result = replay_exactly(copy, session)
+    assert result.difference is None
+    assert result.outputs == len(original.outputs)
+
+
+def written(path: Path) -> Path:
+    header = msgspec.structs.replace(
+        HEADER,
+        participant="P01",
+        created_utc="2026-11-24T10:00:00+00:00",
+        terminal={
+            "TERM": "xterm",
+            "LANG": "de_DE",
+            "stamps": "flush",
+            "timing_utc": "2026-11-24T09:00:00+00:00",
+        },
+        source={
+            "credit_files": "P01-feedback-lag-20261124T080000Z.jsonl",
+            "continues": "/home/anna/P01.jsonl",
+            "study.condition": "linear",
+        },
+    )
+    writer = LineWriter(path, header)
+    writer.write(press(0))
+    writer.write(
+        msgspec.structs.replace(press(1), key="ж", verdict="other", value=None, read_as=";", layout="russian")
+    )
+    writer.close()
+    return path
+
+
+def test_dates_terminal_facts_texts_typed_keys_and_the_code_are_gone(tmp_path: Path) -> None:
+    path = written(tmp_path / "P01-20261124T100000Z.jsonl")
+    copy = copy_of(path, Anonymising(KEY), tmp_path)
+    content = copy.path.read_text(encoding="utf-8")
+    for trace in ("2026", "1124", "P01", "anna", "xterm", "de_DE", "ж", "russian"):
+        assert trace not in content
+    assert copy.header.terminal == {"stamps": "flush", "timing_utc": "(date removed)"}
+    assert copy.header.source["study.condition"] == "linear"
+    first, second = (event for event in copy.events if isinstance(event, KeyPressed))
+    assert (first, second.key, second.time_ns) == (press(0), OTHER_KEY, press(1).time_ns)
+
+
+def test_the_header_says_what_was_done_and_names_the_old_file(tmp_path: Path) -> None:
+    path = written(tmp_path / "P01.jsonl")
+    source = copy_of(path, Anonymising(KEY), tmp_path).header.source
+    assert source["anonymised_from_sha256"] == hashlib.sha256(path.read_bytes()).hexdigest()
+    assert source["anonymised"] == (
+        "removed: dates, terminal facts, free text, names of other keys; participant has a new code; times and all else "
+        "as recorded; sealed anew"
+    )
+    keyed = copy_of(path, Anonymising(KEY, keyed_hash=True), tmp_path).header.source
+    assert keyed["anonymised_from_hmac_sha256"] == hmac.digest(KEY, path.read_bytes(), "sha256").hex()
+    assert "anonymised_from_sha256" not in keyed
+
+
+def test_what_is_to_be_kept_is_kept(tmp_path: Path) -> None:
+    path = written(tmp_path / "P01.jsonl")
+    kept = ("dates", "terminal", "free-text", "other-keys", "codes")
+    copy, original = copy_of(path, Anonymising(KEY, removals(kept)), tmp_path), read_recording(path)
+    assert copy.events == original.events
+    said = {name: text for name, text in copy.header.source.items() if not name.startswith("anonymised")}
+    assert msgspec.structs.replace(copy.header, source=said) == original.header
+
+
+def test_a_code_follows_from_the_key_and_says_nothing_without_it() -> None:
+    code = Anonymising(KEY).code("P01")
+    assert code == Anonymising(KEY).code("P01")
+    assert len({code, Anonymising(KEY).code("P02"), Anonymising(bytes(32)).code("P01")}) == 3
+
+
+def test_a_cut_recording_stays_one(tmp_path: Path) -> None:
+    path = written(tmp_path / "P01.jsonl")
+    path.write_bytes(path.read_bytes()[:-60])
+    original, copy = read_recording(path), copy_of(path, Anonymising(KEY), tmp_path)
+    assert not copy.complete
+    assert len(copy.events) == len(original.events)

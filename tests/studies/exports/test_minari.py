@@ -1,0 +1,119 @@
+"""Minari data sets: its loader reads them, games are those recorded, and a third-party learner learns."""
+
+import os
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from core.feedback.keys import KeyConfig
+from core.feedback.trainers import TrainerConfig
+from core.recording.reader import read_recording
+from core.session.protocol import SessionConfig
+from studies.exports.minari import FOLDER_VARIABLE, export_minari
+from studies.exports.session_rows import SessionRows
+from studies.exports.tidy import ExportError
+from tests.core.sessions import simulated, small_protocol
+from tests.studies.exports.conftest import REFERENCE, REPOSITORY
+
+minari = pytest.importorskip("minari", reason="minari is not installed: pip install 'arl-tui[minari]'")
+pytestmark = pytest.mark.jit
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    into = tmp_path_factory.mktemp("minari") / "sets"
+    exported = export_minari(REFERENCE / "version-2", into)
+    assert exported.episodes == {"arl/keepaway-3v2-v0": 4, "arl/tetris-20x10-v0": 9}
+    return into
+
+
+@pytest.fixture
+def load(folder, monkeypatch):
+    monkeypatch.setenv(FOLDER_VARIABLE, str(folder))
+    return minari.load_dataset
+
+
+def test_the_loader_reads_what_was_recorded(load):
+    data = load("arl/tetris-20x10-v0")
+    about = list(data.storage.get_episode_metadata(range(9)))
+    for episode, said in zip(data.iterate_episodes(), about, strict=True):
+        path = REFERENCE / "version-2" / f"{said['session']}.jsonl"
+        session = SessionRows(read_recording(path), said["session"])
+        steps = [
+            step for number, step in session.steps.items() if session.places[number].game == said["game"]
+        ]
+        assert episode.rewards.tolist() == [step.reward for step in steps]
+        assert episode.actions.tolist() == [
+            [step.detail["orientation"], step.detail["column"]] for step in steps
+        ]
+        assert episode.observations["piece"][:-1].tolist() == [step.detail["piece"] for step in steps]
+        assert episode.infos["step_index"].tolist() == [-1, *(step.step for step in steps)]
+        started = session.started[said["game"] - 1]
+        assert set(episode.infos["weight"]) == {started.weight}
+        assert set(episode.infos["trust"]) == {started.trust}
+
+
+def test_boards_grow_by_the_piece_that_is_put_down(load):
+    for episode in load("arl/tetris-20x10-v0").iterate_episodes():
+        cells = episode.observations["board"].sum(axis=(1, 2))
+        assert cells[0] == 0
+        # Four cells come with each piece; ten go with each line.
+        assert np.diff(cells).tolist() == (4 - 10 * episode.rewards).tolist()
+
+
+def test_keepaway_shows_the_recorded_state_variables(load):
+    session = SessionRows(
+        read_recording(REFERENCE / "version-2" / "keepaway-exponential-equation-4.jsonl"), ""
+    )
+    states = [step.state for step in session.steps.values()]
+    found = [
+        row
+        for episode in load("arl/keepaway-3v2-v0").iterate_episodes()
+        for row in episode.observations[:-1].tolist()
+    ]
+    assert found == states
+
+
+def test_feedback_is_what_the_presses_gave(folder, load):
+    pandas = pytest.importorskip("pandas")
+    presses = pandas.read_csv(folder / "arl" / "tetris-20x10-v0" / "presses.csv")
+    total = sum(episode.infos["feedback"].sum() for episode in load("arl/tetris-20x10-v0").iterate_episodes())
+    lost = presses[["before_first", "in_gaps", "too_late"]].sum(axis=1)
+    credited = presses[presses.counted & presses.merged_into_index.isna()]
+    assert total == pytest.approx((credited.value * (1 - lost[credited.index])).sum())
+
+
+def test_reading_a_data_set_leaves_the_environment_as_it_was(folder):
+    assert FOLDER_VARIABLE not in os.environ
+
+
+def test_a_folder_without_games_is_refused_with_the_reason(lab, tmp_path):
+    with pytest.raises(ExportError, match="no game could be exported"):
+        export_minari(lab / "calibration", tmp_path / "sets")
+
+
+def test_the_example_learns_from_presses_alone(tmp_path):
+    pytest.importorskip("sklearn", reason="scikit-learn is not installed: pip install 'arl-tui[dev]'")
+    (tmp_path / "data").mkdir()
+    protocol = small_protocol(
+        session=SessionConfig(episodes=12, unseen_between=0, watched_steps=40, unseen_steps=100),
+        keys=KeyConfig(max_presses_per_episode=40),
+        trainer=TrainerConfig(press_probability=0.9, max_presses=40),
+    )
+    simulated(tmp_path / "data", protocol)
+    export_minari(tmp_path / "data", tmp_path / "sets")
+    example = REPOSITORY / "docs" / "examples" / "train_from_presses.py"
+    done = subprocess.run(
+        [sys.executable, example],
+        env={**os.environ, FOLDER_VARIABLE: str(tmp_path / "sets")},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    agreed = re.search(r"predicted: (\d+)%", done.stdout)
+    assert agreed, done.stdout
+    # One in ten presses is wrong; a coin agrees with half of them.
+    assert int(agreed.group(1)) >= 65
