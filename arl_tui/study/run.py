@@ -1,16 +1,14 @@
 """Leads a participant through a sitting: every step in turn, everything recorded, from consent to thanks."""
 
-import hashlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal, assert_never
 
 from textual.screen import Screen
 
-from arl_tui.games.registry import words_of
 from arl_tui.study import words
 from arl_tui.study.page_app import Results
-from arl_tui.study.pages import BreakPage, ConsentPage, NoticePage, TextPage
+from arl_tui.study.pages import BreakPage, NoticePage, TextPage
 from arl_tui.study.presenter import (
     BlockCall,
     How,
@@ -22,6 +20,7 @@ from arl_tui.study.presenter import (
     ignore_result,
 )
 from arl_tui.study.question_pages import Answered, QuestionPage
+from arl_tui.study.steps import ask_consent, consent_line, page_of, played_of, recorded_kind
 from core.numerics.clock import Clock, MonotonicClock, wall_time_utc
 from core.recording.reader import RecordingError
 from studies.lab.blocks import BlockSoFar, block_so_far
@@ -46,7 +45,6 @@ from studies.lab.questions import passed
 from studies.lab.read import LoadedStudy
 from studies.lab.running import only_sitting
 from studies.lab.sitting_log import (
-    ConsentAnswered,
     FileRecorded,
     QuestionAnswered,
     SittingHeader,
@@ -64,30 +62,6 @@ class Numbers:
     games: list[float] = field(default_factory=list)
     presses: int = 0
     unit: str = ""
-
-
-def recorded_kind(step: Block | Practice | Calibration) -> Literal["block", "practice", "calibration"]:
-    """Return which kind of recording a step leaves."""
-    match step:
-        case Block():
-            return "block"
-        case Practice():
-            return "practice"
-        case Calibration():
-            return "calibration"
-        case other:
-            assert_never(other)
-
-
-def _played(block: BlockSoFar) -> Played:
-    """Return what is left of a block that is finished."""
-    return Played(
-        how="finished",
-        file=block.path.name,
-        games=block.performances,
-        presses=block.summary.presses_counted,
-        unit=words_of(block.summary.game).units[1],
-    )
 
 
 class _LeftEarly(Exception):
@@ -142,7 +116,7 @@ def run_sitting(
     time = clock or MonotonicClock()
     lines: list[SittingLine] = []
     if code not in progress(ledger.lines()).participants:
-        before = _ask_consent(loaded, code, presenter, time, lines)
+        before = ask_consent(loaded, code, presenter, time, lines)
         if before is not None:
             if before == "declined":
                 ledger.append(Declined())
@@ -151,51 +125,6 @@ def run_sitting(
     with only_sitting(participant_folder(ledger.folder, code), code):
         attempt = begin_sitting(loaded.study, ledger, code, any_time=any_time)
         return _Sitting(loaded, ledger, attempt, presenter, time, software, simulated=simulated).run(lines)
-
-
-def _ask_consent(
-    loaded: LoadedStudy, code: str, presenter: Presenter, clock: Clock, lines: list[SittingLine]
-) -> Literal["declined", "nothing"] | None:
-    """Show everything up to the first consent; fill `lines` where it was given. Nothing is written."""
-    for number, step in enumerate(loaded.study.sittings[0].steps):
-        assert isinstance(step, TextStep | Consent), "a study file records nothing before consent"
-        lines.append(StepBegun(step=number, kind=kind_of(step), time_ns=clock.now_ns()))
-        results, closed = presenter.pages([_page_of(loaded, step, code)])
-        if closed or not results or results[-1] is None:
-            return "nothing"
-        if results[-1] is False:
-            return "declined"
-        if isinstance(step, Consent):
-            lines.append(_consent_line(loaded, step, number, results[-1], clock))
-        lines.append(StepEnded(step=number, time_ns=clock.now_ns(), how="finished"))
-        if isinstance(step, Consent):
-            return None
-    raise AssertionError("a study file has a consent before anything that records")
-
-
-def _page_of(
-    loaded: LoadedStudy, step: TextStep | Consent, code: str, part: str = ""
-) -> Callable[[], Screen[object]]:
-    text = loaded.texts[step.text]
-    if isinstance(step, Consent):
-        return lambda: ConsentPage(text, step.statements, step.optional, code=code, part=part)
-    return lambda: TextPage(text, code=code, part=part, heading=loaded.study.title)
-
-
-def _consent_line(
-    loaded: LoadedStudy, step: Consent, number: int, answers: object, clock: Clock
-) -> ConsentAnswered:
-    assert isinstance(answers, dict), "a consent page is left with answers, or not at all"
-    text = loaded.texts[step.text]
-    return ConsentAnswered(
-        step=number,
-        text=text,
-        text_version=step.version,
-        text_sha256=hashlib.sha256(text.encode()).hexdigest(),
-        answers=answers,
-        at_utc=wall_time_utc(),
-        time_ns=clock.now_ns(),
-    )
 
 
 class _Sitting:
@@ -265,7 +194,7 @@ class _Sitting:
         steps = self._study.sittings[self._attempt.sitting].steps
         for number in range(first_step):
             if isinstance(steps[number], Block) and (earlier := self._earlier(number)) is not None:
-                self._count(_played(earlier))
+                self._count(played_of(earlier))
 
     def _count(self, played: Played) -> None:
         self._numbers.games += played.games
@@ -322,10 +251,10 @@ class _Sitting:
         code, part = self._attempt.code, self._part(number)
         match step:
             case TextStep():
-                self._pages([_page_of(self._loaded, step, code, part)])
+                self._pages([page_of(self._loaded, step, code, part)])
             case Consent():
-                answers = self._pages([_page_of(self._loaded, step, code, part)])[-1]
-                log.write(_consent_line(self._loaded, step, number, answers, self._clock))
+                answers = self._pages([page_of(self._loaded, step, code, part)])[-1]
+                log.write(consent_line(self._loaded, step, number, answers, self._clock))
             case Break(text=name, shortest_s=shortest_s, longest_s=longest_s):
                 text = self._loaded.texts.get(name, "")
                 self._pages(
@@ -400,7 +329,7 @@ class _Sitting:
         condition = self._condition(number, step)
         earlier = self._earlier(number) if isinstance(step, Block) else None
         if earlier is not None and earlier.finished:
-            played = _played(earlier)  # the program was killed between the last game and the ledger's line
+            played = played_of(earlier)  # the program was killed between the last game and the ledger's line
         else:
             played = self._presenter.play(self._call(number, step, condition, earlier))
         for name in (played.file, *played.more_files):

@@ -5,6 +5,7 @@ from collections.abc import Callable
 import msgspec
 
 from arl_tui.app.link import FromWorker, ToWorker
+from core.configuration.open_table import decode_open_table
 from core.events import EpisodeEnded, EpisodeStarted, Event, SessionEnded, StepTaken
 
 
@@ -37,7 +38,8 @@ class FakeLink:
         for message in messages:
             if self.listening:
                 # As over the pipe: what cannot be encoded and decoded cannot be said.
-                self._on_message(msgspec.msgpack.decode(msgspec.msgpack.encode(message), type=FromWorker))
+                encoded = msgspec.msgpack.encode(message)
+                self._on_message(msgspec.msgpack.decode(encoded, type=FromWorker, dec_hook=decode_open_table))
 
     def die(self, reason: str) -> None:
         """End as a killed process does."""

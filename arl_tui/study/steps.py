@@ -1,0 +1,88 @@
+"""Single steps of a sitting: the consent, and what is left of a step that plays games."""
+
+import hashlib
+from collections.abc import Callable
+from typing import Literal, assert_never
+
+from textual.screen import Screen
+
+from arl_tui.games.registry import words_of
+from arl_tui.study.pages import ConsentPage, TextPage
+from arl_tui.study.presenter import Played, Presenter
+from core.numerics.clock import Clock, wall_time_utc
+from studies.lab.blocks import BlockSoFar
+from studies.lab.config import Block, Calibration, Consent, Practice, kind_of
+from studies.lab.config import TextPage as TextStep
+from studies.lab.read import LoadedStudy
+from studies.lab.sitting_log import ConsentAnswered, SittingLine, StepBegun, StepEnded
+
+
+def ask_consent(
+    loaded: LoadedStudy, code: str, presenter: Presenter, clock: Clock, lines: list[SittingLine]
+) -> Literal["declined", "nothing"] | None:
+    """Show everything up to the first consent; fill `lines` where it was given. Nothing is written."""
+    for number, step in enumerate(loaded.study.sittings[0].steps):
+        assert isinstance(step, TextStep | Consent), "a study file records nothing before consent"
+        lines.append(StepBegun(step=number, kind=kind_of(step), time_ns=clock.now_ns()))
+        results, closed = presenter.pages([page_of(loaded, step, code)])
+        if closed or not results or results[-1] is None:
+            return "nothing"
+        if results[-1] is False:
+            return "declined"
+        if isinstance(step, Consent):
+            lines.append(consent_line(loaded, step, number, results[-1], clock))
+        lines.append(StepEnded(step=number, time_ns=clock.now_ns(), how="finished"))
+        if isinstance(step, Consent):
+            return None
+    raise AssertionError("a study file has a consent before anything that records")
+
+
+def page_of(
+    loaded: LoadedStudy, step: TextStep | Consent, code: str, part: str = ""
+) -> Callable[[], Screen[object]]:
+    """Return what makes the page of a text or of a consent."""
+    text = loaded.texts[step.text]
+    if isinstance(step, Consent):
+        return lambda: ConsentPage(text, step.statements, step.optional, code=code, part=part)
+    return lambda: TextPage(text, code=code, part=part, heading=loaded.study.title)
+
+
+def consent_line(
+    loaded: LoadedStudy, step: Consent, number: int, answers: object, clock: Clock
+) -> ConsentAnswered:
+    """Return the record of a consent that was given."""
+    assert isinstance(answers, dict), "a consent page is left with answers, or not at all"
+    text = loaded.texts[step.text]
+    return ConsentAnswered(
+        step=number,
+        text=text,
+        text_version=step.version,
+        text_sha256=hashlib.sha256(text.encode()).hexdigest(),
+        answers=answers,
+        at_utc=wall_time_utc(),
+        time_ns=clock.now_ns(),
+    )
+
+
+def recorded_kind(step: Block | Practice | Calibration) -> Literal["block", "practice", "calibration"]:
+    """Return which kind of recording a step leaves."""
+    match step:
+        case Block():
+            return "block"
+        case Practice():
+            return "practice"
+        case Calibration():
+            return "calibration"
+        case other:
+            assert_never(other)
+
+
+def played_of(block: BlockSoFar) -> Played:
+    """Return what is left of a block that is finished."""
+    return Played(
+        how="finished",
+        file=block.path.name,
+        games=block.performances,
+        presses=block.summary.presses_counted,
+        unit=words_of(block.summary.game).units[1],
+    )
