@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from arl_tui.command_line import ToWrite
+from arl_tui.command_line import ToWrite, say
 from core.system.foreign_text import printable, printable_lines
 
 if TYPE_CHECKING:
@@ -71,19 +71,17 @@ def anonymise(
     except ValueError as error:
         raise click.ClickException(printable_lines(str(error))) from error
     if new:
-        click.echo(
-            f"A new key: {printable(str(key), longest=None)}. Keep it under lock, apart from the copies."
-        )
+        say(f"A new key: {printable(str(key), longest=None)}. Keep it under lock, apart from the copies.")
     tell(copies)
 
 
 def tell(copies: "Copies") -> None:
     """Print what was copied and what was not; leave with status 1 where a file is damaged."""
     for old, new in copies.made:
-        click.echo(printable(f"{old} -> {new}", longest=None))
+        say(printable(f"{old} -> {new}", longest=None))
     for left in copies.left_out:
-        click.echo(f"Left out: {printable(str(left), longest=None)}", err=True)
+        say(f"Left out: {printable(str(left), longest=None)}", err=True)
     for bad in copies.damaged:
-        click.echo(f"Not copied: {printable(str(bad), longest=None)}", err=True)
+        say(f"Not copied: {printable(str(bad), longest=None)}", err=True)
     if copies.damaged:
         raise SystemExit(1)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from arl_tui.command_line import ToWrite
+from arl_tui.command_line import ToWrite, say
 from arl_tui.commands.anonymise import KEEP
 from arl_tui.commands.export import plain_errors, tell_trouble
 from core.system.foreign_text import printable
@@ -77,8 +77,8 @@ def archive(
         software=software(),
     )
     made = make_archive(folder, into, how, settings)
-    click.echo(f"Archive: {printable(str(into), longest=None)}")
+    say(f"Archive: {printable(str(into), longest=None)}")
     for part, what in made.parts.items():
-        click.echo(f"  {part:12} {what}")
-    click.echo(f"Key: {printable(str(key), longest=None)}. Keep it under lock, apart from the archive.")
+        say(f"  {part:12} {what}")
+    say(f"Key: {printable(str(key), longest=None)}. Keep it under lock, apart from the archive.")
     tell_trouble(made.copies.left_out, made.copies.damaged)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from arl_tui.command_line import ToWrite
+from arl_tui.command_line import ToWrite, say
 from core.system.foreign_text import printable, printable_lines
 
 if TYPE_CHECKING:
@@ -66,21 +66,21 @@ def compare(
         _say("Differences to the first group", *difference_table(differences), words=2)
     few = few_trials_note(min(map(len, groups.values())), "sessions per group")
     if few is not None and by != "participant":
-        click.echo(f"{few}\n")
-    click.echo("\n".join(_curves(groups)))
-    click.echo("\n" + "\n".join(EXPLAINED))
+        say(f"{few}\n")
+    say("\n".join(_curves(groups)))
+    say("\n" + "\n".join(EXPLAINED))
     if csv_path is not None:
         _write(csv_path, list(game_rows(sessions, by)))
-        click.echo(f"Table: {csv_path}")
+        say(f"Table: {csv_path}")
     if plot_path is not None:
         try:
             draw_comparison(groups).savefig(plot_path, dpi=150)
         except ValueError as error:
             raise click.BadParameter(f"{plot_path}: {error}", param_hint="--plot") from error
-        click.echo(f"Figure: {plot_path}")
+        say(f"Figure: {plot_path}")
     if html_path is not None:
         write_page(html_path, groups, differences, by)
-        click.echo(f"Page: {html_path}")
+        say(f"Page: {html_path}")
 
 
 def _read(files: Sequence[Path]) -> "list[SessionFigures]":
@@ -128,14 +128,14 @@ def _say(title: str, head: Sequence[str], rows: Sequence[Sequence[str]], *, word
     ]
     table = [[row[place] for place in kept] for row in (head, *rows)]
     widths = [max(map(len, column)) for column in zip(*table, strict=True)]
-    click.echo(title)
+    say(title)
     for row in table:
         cells = [
             f"{cell:<{width}}" if kept[place] < words else f"{cell:>{width}}"
             for place, (cell, width) in enumerate(zip(row, widths, strict=True))
         ]
-        click.echo("  " + "  ".join(cells).rstrip())
-    click.echo()
+        say("  " + "  ".join(cells).rstrip())
+    say()
 
 
 def _curves(groups: "dict[str, list[SessionFigures]]") -> Iterator[str]:

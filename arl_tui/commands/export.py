@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 import click
 
-from arl_tui.command_line import ToWrite
+from arl_tui.command_line import ToWrite, say
 from core.system.foreign_text import printable, printable_lines
 
 source_argument = click.argument("folder", type=click.Path(exists=True, path_type=Path))
@@ -40,10 +40,10 @@ def plain_errors(function: Callable[..., Any]) -> Callable[..., Any]:
 def tell_trouble(left_out: Iterable[object], damaged: Iterable[object]) -> None:
     """Name the files that were not exported; leave with status 1 where one is damaged."""
     for other in left_out:
-        click.echo(f"Left out: {printable(str(other), longest=None)}", err=True)
+        say(f"Left out: {printable(str(other), longest=None)}", err=True)
     bad = [printable(str(each), longest=None) for each in damaged]
     for each in bad:
-        click.echo(f"Not exported: {each}", err=True)
+        say(f"Not exported: {each}", err=True)
     if bad:
         raise SystemExit(1)
 
@@ -69,13 +69,13 @@ def tidy(folder: Path, into: Path, file_format: Literal["csv", "parquet"]) -> No
     from studies.exports.tidy import export_tidy
 
     exported = export_tidy(folder, into, file_format=file_format)
-    click.echo(f"{exported.files} files read. Tables in {printable(str(into), longest=None)}:")
+    say(f"{exported.files} files read. Tables in {printable(str(into), longest=None)}:")
     for name, rows in exported.rows.items():
-        click.echo(f"  {name + '.' + file_format:20} {rows:>9,} rows")
-    click.echo("  codebook.md, codebook.json")
+        say(f"  {name + '.' + file_format:20} {rows:>9,} rows")
+    say("  codebook.md, codebook.json")
     for first, second in exported.twice:
         names = printable(f"{first} and {second}", longest=None)
-        click.echo(f"Beware: {names} seem to be one session: its rows are there twice.", err=True)
+        say(f"Beware: {names} seem to be one session: its rows are there twice.", err=True)
     tell_trouble(exported.left_out, exported.damaged)
 
 
@@ -90,7 +90,7 @@ def codebook(as_json: bool) -> None:
     from studies.exports.tables import TABLES
 
     page = codebook_page(TABLES).rstrip("\n")
-    click.echo(json.dumps(in_json(TABLES), indent=2, ensure_ascii=False) if as_json else page)
+    say(json.dumps(in_json(TABLES), indent=2, ensure_ascii=False) if as_json else page)
 
 
 @export.command(short_help="A BIDS data set.")
@@ -141,7 +141,7 @@ def bids(
         free_text=with_free_text,
     )
     exported = export_bids(folder, into, settings)
-    click.echo(f"{len(exported.files)} tables in {printable(str(into), longest=None)}")
+    say(f"{len(exported.files)} tables in {printable(str(into), longest=None)}")
     unsaid = {
         "--author (two or more)": len(authors) > 1,
         "--licence": licence,
@@ -151,7 +151,7 @@ def bids(
     }
     missing = [option for option, said in unsaid.items() if not said]
     if missing:
-        click.echo(f"Not said, and the validator will warn of it: {', '.join(missing)}")
+        say(f"Not said, and the validator will warn of it: {', '.join(missing)}")
     tell_trouble(exported.left_out, exported.damaged)
 
 
@@ -168,8 +168,8 @@ def minari(folder: Path, into: Path) -> None:
 
     exported = export_minari(folder, into)
     for name, episodes in exported.episodes.items():
-        click.echo(
+        say(
             f"{name}: {episodes} games, presses in {printable(str(into / name / 'presses.csv'), longest=None)}"
         )
-    click.echo(f"Load: {FOLDER_VARIABLE}={printable(str(into), longest=None)}; minari.load_dataset({name!r})")
+    say(f"Load: {FOLDER_VARIABLE}={printable(str(into), longest=None)}; minari.load_dataset({name!r})")
     tell_trouble(exported.left_out, exported.damaged)

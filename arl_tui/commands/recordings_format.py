@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from arl_tui.command_line import ToWrite
+from arl_tui.command_line import ToWrite, say
 from core.system.foreign_text import printable
 
 
@@ -32,7 +32,7 @@ def upgrade(source: Path, into: Path) -> None:
         try:
             recording = read_recording(one.path)
         except RecordingError as error:
-            click.echo(f"Not upgraded: {printable(str(error), longest=None)}", err=True)
+            say(f"Not upgraded: {printable(str(error), longest=None)}", err=True)
             n_damaged += 1
             continue
         if recording.header.version == VERSION:
@@ -42,9 +42,9 @@ def upgrade(source: Path, into: Path) -> None:
         make_private_folder(target.parent)
         with create_private(target) as file:
             write_all(file, upgraded(recording))
-        click.echo(printable(f"{one.path} (version {recording.header.version}) -> {target}", longest=None))
+        say(printable(f"{one.path} (version {recording.header.version}) -> {target}", longest=None))
     if n_present:
-        click.echo(f"{n_present} of version {VERSION} already: left as they are.")
+        say(f"{n_present} of version {VERSION} already: left as they are.")
     if n_damaged:
         raise SystemExit(1)
 
@@ -59,6 +59,6 @@ def schema(version: int | None) -> None:
     from core.recording.schema import VERSION
 
     try:
-        click.echo(json.dumps(schema_of(version or VERSION), indent=2, ensure_ascii=False))
+        say(json.dumps(schema_of(version or VERSION), indent=2, ensure_ascii=False))
     except ValueError as error:
         raise click.ClickException(str(error)) from error

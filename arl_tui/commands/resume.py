@@ -6,6 +6,7 @@ from pathlib import Path
 import click
 from click.core import ParameterSource
 
+from arl_tui.command_line import say
 from arl_tui.commands.exact import protocol_of
 from arl_tui.commands.play import need_terminal, run_live, tell
 from arl_tui.recordings import ENDINGS
@@ -29,7 +30,7 @@ def resume_session(context: click.Context, path: Path) -> None:
     except (RecordingError, OSError) as error:
         raise click.ClickException(printable(str(error), longest=None)) from error
     header, protocol = recording.header, protocol_of(recording)
-    click.echo(
+    say(
         f"Session of {header.participant}: goes on after {kept.games} of {protocol.session.episodes} games. "
         f"What has been recorded stays in {path}"
     )

@@ -85,7 +85,7 @@ def settings() -> None:
     """Print every key of a study file and of a questionnaire: what it takes, and what it means (docs/study.md)."""
     from arl_tui.commands.study_page import page
 
-    click.echo(page(), nl=False)
+    say(page(), nl=False)
 
 
 @study.command(short_help="Lead a participant through their next sitting.")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import click
 import msgspec
 
+from arl_tui.command_line import say
 from core.recording.reader import RecordingError
 from core.system.foreign_text import printable
 
@@ -68,7 +69,7 @@ def watch_recording(
     if app.ended_by is not None:
         sys.exit(128 + app.ended_by)
     if told:
-        click.echo(told)
+        say(told)
 
 
 def opened(path: Path) -> "SessionView":
@@ -86,7 +87,7 @@ def opened(path: Path) -> "SessionView":
     except (RecordingError, OSError) as error:
         raise click.ClickException(printable(str(error), longest=None)) from error
     for note in session.index.notes:
-        click.echo(f"Beware: {printable(note, longest=None)}", err=True)
+        say(f"Beware: {printable(note, longest=None)}", err=True)
     try:
         _ = session.protocol
     except (msgspec.ValidationError, ValueError) as error:

@@ -74,10 +74,7 @@ class WelcomeScreen(Page):
         presses = keys.max_presses_per_episode
         words = self._words
         if self._practice:
-            yield Static(
-                "[b]This is practice: nothing counts yet.[/] The game is slow, and shows what each of your presses was "
-                "taken for. Try both keys.\n"
-            )
+            yield Static("[b]Practice[/]: nothing counts, the game is slow, and marks what you judged.\n")
         if self._games_done:
             yield Static(f"[b]Your session goes on after {self._games_done} of {games}.[/]\n")
         practises = words.practises if session.unseen_between else ""

@@ -14,6 +14,7 @@ from typing import Final, Protocol
 import click
 from PIL import Image
 
+from arl_tui.command_line import say
 from arl_tui.viewer.pictures import pictures_of
 from arl_tui.viewer.raster import CELL, Cells, picture_of
 from arl_tui.viewer.reading import Viewing
@@ -72,7 +73,7 @@ def export_film(
     times = [session.start_ns + round((begin_s + k * speed / FRAMES_PER_S) * NS_PER_S) for k in range(n)]
     with _opened(path) as film:
         asyncio.run(_filmed(viewing, times, film))
-    click.echo(f"Film: {path} ({n / FRAMES_PER_S:.1f} s)")
+    say(f"Film: {path} ({n / FRAMES_PER_S:.1f} s)")
 
 
 async def _filmed(viewing: Viewing, times: list[int], film: _Film) -> None:

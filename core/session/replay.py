@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import msgspec
 
 from core.events import CreditGiven, Input, Output, SessionEnded
+from core.feedback.keys import KeyConfig
 from core.numerics.clock import ManualClock
 from core.recording.reader import Recording, RecordingError
 from core.recording.version_1 import as_far_as_recorded
 from core.session.inputs import check_inputs
-from core.session.protocol_reading import protocol_from
 from core.session.session import Session
 
 TOLD_EVERY = 1000
@@ -98,7 +98,7 @@ def replay_exactly(
             f"{recording.path}: imported from {recording.header.source.get('format', 'elsewhere')}: its agent cannot be "
             "run again. Ask what other credit rules and schemes would have learned from it: --credit RULE"
         )
-    check_inputs(recording, protocol_from(recording.header.protocol).keys)
+    check_inputs(recording, msgspec.convert(recording.header.protocol.get("keys", {}), KeyConfig))
     compared = 0
     for recorded, replayed in _run_both(recording, session):
         if recorded is None and replayed is None:

@@ -343,3 +343,37 @@ def test_the_experimenter_follows_a_sitting_and_takes_a_note(lab: Lab) -> None:
     assert (note.text, note.running) == ("P1 was interrupted by a phone", ("P1",))
     (found,) = lab.blocks()
     assert exact(found.recording)
+
+
+def test_practice_ends_when_both_keys_were_pressed_and_a_calibration_follows(tmp_path: Path) -> None:
+    first = """{ type = "practice", games = 2 },
+  { type = "calibration", trials = 2, practice = 1, tasks = ["simple"] },
+  { type = "block" },
+"""
+    slow = STUDY.replace("watched_steps = 7", "watched_steps = 6").replace("tick_ms = 70", "tick_ms = 120")
+    lab = Lab(tmp_path, slow.replace('{ type = "block" },\n', first, 1))
+    with lab.run("--participant", "P1") as terminal:
+        consent(terminal)
+        terminal.wait_for("nothing counts")
+        begin_block(terminal)
+        terminal.wait_for("Game 1")
+        for key in "jf":
+            terminal.pump(2.0)
+            terminal.press(key)
+        terminal.wait_for("That was the practice")
+        no_secrets(terminal)
+        terminal.press("\r")
+        terminal.wait_for("How fast do you react?")
+        while terminal.wait_for("Enter  to start, ", "Enter", "Space", "+", "X", "") != "Enter  to start, ":
+            terminal.press("\r" if "Enter" in terminal.text else " ")
+            terminal.pump(0.5)
+            no_secrets(terminal)
+        kill(terminal)
+    (practice,) = lab.blocks()
+    assert practice.recording.header.study["kind"] == "practice"
+    assert practice.summary.ending.kind == "practised"
+    assert practice.summary.games_finished == 1
+    assert exact(practice.recording)
+    (trials,) = (lab.data / "participants" / "P1" / "calibration").glob("*.jsonl")
+    assert len(trials.read_bytes().splitlines()) >= 4
+    assert lab.participant().sittings[0].next_step(9) == 4

@@ -6,7 +6,6 @@ import numpy as np
 
 from arl_tui.games.rendering import Place, Shot
 from core.events import EpisodeStarted, StepTaken
-from core.interop.gymnasium.game import make_env
 from core.interop.gymnasium.picture import EnvPicture
 from core.plugins import GameError
 
@@ -84,6 +83,8 @@ def smaller(picture: Any) -> Any:
 
 def _drawing(env: str) -> Any:
     problems = []
+    from core.interop.gymnasium.game import make_env  # here, not above: compiled code comes with it
+
     for mode in ("rgb_array", "ansi"):
         try:
             made = make_env(env, render_mode=mode)

@@ -33,9 +33,9 @@ def test_fit_names_a_participant_and_condition_as_one_word(tmp_path: Path) -> No
 
 def test_the_advice_to_calibrate_is_a_command(tmp_path: Path) -> None:
     with pytest.raises(ParticipantError) as caught:
-        choose_credit("participant", tmp_path, "P 1", "tetris")
+        choose_credit("participant", tmp_path, "P-1", "tetris")
     command = str(caught.value).split("`")[1]
-    assert shlex.split(command)[:4] == ["arl", "calibrate", "--participant", "P 1"]
+    assert shlex.split(command)[:4] == ["arl", "calibrate", "--participant", "P-1"]
 
 
 def test_the_next_step_of_a_run_is_a_command(tmp_path: Path) -> None:
