@@ -129,5 +129,5 @@ def recorded_observation(domain: Domain[Any], step: StepTaken) -> NDArray[np.flo
     """
     expected = len(domain.observation_names)
     if step.state is None or len(step.state) != expected:
-        raise ValueError(f"step {step.step}: need a state of {expected} variables, got {step.state}")
+        raise ValueError(f"need a state of {expected} variables, got {step.state}")
     return np.array(step.state, np.float64)
