@@ -1,4 +1,6 @@
-"""The terminal app: shows and asks, never computes. Users run the command `arl`; of its modules nothing is public."""
+"""The terminal app: shows and asks, never computes. Users run the command `arl`; of its modules nothing is
+public.
+"""
 
 from typing import Any
 

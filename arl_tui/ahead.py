@@ -1,4 +1,5 @@
-"""Compiling in a process of its own, while the game has begun already: on the second core, and with low priority.
+"""Compiling in a process of its own, while the game has begun already: on the second core, and with low
+priority.
 
 The process ends with whoever started it: it watches its standard input. What it has compiled by then is kept.
 """
@@ -36,7 +37,9 @@ class Ahead:
 
     @property
     def finished(self) -> bool:
-        """Whether it has ended: everything is compiled, or it failed (then whoever needs a kernel compiles it)."""
+        """Whether it has ended: everything is compiled, or it failed (then whoever needs a kernel compiles
+        it).
+        """
         return self._process.poll() is not None
 
     @property

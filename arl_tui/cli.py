@@ -1,4 +1,6 @@
-"""The command `arl`: the list of its commands. Each is imported when it is used, so that `arl --help` answers at once."""
+"""The command `arl`: the list of its commands. Each is imported when it is used, so that `arl --help` answers
+at once.
+"""
 
 import click
 
@@ -56,8 +58,8 @@ COMMANDS = (
 def main() -> None:
     """Agents that learn from their environment and from a few unreliable key presses.
 
-    Watch one play and tell it what you think of it (play), see how that goes without any effort (demo), and ask
-    what other ways of learning would have made of the same session (replay).
+    Watch one play and tell it what you think of it (play), see how that goes without any effort (demo), and
+    ask what other ways of learning would have made of the same session (replay).
     """
 
 

@@ -145,7 +145,8 @@ def say(text: object = "", *, err: bool = False, nl: bool = True, **style: Any) 
     """Print a text that may hold something from a file: the one way in which commands print.
 
     Args:
-        text: of one line or several; what a terminal would obey in it is written out (`core.system.foreign_text`).
+        text: of one line or several; what a terminal would obey in it is written out
+            (`core.system.foreign_text`).
         err: print it to the error output.
         nl: end the line.
         style: as `click.style` takes it.

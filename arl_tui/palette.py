@@ -1,8 +1,8 @@
 """Colours and textures of Tetris pieces: data, and the style sheet that follows from it.
 
-Widgets that draw blocks take their colours from component classes (`block--i`, `block--i-falling`, ...), so a theme
-or a style sheet may overrule any of them. Three of the palettes do not rely on colour alone: each piece has a
-texture of its own, and mirrored pieces have mirrored textures.
+Widgets that draw blocks take their colours from component classes (`block--i`, `block--i-falling`, ...), so a
+theme or a style sheet may overrule any of them. Three of the palettes do not rely on colour alone: each piece
+has a texture of its own, and mirrored pieces have mirrored textures.
 """
 
 from collections.abc import Iterator
@@ -100,8 +100,10 @@ def palette_for(wanted: str, system: ColorSystem | str | None, *, no_color: bool
 
     Args:
         wanted: a key of PALETTES.
-        system: the console's colour system (`App.console.color_system`): "truecolor", "256", "standard", None.
-        no_color: the participant has asked for no colours (`App.no_color`, from the environment variable NO_COLOR).
+        system: the console's colour system (`App.console.color_system`): "truecolor", "256", "standard",
+            None.
+        no_color: the participant has asked for no colours (`App.no_color`, from the environment variable
+            NO_COLOR).
 
     Raises:
         ValueError: there is no such palette.
@@ -131,7 +133,9 @@ def component_classes() -> set[str]:
 
 
 def style_sheet(widget: str) -> str:
-    """Return the style rules of every palette for widgets of this type; the widget's class `-NAME` chooses."""
+    """Return the style rules of every palette for widgets of this type; the widget's class `-NAME`
+    chooses.
+    """
     return "\n".join(rule for palette in PALETTES.values() for rule in _rules(widget, palette))
 
 
@@ -149,7 +153,10 @@ def _rules(widget: str, palette: Palette) -> Iterator[str]:
         colour = Color.parse(text)
         settled = colour.blend(Color.parse("#000000"), palette.settled)
         yield f"{start}{block} {{ background: {settled.hex}; color: {_ink(settled, palette.ink)}; }}"
-        yield f"{start}{block}-falling {{ background: {text}; color: {_ink(colour, palette.ink)}; text-style: bold; }}"
+        yield (
+            f"{start}{block}-falling {{ background: {text}; color: {_ink(colour, palette.ink)}; text-style: "
+            f"bold; }}"
+        )
         ghost = colour.blend(Color.parse(palette.empty), 0.15)
         yield f"{start}{block}-ghost {{ background: {palette.empty}; color: {ghost.hex}; }}"
 

@@ -1,7 +1,7 @@
 """What is known of a participant's delays: one JSON file per pseudonym, beside the recordings.
 
-`arl calibrate` writes it, `arl play --credit ...` and `arl replay --credit ...` read it. Every number can be worked
-out again from the trial files that it names.
+`arl calibrate` writes it, `arl play --credit ...` and `arl replay --credit ...` read it. Every number can be
+worked out again from the trial files that it names.
 """
 
 import shlex
@@ -34,7 +34,8 @@ LARGEST_FILE = 1 << 20
 """Bytes of a file of delays: it has some hundred per task."""
 
 LATE_MS = 60
-"""A stimulus waits for the next frame, 33 ms at most, and for being drawn. Later says that the program was held up."""
+"""A stimulus waits for the next frame, 33 ms at most, and for being drawn. Later says that the program was
+held up."""
 MOST_LATE = 0.1
 """Share of late trials from which on the measurement should not be trusted."""
 
@@ -100,7 +101,8 @@ class TaskDelay(msgspec.Struct, frozen=True, kw_only=True):
         n_trials = self.n_observed + self.n_censored
         if self.n_late > MOST_LATE * n_trials:
             found.append(
-                f"the computer was busy: in {self.n_late} trials the stimulus came more than {LATE_MS} ms late, and keys may "
+                f"the computer was busy: in {self.n_late} trials the stimulus came more than {LATE_MS} ms "
+                f"late, and keys may "
                 "have been read late, too; close other programs and repeat the task"
             )
         if self.connection.get("hindrances"):
@@ -154,7 +156,8 @@ def wrong_code(text: str) -> str:
     if 0 < len(text) <= LONGEST_CODE and all(letter.isalnum() or letter in "-_" for letter in text):
         return ""
     return (
-        f"{printable(text)!r}: a participant's code has up to {LONGEST_CODE} letters, digits, '-' or '_', such as "
+        f"{printable(text)!r}: a participant's code has up to {LONGEST_CODE} letters, digits, '-' or '_', "
+        f"such as "
         "P01 - never a name"
     )
 
@@ -192,7 +195,8 @@ def read_delays(recordings: Path, participant: str) -> ParticipantDelays | None:
     if (delays.format, delays.version, delays.participant) != (FORMAT, VERSION, participant):
         raise ParticipantError(
             f"{path}: expected {FORMAT} version {VERSION} of {participant}, got {delays.format} version "
-            f"{delays.version} of {delays.participant}; `arl calibrate --participant {shlex.quote(participant)}` makes a new one"
+            f"{delays.version} of {delays.participant}; `arl calibrate --participant "
+            f"{shlex.quote(participant)}` makes a new one"
         )
     return delays
 
@@ -231,8 +235,10 @@ def choose_credit(text: str, recordings: Path, participant: str, game: str = "te
     if fit is None:
         option = task.replace(" ", "-") + (f" --game {game}" if key != task else "")
         raise ParticipantError(
-            f"{participant} has no fit of the task {key!r} in {delays_path(recordings, participant)}. Measure it: "
-            f"`arl calibrate --participant {shlex.quote(participant)} --tasks {option}`; or choose --credit paper"
+            f"{participant} has no fit of the task {key!r} in {delays_path(recordings, participant)}. "
+            f"Measure it: "
+            f"`arl calibrate --participant {shlex.quote(participant)} --tasks {option}`; or choose --credit "
+            f"paper"
         )
     about = {
         "credit_participant": participant,
@@ -247,7 +253,8 @@ def choose_credit(text: str, recordings: Path, participant: str, game: str = "te
         return _chosen(text, fit.delay, about, warnings)
     if fit.pooled is None:
         raise ParticipantError(
-            f"{participant}: pooling needs at least five participants with a finished {task!r} task at the time of "
+            f"{participant}: pooling needs at least five participants with a finished {task!r} task at the "
+            f"time of "
             "the fit; choose --credit participant"
         )
     about["credit_people"] = str(fit.pooled_people)
@@ -297,6 +304,8 @@ def _chosen(
 
 
 def home_of(recording: Path) -> Path:
-    """Return the folder beside which the participants of a recording are kept: its own, or the nearest above."""
+    """Return the folder beside which the participants of a recording are kept: its own, or the nearest
+    above.
+    """
     folder = recording.resolve().parent
     return next((above for above in (folder, *folder.parents) if (above / FOLDER).is_dir()), folder)

@@ -13,7 +13,8 @@ if TYPE_CHECKING:
     from core.events import Event
 
 ENDINGS = (".jsonl", ".jsonl.gz", ".jsonl.bz2", ".jsonl.xz", ".jsonl.zip", ".jsonl.zst")
-"""Of recordings; of those that are packed in a way which is not read, too, so that none is passed over in silence."""
+"""Of recordings; of those that are packed in a way which is not read, too, so that none is passed over in
+silence."""
 CALIBRATION_FOLDER = "calibration"
 """Trials of the reaction-time study: files of another format, in a folder of their own."""
 
@@ -90,7 +91,9 @@ def all_recordings(
 
 
 def is_study_record(name: str) -> bool:
-    """Return whether a file in a study's folder is a record of another format: ledger, notes, or a sitting."""
+    """Return whether a file in a study's folder is a record of another format: ledger, notes, or a
+    sitting.
+    """
     return name in ("ledger.jsonl", "notes.jsonl") or name.startswith("sitting-")
 
 

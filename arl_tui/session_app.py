@@ -86,7 +86,8 @@ class ArlApp(SessionControls):
         Args:
             setup: who plays what.
             link: the worker.
-            clock: of frames and of the session's own events; keys bring their own time (the monotonic clock's).
+            clock: of frames and of the session's own events; keys bring their own time (the monotonic
+                clock's).
         """
         self._clock = clock or MonotonicClock()
         self._flush_clock = FlushClock(self._clock)
@@ -124,7 +125,7 @@ class ArlApp(SessionControls):
         self._practised: set[bool] = set()
         """Which keys have been pressed in time: True for the good one."""
 
-    # --- life ---------------------------------------------------------------------------------------------------
+    # --- life -----------------------------------------------------------------------------------------------
 
     def on_mount(self) -> None:
         """Listen to the worker, and to requests to end."""
@@ -227,7 +228,7 @@ class ArlApp(SessionControls):
             resumes=None if self.setup.kept is None else self.setup.kept.resumes,
         )
 
-    # --- keys and frames ----------------------------------------------------------------------------------------
+    # --- keys and frames ------------------------------------------------------------------------------------
 
     async def on_event(self, event: events.Event) -> None:
         """Take every key press in, whatever screen is shown, before anything can be done with it."""
@@ -267,7 +268,7 @@ class ArlApp(SessionControls):
         self._simulated_keys.add(id(event))
         self.post_message(event)
 
-    # --- what happens -------------------------------------------------------------------------------------------
+    # --- what happens ---------------------------------------------------------------------------------------
 
     def _on_occurrence(self, occurrence: Occurrence) -> None:
         match occurrence:
@@ -360,7 +361,9 @@ class ArlApp(SessionControls):
         )
 
     def _on_loop_error(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
-        """Fail loudly where a callback of the event loop fails: asyncio would only log it, behind the screen."""
+        """Fail loudly where a callback of the event loop fails: asyncio would only log it, behind the
+        screen.
+        """
         error = context.get("exception")
         if isinstance(error, Exception):
             self.call_later(_raise, error)
@@ -382,7 +385,8 @@ def close_recorder(recorder: Recorder, timeout_s: float = CLOSING_S) -> tuple[st
         if isinstance(error, TimeoutError) and not recorder.unwritten:
             kept = recorder.kept
             problem = (
-                f"The disk is too slow: all is written, but of {kept.recorded} events only {kept.synced} are known to "
+                f"The disk is too slow: all is written, but of {kept.recorded} events only {kept.synced} are "
+                f"known to "
                 "be on the disk. Do not switch the computer off yet"
             )
             return problem, recorder.path

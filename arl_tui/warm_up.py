@@ -1,4 +1,6 @@
-"""A short session that is played before the first one: what is slow the first time is over before the first game."""
+"""A short session that is played before the first one: what is slow the first time is over before the first
+game.
+"""
 
 from collections.abc import Iterable
 

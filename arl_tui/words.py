@@ -12,11 +12,13 @@ class Words:
     heading: str
     """Title of the first screen."""
     welcome: str
-    """What will be watched, {games} of it, and what is to be judged; {practises} says what happens in between."""
+    """What will be watched, {games} of it, and what is to be judged; {practises} says what happens in
+    between."""
     rules: str
     """What happens and what counts, for the help page."""
     practises: str
-    """What the computer does between two watched games, as a sentence and a space; left out where it does nothing."""
+    """What the computer does between two watched games, as a sentence and a space; left out where it does
+    nothing."""
     performance: str
     """What is counted, as a label before figures."""
     units: tuple[str, str]

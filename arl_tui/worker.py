@@ -1,8 +1,8 @@
 """The learner's process: plays the session, shows each step in real time, takes in what the participant does.
 
-Started with the `spawn` method before the app runs (Textual replaces the standard streams, after which no process
-can be started). Simulated time follows the clock: a picture is due at the step's start plus a whole number of
-ticks, so nothing drifts; it stands still while the screen is covered.
+Started with the `spawn` method before the app runs (Textual replaces the standard streams, after which no
+process can be started). Simulated time follows the clock: a picture is due at the step's start plus a whole
+number of ticks, so nothing drifts; it stands still while the screen is covered.
 """
 
 import contextlib
@@ -177,7 +177,8 @@ def get_ready(protocol: Protocol) -> Ahead | None:
     """Make everything run once that a session runs.
 
     Returns:
-        The process that compiles what the session needs, while Python stands in for it; None where all of it is loaded.
+        The process that compiles what the session needs, while Python stands in for it; None where all of it
+        is loaded.
     """
     from core.numerics.interpreting import CAN_INTERPRET, start_interpreting
 
@@ -264,7 +265,9 @@ class SessionPlayer:
                 self._wait_until_due()
 
     def _wait_for_kernels(self) -> None:
-        """Wait until everything is compiled, and say how far it is: unseen episodes would take Python minutes."""
+        """Wait until everything is compiled, and say how far it is: unseen episodes would take Python
+        minutes.
+        """
         from core.numerics.interpreting import progress
 
         while self._ahead is not None:

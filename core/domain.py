@@ -1,8 +1,9 @@
 """The contract between a domain and everything that learns in it.
 
 A domain is a pure description: it holds no state, draws no hidden randomness and reads no clock. States are
-immutable; every random outcome of an episode follows from the episode's seed. It describes a decision by a row of
-features per action (Tetris: what each placement leaves behind) or by one observation of the state (Keepaway).
+immutable; every random outcome of an episode follows from the episode's seed. It describes a decision by a
+row of features per action (Tetris: what each placement leaves behind) or by one observation of the state
+(Keepaway).
 """
 
 from dataclasses import dataclass, field
@@ -22,10 +23,11 @@ class Transition(Generic[State]):
 
     next_state: State
     reward: float
-    """Environmental reward of the step, of either sign (Tetris: lines cleared; Keepaway: seconds of possession)."""
+    """Environmental reward of the step, of either sign (Tetris: lines cleared; Keepaway: seconds of
+    possession)."""
     duration: int
-    """How much of the domain's own time passed, >= 0 (Tetris: 1 piece; Keepaway: cycles, 0 where another keeper
-    decides in the same cycle)."""
+    """How much of the domain's own time passed, >= 0 (Tetris: 1 piece; Keepaway: cycles, 0 where another
+    keeper decides in the same cycle)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,8 +35,8 @@ class Choices:
     """What an agent sees when it has to choose among n actions (n >= 1)."""
 
     features: NDArray[np.float64]
-    """phi(s, a) of a learner that compares rows, shape (n, n_features); (n, 0) where the domain describes the state
-    alone (`observation`)."""
+    """phi(s, a) of a learner that compares rows, shape (n, n_features); (n, 0) where the domain describes the
+    state alone (`observation`)."""
     feedback_features: Features
     """psi(s, a) of the human reward model, shape (n, n_feedback_features)."""
     ruled_out: NDArray[np.bool_]
@@ -44,8 +46,8 @@ class Choices:
     time: int = 0
     """When, in the domain's own time since the episode began (`Domain.time`), >= 0."""
     observation: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
-    """What the one who decides sees of the state, shape (v,); (0,) where the domain describes each action by a row.
-    A learner encodes it itself (`core.learners.encoding`)."""
+    """What the one who decides sees of the state, shape (v,); (0,) where the domain describes each action by
+    a row. A learner encodes it itself (`core.learners.encoding`)."""
 
     def __post_init__(self) -> None:
         n_actions = len(self.features)
@@ -54,7 +56,8 @@ class Choices:
         if len(self.feedback_features) != n_actions or self.ruled_out.shape != (n_actions,):
             raise ValueError(
                 f"need one row per action: {n_actions} rows of features, "
-                f"{len(self.feedback_features)} of feedback features, ruled_out of shape {self.ruled_out.shape}"
+                f"{len(self.feedback_features)} of feedback features, ruled_out of shape "
+                f"{self.ruled_out.shape}"
             )
 
 
@@ -91,7 +94,9 @@ class Domain(Protocol[State]):
         ...
 
     def transition(self, state: State, action: int) -> Transition[State]:
-        """Return where `action`, an index into the rows of `choices(state)`, leads. `state` stays as it was."""
+        """Return where `action`, an index into the rows of `choices(state)`, leads. `state` stays as it
+        was.
+        """
         ...
 
     def performance(self, state: State) -> float:
@@ -103,7 +108,9 @@ class Domain(Protocol[State]):
         ...
 
     def time(self, state: State) -> int:
-        """Return the domain's own time since the episode began (Tetris: pieces; Keepaway: cycles of 100 ms)."""
+        """Return the domain's own time since the episode began (Tetris: pieces; Keepaway: cycles of 100
+        ms).
+        """
         ...
 
     def detail(self, state: State, action: int) -> dict[str, int]:

@@ -1,8 +1,9 @@
-"""What can happen in a session: frozen records that are sent between processes, recorded, and compared by replay.
+"""What can happen in a session: frozen records that are sent between processes, recorded, and compared by
+replay.
 
 Two ordered streams make a session. *Inputs* come from the screen and the participant; *outputs* come from the
-domain and the agent. Each output says how many inputs had been taken in before it, so that a replay can act on
-every input at exactly the same point.
+domain and the agent. Each output says how many inputs had been taken in before it, so that a replay can act
+on every input at exactly the same point.
 
 All times are integer nanoseconds of one monotonic clock (`core.numerics.clock`).
 """
@@ -28,7 +29,7 @@ class Record(
     """Base of everything that is written to a recording: the field `type` names the class."""
 
 
-# --- inputs: what the screen showed and what the participant did ------------------------------------------------
+# --- inputs: what the screen showed and what the participant did --------------------------------------------
 
 
 class FrameShown(Record, frozen=True, kw_only=True, tag="frame-shown"):
@@ -47,8 +48,8 @@ class ScreenCleared(Record, frozen=True, kw_only=True, tag="screen-cleared"):
 
     time_ns: int
     reason: CoverReason
-    """`gap`: the session paused by itself after a `TimeGap`. `count-down`: a game is about to begin or to go on;
-    the participant sees a number in its place."""
+    """`gap`: the session paused by itself after a `TimeGap`. `count-down`: a game is about to begin or to go
+    on; the participant sees a number in its place."""
 
 
 class KeyPressed(Record, frozen=True, kw_only=True, tag="key-pressed"):
@@ -72,11 +73,14 @@ class KeyPressed(Record, frozen=True, kw_only=True, tag="key-pressed"):
     """The participant had been asked to press the wrong key deliberately."""
     source: Literal["participant", "simulated"] = "participant"
     person: int = 0
-    """Who pressed, where several do (simulated sessions): the protocol's trainer is 0, its others are 1, 2, ..."""
+    """Who pressed, where several do (simulated sessions): the protocol's trainer is 0, its others are 1, 2,
+    ..."""
     read_as: str = ""
-    """The letter that stands on this key in the Latin layout, where `key` is of another one; "" where it is not."""
+    """The letter that stands on this key in the Latin layout, where `key` is of another one; "" where it is
+    not."""
     layout: str = ""
-    """The layout by which `read_as` was found (`core.feedback.layouts`); "" where `key` is a Latin letter or unknown."""
+    """The layout by which `read_as` was found (`core.feedback.layouts`); "" where `key` is a Latin letter or
+    unknown."""
 
 
 class PressRetracted(Record, frozen=True, kw_only=True, tag="press-retracted"):
@@ -118,7 +122,9 @@ class TimeGap(Record, frozen=True, kw_only=True, tag="time-gap"):
 
 
 class FocusLost(Record, frozen=True, kw_only=True, tag="focus-lost"):
-    """The terminal's window no longer receives keys. Only terminals that report it. Version 2 of the format."""
+    """The terminal's window no longer receives keys. Only terminals that report it. Version 2 of the
+    format.
+    """
 
     time_ns: int
 
@@ -134,13 +140,13 @@ StopReason = Literal[
 ]
 """Why a session ends before its last game.
 
-`participant`: by a key. `window-closed`: the terminal went away (SIGHUP, or its end of the line closed). `signal`: the
-process was asked to end (SIGTERM). `worker-died`: the learner failed or did not answer. `time-limit`: the protocol's
-time was over. `disk-failed`: the recording could not be written any more. `practised`: in a practice, both keys had
-been pressed in time.
+`participant`: by a key. `window-closed`: the terminal went away (SIGHUP, or its end of the line closed).
+`signal`: the process was asked to end (SIGTERM). `worker-died`: the learner failed or did not answer.
+`time-limit`: the protocol's time was over. `disk-failed`: the recording could not be written any more.
+`practised`: in a practice, both keys had been pressed in time.
 
-Version 1 knows participant, worker-died and time-limit only: there, "participant" may also be a closed window, a
-signal or a full disk.
+Version 1 knows participant, worker-died and time-limit only: there, "participant" may also be a closed
+window, a signal or a full disk.
 """
 
 
@@ -165,7 +171,7 @@ Input = (
 )
 
 
-# --- outputs: what the domain and the agent did -----------------------------------------------------------------
+# --- outputs: what the domain and the agent did -------------------------------------------------------------
 
 
 class EpisodeStarted(Record, frozen=True, kw_only=True, tag="episode-started"):
@@ -184,8 +190,8 @@ class EpisodeStarted(Record, frozen=True, kw_only=True, tag="episode-started"):
     w_r: float
     """Weight of the environment's values in this episode."""
     trust: float | None
-    """What the rule of trust said of the human when the episode began (Eq. 4, 5); None: version 1 did not record
-    it."""
+    """What the rule of trust said of the human when the episode began (Eq. 4, 5); None: version 1 did not
+    record it."""
     weight: float
     """Weight w_h of the human's values that the scheme used in this episode; some do not go by trust."""
     share: float
@@ -214,10 +220,12 @@ class StepTaken(Record, frozen=True, kw_only=True, tag="step-taken"):
     """The action in the domain's words (Tetris: piece, orientation, column)."""
     reward: float
     state: list[float] | None = None
-    """What the decision was taken on, where only a simulator could tell again (Keepaway: the state variables of the keeper
-    who decided, in the order of `feature_names`): a recording can be learned from whatever becomes of the simulator."""
+    """What the decision was taken on, where only a simulator could tell again (Keepaway: the state variables
+    of the keeper who decided, in the order of `feature_names`): a recording can be learned from whatever
+    becomes of the simulator."""
     observed: dict[str, list[int]] | None = None
-    """State before and after, in the domain's numbers: only in imported recordings, which cannot be re-run."""
+    """State before and after, in the domain's numbers: only in imported recordings, which cannot be
+    re-run."""
 
 
 class EpisodeEnded(Record, frozen=True, kw_only=True, tag="episode-ended"):
@@ -239,7 +247,8 @@ class EpisodeEnded(Record, frozen=True, kw_only=True, tag="episode-ended"):
     digest: str
     """Fingerprint of everything the agent has learned (hex)."""
     time: int | None = None
-    """The domain's own time at the end (`core.domain.Domain.time`); None in older files, which did not record it."""
+    """The domain's own time at the end (`core.domain.Domain.time`); None in older files, which did not record
+    it."""
 
 
 class UnseenPlayed(Record, frozen=True, kw_only=True, tag="unseen-played"):
@@ -271,7 +280,8 @@ class CreditGiven(Record, frozen=True, kw_only=True, tag="credit-given"):
     in_gaps: float
     """Mass that fell into pauses, between episodes, and on what was on screen before a `TimeGap`."""
     too_late: float = 0.0
-    """Mass of steps whose sample had been given out already (aggregate credit, a press reported very late)."""
+    """Mass of steps whose sample had been given out already (aggregate credit, a press reported very
+    late)."""
     merged_into: int | None = None
     """The press that opened the burst of which this one is part; such a press has no mass of its own."""
 

@@ -1,12 +1,13 @@
-"""What each game says of itself before any of it is played, and where games are found: entry points `arl.games`.
+"""What each game says of itself before any of it is played, and where games are found: entry points
+`arl.games`.
 
 A package that has a game names an instance of `GamePlugin` in its metadata,
 
     [project.entry-points."arl.games"]
     our-game = "our_package.plugin:PLUGIN"
 
-and `[domain] type = "our-game"` in a protocol plays it. The module of a plugin imports no compiled code: a protocol is
-read, checked and described without it. `GamePlugin.load` imports the rest (`core.registry.Game`).
+and `[domain] type = "our-game"` in a protocol plays it. The module of a plugin imports no compiled code: a
+protocol is read, checked and described without it. `GamePlugin.load` imports the rest (`core.registry.Game`).
 """
 
 from abc import ABC, abstractmethod
@@ -58,8 +59,8 @@ class View(OpenTable):
 class GamePlugin(ABC):
     """One game, as protocols, effects and plans know it. Its module imports no compiled code.
 
-    A protocol is a `core.session.protocol.Protocol`. The annotations here say Any, because the modules of sessions import
-    this one; those of each game say what it is.
+    A protocol is a `core.session.protocol.Protocol`. The annotations here say Any, because the modules of
+    sessions import this one; those of each game say what it is.
     """
 
     name: ClassVar[str]
@@ -77,20 +78,22 @@ class GamePlugin(ABC):
     steps: ClassVar[str]
     """What its steps are, in the plural: "pieces"."""
     kernels: ClassVar[int] = 0
-    """How many kernels a session compiles before its first game where none is in the cache, counted with the default
-    protocol: for the progress of the first start."""
+    """How many kernels a session compiles before its first game where none is in the cache, counted with the
+    default protocol: for the progress of the first start."""
     idle: ClassVar[Mapping[str, str]] = {}
-    """Settings outside `[domain]` that have no effect in this game, as dotted paths, each with the reason ("" where it
-    needs none)."""
+    """Settings outside `[domain]` that have no effect in this game, as dotted paths, each with the reason (""
+    where it needs none)."""
     uses: ClassVar[tuple[Any, ...]] = ()
-    """(`core.session.effects.Use`, ...): of the settings in `[domain]`, those that have an effect in some sessions only."""
+    """(`core.session.effects.Use`, ...): of the settings in `[domain]`, those that have an effect in some
+    sessions only."""
 
     @abstractmethod
     def default(self) -> Any:
         """Return the protocol of a session without a protocol file."""
 
     def default_of(self, variant: str) -> Any:
-        """Return the default protocol of one of the game's variants: what stands behind the colon in "game:variant".
+        """Return the default protocol of one of the game's variants: what stands behind the colon in
+        "game:variant".
 
         Raises:
             GameError: the game has no variants.
@@ -117,7 +120,9 @@ class GamePlugin(ABC):
         """Raise ValueError where a protocol asks for what this game cannot do."""
 
     def contradictions(self, protocol: Any) -> Iterator[Problem]:
-        """Yield what nobody means though each value is in its range: for protocols that are about to be run."""
+        """Yield what nobody means though each value is in its range: for protocols that are about to be
+        run.
+        """
         yield from ()
 
     def departures(self, protocol: Any) -> list[str]:
@@ -149,12 +154,14 @@ def plugin_called(name: str) -> GamePlugin:
     """Return the plugin of a game by its name.
 
     Raises:
-        GameError: there is none of that name, its module cannot be imported, or it lacks a part of the contract.
+        GameError: there is none of that name, its module cannot be imported, or it lacks a part of the
+            contract.
     """
     names = BUILT_IN if name in BUILT_IN else game_names()
     if name not in names:
         raise GameError(
-            f"no game is called {name!r}; there are {', '.join(names)}. Is the package that brings it installed?"
+            f"no game is called {name!r}; there are {', '.join(names)}. Is the package that brings it "
+            f"installed?"
         )
     return _loaded(name, names[name])
 
@@ -165,7 +172,9 @@ def plugin_of(protocol: Any) -> GamePlugin:
 
 
 def plugins() -> Iterator[GamePlugin]:
-    """Yield all plugins that can be loaded, the program's own first. Asking for another by its name says why not."""
+    """Yield all plugins that can be loaded, the program's own first. Asking for another by its name says why
+    not.
+    """
     for name in game_names():
         try:
             yield plugin_called(name)
@@ -207,7 +216,10 @@ def _wrong(plugin: object, name: str) -> str:
         return f"its configuration {plugin.config.__name__} does not inherit from core.plugins.DomainConfig"
     tag = plugin.config.__struct_config__.tag
     if not plugin.name == name == tag:
-        return f"its entry point is called {name!r}, its name is {plugin.name!r}, its configuration's tag {tag!r}"
+        return (
+            f"its entry point is called {name!r}, its name is {plugin.name!r}, its configuration's tag "
+            f"{tag!r}"
+        )
     return ""
 
 

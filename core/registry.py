@@ -1,6 +1,8 @@
-"""What a session needs of each game, under one interface: sessions, what-ifs and simulated people know no game.
+"""What a session needs of each game, under one interface: sessions, what-ifs and simulated people know no
+game.
 
-No game is imported here: its plugin (`core.plugins`) imports it when it is asked for, and compiled code comes with it.
+No game is imported here: its plugin (`core.plugins`) imports it when it is asked for, and compiled code comes
+with it.
 """
 
 from collections.abc import Callable, Sequence
@@ -72,7 +74,8 @@ class Game(Interface):
         ...
 
     def recorded(self, domain: Domain[Any], step: StepTaken) -> tuple[Choices, Features]:
-        """Return the choices of a step whose state was recorded or observed, and psi of what was done, NaN where unknown.
+        """Return the choices of a step whose state was recorded or observed, and psi of what was done, NaN
+        where unknown.
 
         Raises:
             ValueError: what was recorded is not a state of this game.
@@ -80,7 +83,9 @@ class Game(Interface):
         ...
 
     def time_at_end(self, ended: EpisodeEnded) -> int:
-        """Return the domain's own time when an episode ended whose recording does not say it (`EpisodeEnded.time`)."""
+        """Return the domain's own time when an episode ended whose recording does not say it
+        (`EpisodeEnded.time`).
+        """
         ...
 
 

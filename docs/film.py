@@ -2,7 +2,7 @@
 
 The program runs `arl demo` in a pseudo-terminal, keeps what stands on the screen some times a second, and draws each screen
 with the font that comes with matplotlib. Needs what tests need (pexpect, pyte), and Pillow, which comes with matplotlib.
-"""
+"""  # noqa: E501
 
 import os
 import sys
@@ -87,7 +87,7 @@ def picture(cells: Cells) -> Image.Image:
 
 
 def record(folder: Path) -> list[Cells]:
-    """Play the demonstration; return its screens from the first moving piece on, `FRAMES_PER_S` of each second."""
+    """Play the demonstration; return its screens from the first moving piece on, `FRAMES_PER_S` of each second."""  # noqa: E501
     screen = pyte.Screen(COLUMNS, LINES)
     stream = pyte.ByteStream(screen)
     environment = {

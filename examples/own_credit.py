@@ -4,7 +4,7 @@
 
 The program records a session, and lets an agent learn again from its presses, once under the paper's gamma density and
 once under ours.
-"""
+"""  # noqa: E501
 
 import tempfile
 from pathlib import Path

@@ -4,7 +4,7 @@
 
 The walker starts in the middle of nine places. The right end pays 1. A participant who watches says "good" to each step to
 the right. The program plays the session without a screen. docs/extending.md says how a game gets screens and a name.
-"""
+"""  # noqa: E501
 
 from collections.abc import Iterator
 

@@ -4,7 +4,7 @@
 
 The rule: trust is the plain mean agreement of all episodes so far. To use a rule in protocols, too, put its two classes
 into a file in core/combination/trust/ and add its name to the union there (docs/extending.md).
-"""
+"""  # noqa: E501
 
 import tempfile
 from pathlib import Path

@@ -1,7 +1,7 @@
 """Measures with core, writes files, draws. Never a screen.
 
-What users import stands here; a name is loaded when it is asked for, because compiled code comes with some. Modules
-may be imported by their own names, too, but what is not in `__all__` may change without notice.
+What users import stands here; a name is loaded when it is asked for, because compiled code comes with some.
+Modules may be imported by their own names, too, but what is not in `__all__` may change without notice.
 """
 
 from importlib import import_module

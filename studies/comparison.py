@@ -39,7 +39,9 @@ def probability_interval(
     level: float = 0.95,
     resamples: int = 2000,
 ) -> Interval:
-    """Return `probability_of_improvement` with a bootstrap interval, both conditions resampled by themselves."""
+    """Return `probability_of_improvement` with a bootstrap interval, both conditions resampled by
+    themselves.
+    """
     first, second = np.asarray(treated, dtype=np.float64), np.asarray(control, dtype=np.float64)
     estimate = probability_of_improvement(first, second)
     # How often each result is drawn in each resample.
@@ -54,8 +56,8 @@ def probability_interval(
 def sign_flip_p(differences: ArrayLike, *, rng: np.random.Generator, flips: int = 20_000) -> float:
     """Return the two-sided p value of paired differences having mean 0, by flipping their signs at random.
 
-    Exact but for the sampling of flips where differences are symmetric about 0 without an effect; it assumes no
-    shape. Ties with what was seen count as extreme.
+    Exact but for the sampling of flips where differences are symmetric about 0 without an effect; it assumes
+    no shape. Ties with what was seen count as extreme.
 
     Args:
         differences: of pairs, shape (n,), n >= 1.
@@ -92,7 +94,9 @@ def holm(p_values: ArrayLike) -> NDArray[np.float64]:
 
 
 def paired_effect_size(differences: ArrayLike) -> float:
-    """Return Cohen's d_z: mean over standard deviation (n - 1) of the differences; inf or 0 where none varies."""
+    """Return Cohen's d_z: mean over standard deviation (n - 1) of the differences; inf or 0 where none
+    varies.
+    """
     sample = np.asarray(differences, dtype=np.float64)
     if sample.ndim != 1 or len(sample) < 2:
         raise ValueError(f"an effect size needs at least 2 differences, got shape {sample.shape}")

@@ -1,4 +1,6 @@
-"""A simulated session from start to end: played, recorded, replayed, summarised. What `arl demo` does without a terminal."""
+"""A simulated session from start to end: played, recorded, replayed, summarised. What `arl demo` does without
+a terminal.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -14,8 +14,9 @@ from core.system.processes import leave_with
 def processes(workers: int) -> Iterator[ProcessPoolExecutor]:
     """Run calls in so many processes of this machine.
 
-    The processes are started anew ("spawn"): the caller may have threads, which a fork would copy in mid-air. They end
-    when the block is left; by an error without finishing what is waiting; and within a second when the caller is killed.
+    The processes are started anew ("spawn"): the caller may have threads, which a fork would copy in mid-air.
+    They end when the block is left; by an error without finishing what is waiting; and within a second when
+    the caller is killed.
 
     Args:
         workers: >= 1.

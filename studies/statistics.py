@@ -32,8 +32,8 @@ _COVERAGE = {
     8: (88, 83),
     9: (89, 84),
 }
-"""Trials to how often (%) the 95 % percentile bootstrap interval of a mean holds the true one: normal and exponential
-results. From 3000 simulated samples each, 600 resamples; a test does it again."""
+"""Trials to how often (%) the 95 % percentile bootstrap interval of a mean holds the true one: normal and
+exponential results. From 3000 simulated samples each, 600 resamples; a test does it again."""
 
 
 def few_trials_note(n: int, what: str = "trials") -> str | None:
@@ -47,12 +47,14 @@ def few_trials_note(n: int, what: str = "trials") -> str | None:
         return None
     if n == 1:
         return (
-            f"Only 1 of the {what} was played: there is no interval and no test. An interval that is shown is the one number "
+            f"Only 1 of the {what} was played: there is no interval and no test. An interval that is shown "
+            f"is the one number "
             f"itself. Play at least {FEW_TRIALS}."
         )
     normal, exponential = _COVERAGE[n]
     found = (
-        f"Only {n} {what}: intervals are too short. One that is called 95 % holds the true mean in about {normal} % of cases, "
+        f"Only {n} {what}: intervals are too short. One that is called 95 % holds the true mean in about "
+        f"{normal} % of cases, "
         f"and in {exponential} % where scores spread as those of games do (exponentially)."
     )
     smallest_p = 2.0 / 2.0**n

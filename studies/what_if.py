@@ -1,4 +1,6 @@
-"""Credit rule x scheme: what each combination would have learned from one recording, and how well it plays."""
+"""Credit rule x scheme: what each combination would have learned from one recording, and how well it
+plays.
+"""
 
 import dataclasses
 import itertools
@@ -86,8 +88,8 @@ class WhatIfRow:
     """Lines per game (Keepaway: seconds) of the resulting policy on fresh seeds, with a 95 % bootstrap
     interval."""
     difference: Interval | None
-    """Lines per game minus those of the table's first row, paired by seed, with a 95 % bootstrap interval; None
-    in the first row."""
+    """Lines per game minus those of the table's first row, paired by seed, with a 95 % bootstrap interval;
+    None in the first row."""
     capped: float
     """Share of games stopped by the cap."""
 
@@ -232,12 +234,12 @@ def judge(agent: ArlAgent, protocol: Protocol, settings: WhatIfSettings) -> tupl
 def held_out_log_loss(recording: Recording, protocol: Protocol, steps: dict[int, WatchedStep]) -> HeldOut:
     """Return how badly the human model foretells the last presses, and how badly a constant guess does.
 
-    The model is trained on the first 80 % of the accepted presses. A press's score is the model's value of the
-    steps it speaks of, weighted by credit; scores become probabilities of praise by a logistic curve fitted to the
-    training presses (Platt 1999). Presses without any credit are left out on both sides.
+    The model is trained on the first 80 % of the accepted presses. A press's score is the model's value of
+    the steps it speaks of, weighted by credit; scores become probabilities of praise by a logistic curve
+    fitted to the training presses (Platt 1999). Presses without any credit are left out on both sides.
 
-    There is no log-loss where either part has no presses or the training part knows only one kind; the result says
-    so.
+    There is no log-loss where either part has no presses or the training part knows only one kind; the result
+    says so.
     """
     presses = _standing_presses(recording)
     training = set(list(presses)[: round(len(presses) * (1 - HELD_OUT))])

@@ -3,14 +3,16 @@
 import pytest
 from hypothesis import HealthCheck, settings
 
-# The first example of a property may compile kernels, and machines differ: hypothesis is not to look at the clock.
+# The first example of a property may compile kernels, and machines differ: hypothesis is not to look at the
+# clock.
 settings.register_profile("no clock", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("no clock")
 
 
 @pytest.fixture(autouse=True, scope="session")
 def _home_of_tests(tmp_path_factory: pytest.TempPathFactory):
-    """Keep what a test does not keep elsewhere in a folder of this run; processes that tests start inherit it."""
+    """Keep what a test does not keep elsewhere in a folder of this run; processes that tests start inherit
+    it."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("ARL_HOME", str(tmp_path_factory.mktemp("arl-home")))
         yield

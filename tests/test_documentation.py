@@ -1,4 +1,5 @@
-"""What the documentation says is so: names exist, pages are linked, and every block of code runs or is output."""
+"""What the documentation says is so: names exist, pages are linked, and every block of code runs or is
+output."""
 
 import importlib
 import json
@@ -72,7 +73,7 @@ def test_blocks_that_are_not_run_say_why():
     assert all(len(block.not_run) > 8 for block in BLOCKS if block.not_run)
 
 
-# --- commands exist ---------------------------------------------------------------------------------------------
+# --- commands exist -----------------------------------------------------------------------------------------
 
 
 def command_lines() -> list[tuple[str, str]]:
@@ -120,7 +121,7 @@ def test_a_command_and_its_options_exist(where: str, line: str):
     assert asked <= known, f"{where}: {line}"
 
 
-# --- blocks run -------------------------------------------------------------------------------------------------
+# --- blocks run ---------------------------------------------------------------------------------------------
 
 RUNNING = [
     page
@@ -178,7 +179,7 @@ def test_json_can_be_read(block: Block):
     assert json.loads(block.text)
 
 
-# --- examples ---------------------------------------------------------------------------------------------------
+# --- examples -----------------------------------------------------------------------------------------------
 
 EXAMPLES = sorted((REPOSITORY / "examples").glob("*.py"))
 
@@ -193,7 +194,7 @@ def test_an_example_runs(program: Path, tmp_path: Path):
     run([sys.executable, str(program)], tmp_path)
 
 
-# --- names, links, indexes ---------------------------------------------------------------------------------------
+# --- names, links, indexes ----------------------------------------------------------------------------------
 
 
 def glossary_names() -> list[str]:

@@ -1,4 +1,5 @@
-"""The package as strangers get it: built, installed into an empty environment, and run without the repository."""
+"""The package as strangers get it: built, installed into an empty environment, and run without the
+repository."""
 
 import os
 import re

@@ -1,13 +1,13 @@
 """When a frame's bytes left for the terminal: a Linux driver whose output file is watched.
 
-`App.post_display_hook` tells when a frame was *queued*; a thread of Textual's writes and flushes it 0.2 ms to many
-milliseconds later. `FlushClock` stamps the flush itself. Keys need nothing of the kind: Textual stamps
+`App.post_display_hook` tells when a frame was *queued*; a thread of Textual's writes and flushes it 0.2 ms to
+many milliseconds later. `FlushClock` stamps the flush itself. Keys need nothing of the kind: Textual stamps
 `events.Key.time` in its input thread as soon as the bytes are read.
 
-The stamp is taken right before the bytes are handed to the system, not after: the writing thread lets go of the
-interpreter's lock to hand them over and gets it back only when the painting thread has done, up to 9 ms later
-(measured). Only where the system kept the thread for longer than that, because nobody reads the terminal, did the bytes
-leave at the end.
+The stamp is taken right before the bytes are handed to the system, not after: the writing thread lets go of
+the interpreter's lock to hand them over and gets it back only when the painting thread has done, up to 9 ms
+later (measured). Only where the system kept the thread for longer than that, because nobody reads the
+terminal, did the bytes leave at the end.
 
 The only private name used here is `LinuxDriver._file`; a pty test fails if stamps stop arriving.
 """
@@ -26,14 +26,15 @@ if TYPE_CHECKING:
 
 
 STALLED_NS = 20_000_000
-"""A flush that takes longer has been waiting for the terminal, not for the lock (a switch of threads takes 5 ms)."""
+"""A flush that takes longer has been waiting for the terminal, not for the lock (a switch of threads takes 5
+ms)."""
 
 
 class FlushClock:
     """Tells at what time everything written up to a mark had been flushed.
 
-    Three threads' worth of calls: `queued` and `mark` in the thread that paints, `written` and `flushed` in the
-    thread that writes. `on_stamp` is called in either; it must only pass the news on.
+    Three threads' worth of calls: `queued` and `mark` in the thread that paints, `written` and `flushed` in
+    the thread that writes. `on_stamp` is called in either; it must only pass the news on.
     """
 
     def __init__(self, clock: Clock, on_stamp: Callable[[], None] = lambda: None) -> None:
@@ -110,7 +111,9 @@ class WatchedFile:
         self._by_line = bool(getattr(file, "line_buffering", False))
 
     def write(self, text: str) -> int:
-        """Write `text`; a file that flushes whole lines by itself (standard error does) has flushed it then."""
+        """Write `text`; a file that flushes whole lines by itself (standard error does) has flushed it
+        then.
+        """
         began_ns = self._flush_clock.now_ns()
         self._flush_clock.written(len(text))
         count = int(self._file.write(text))
@@ -140,7 +143,8 @@ def own_driver() -> "type[Driver] | None":
 def stamped_driver(flush_clock: FlushClock) -> "type[Driver] | None":
     """Return a driver class that tells `flush_clock` of every flush.
 
-    None where Textual's own choice must stand (Windows, a browser): frames are then stamped when they are queued.
+    None where Textual's own choice must stand (Windows, a browser): frames are then stamped when they are
+    queued.
     """
     if own_driver() is None:
         return None

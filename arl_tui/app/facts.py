@@ -18,7 +18,9 @@ REPOSITORY = Path(__file__).resolve().parents[2]
 
 
 def software() -> dict[str, str]:
-    """Return versions: of this program (with its commit, where it runs from a checkout), its games, Python and libraries."""
+    """Return versions: of this program (with its commit, where it runs from a checkout), its games, Python
+    and libraries.
+    """
     facts = {"arl-tui": _version("arl-tui"), "python": platform.python_version()}
     facts |= {f"{game.name} play": str(game.revision) for game in plugins()}
     facts.update((library, _version(library)) for library in LIBRARIES)
@@ -45,7 +47,9 @@ def _version(distribution: str) -> str:
 
 
 def git_commit(checkout: Path) -> str | None:
-    """Return the checkout's commit, with "+changes" if files differ from it; None where there is no checkout."""
+    """Return the checkout's commit, with "+changes" if files differ from it; None where there is no
+    checkout.
+    """
     if not (checkout / ".git").exists() or shutil.which("git") is None:
         return None
     try:

@@ -1,7 +1,7 @@
 """The pipe between the screen's process and the learner's, and what is said through it.
 
-Messages are frozen records in msgpack. Inputs and outputs of the session (`core.events`) travel as they are; the
-records below are those that only the two processes need, and that no recording holds.
+Messages are frozen records in msgpack. Inputs and outputs of the session (`core.events`) travel as they are;
+the records below are those that only the two processes need, and that no recording holds.
 """
 
 import asyncio
@@ -198,7 +198,9 @@ class WorkerLink:
         self._outbox.put(message)
 
     def close(self, patience_s: float = 2.0) -> None:
-        """Close the pipe, which ends the worker; kill it where that takes longer than `patience_s` seconds."""
+        """Close the pipe, which ends the worker; kill it where that takes longer than `patience_s`
+        seconds.
+        """
         self._outbox.put(None)
         self._sender.join(timeout=0.2)
         with contextlib.suppress(OSError):

@@ -1,7 +1,8 @@
-"""A live session as the screen's process knows it: what was shown when, which presses count, what is recorded.
+"""A live session as the screen's process knows it: what was shown when, which presses count, what is
+recorded.
 
-No widgets here and no rules of a game: `LiveSession` stands between the link (worker), the recorder (disk) and a
-listener (the screens).
+No widgets here and no rules of a game: `LiveSession` stands between the link (worker), the recorder (disk)
+and a listener (the screens).
 """
 
 from collections import deque
@@ -123,7 +124,8 @@ class LiveSession:
         self.take_stamps: Callable[[], list[tuple[int, int]]] = list
         """Returns flush stamps (frame, time) not seen yet; set by the app that owns the driver."""
         self.find_gap: Callable[[], TimeGap | None] = lambda: None
-        """Returns a gap in time that has just ended (`arl_tui.app.gaps`); set by the app, asked before all that comes in."""
+        """Returns a gap in time that has just ended (`arl_tui.app.gaps`); set by the app, asked before all
+        that comes in."""
         self._has_focus = True
         frames = [event.frame for event in earlier if isinstance(event, FrameShown)]
         self._frames = FrameLedger(first=max(frames, default=-1) + 1)
@@ -146,7 +148,7 @@ class LiveSession:
         """When the session broke off; None where it has just begun."""
         self._take_up(earlier)
 
-    # --- from the screens ---------------------------------------------------------------------------------------
+    # --- from the screens -----------------------------------------------------------------------------------
 
     def begin(self, sink: EventSink) -> None:
         """Start: events are recorded from here on."""
@@ -214,7 +216,8 @@ class LiveSession:
             return
         last_ns, middle_ns = gap.last_ns, (gap.last_ns + gap.time_ns) // 2
         for frame, time_ns in self.take_stamps():
-            # A frame that left just before the gap is in the file before it; one from after it comes under the cover.
+            # A frame that left just before the gap is in the file before it; one from after it comes under
+            # the cover.
             if self.gate.covered or (time_ns > middle_ns and not gap.suspended_ns):
                 self._frames.dropped(frame)
             else:
@@ -274,7 +277,9 @@ class LiveSession:
                 self._listener(taken)
 
     def unconfirmed_s(self) -> float:
-        """Return for how long the oldest press has waited to be in the file, seconds; 0.0 where none waits."""
+        """Return for how long the oldest press has waited to be in the file, seconds; 0.0 where none
+        waits.
+        """
         if not self._unconfirmed:
             return 0.0
         return (self._clock.now_ns() - self._unconfirmed[0].since_ns) / NS_PER_S
@@ -299,7 +304,7 @@ class LiveSession:
             self.phase = "over"
             self._on_over(reason)
 
-    # --- from the worker ----------------------------------------------------------------------------------------
+    # --- from the worker ------------------------------------------------------------------------------------
 
     def take_in(self, message: FromWorker) -> None:
         """Act on a message of the worker."""
@@ -352,7 +357,7 @@ class LiveSession:
         if self._wrong_presses.due(self.gate):
             self._enter(WrongPressAsked(time_ns=self._clock.now_ns(), step=step))
 
-    # --- both ---------------------------------------------------------------------------------------------------
+    # --- both -----------------------------------------------------------------------------------------------
 
     def _count(self, record: KeyPressed | PressRetracted) -> None:
         if isinstance(record, PressRetracted):
@@ -371,7 +376,9 @@ class LiveSession:
             self.tally.bad += change
 
     def _enter(self, event: Input) -> None:
-        """Record an input, send it to the worker, tell the screens: of a press only when it is in the file."""
+        """Record an input, send it to the worker, tell the screens: of a press only when it is in the
+        file.
+        """
         assert self._sink is not None, "inputs are taken in only between begin and the end"
         self._sink.record(event)
         self._link.send(event)

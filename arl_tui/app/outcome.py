@@ -1,4 +1,6 @@
-"""What a live session leaves behind, and what its screens ask of the app. The app imports the screens, they this."""
+"""What a live session leaves behind, and what its screens ask of the app. The app imports the screens, they
+this.
+"""
 
 from abc import abstractmethod
 from dataclasses import dataclass

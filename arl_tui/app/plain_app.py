@@ -1,4 +1,5 @@
-"""What all apps have in common: no palette of commands, no selection, no animation, and a size that is always right.
+"""What all apps have in common: no palette of commands, no selection, no animation, and a size that is always
+right.
 
 They also end in the same way when the terminal goes away or a signal asks for it.
 """
@@ -47,7 +48,7 @@ class PlainApp(App[Result], inherit_bindings=False):
         self.before_leaving: Callable[[], None] = lambda: None
         """Called before the process ends because the terminal is gone: the last chance to write something."""
 
-    # --- life and its end ---------------------------------------------------------------------------------------
+    # --- life and its end -----------------------------------------------------------------------------------
 
     def run_in_terminal(self) -> Result | None:
         """Run in this terminal; however that ends, the terminal is left as it was found.
@@ -75,7 +76,8 @@ class PlainApp(App[Result], inherit_bindings=False):
                 signal.signal(number, handler)
 
     def _on_signal(self, number: int, _frame: object) -> None:
-        # Python runs this between two instructions of the main thread, also while that waits for the terminal.
+        # Python runs this between two instructions of the main thread, also while that waits for the
+        # terminal.
         driver: Any = self._driver
         if getattr(signal, "SIGHUP", None) == number and hasattr(driver, "gone"):
             driver.gone = True
@@ -97,7 +99,9 @@ class PlainApp(App[Result], inherit_bindings=False):
             self.call_later(self.end_by_signal, self.ended_by)
 
     def end_by_signal(self, number: signal.Signals) -> None:
-        """End, because a signal asks for it or the terminal is gone. An app that has to save something does so first."""
+        """End, because a signal asks for it or the terminal is gone. An app that has to save something does
+        so first.
+        """
         if number == getattr(signal, "SIGHUP", None):
             self.leave_at_once()
         self.exit(return_code=128 + number)
@@ -110,7 +114,7 @@ class PlainApp(App[Result], inherit_bindings=False):
             self._guard.tell(QUIET)
             os._exit(128 + (self.ended_by or signal.SIGTERM))
 
-    # --- size ---------------------------------------------------------------------------------------------------
+    # --- size -----------------------------------------------------------------------------------------------
 
     async def on_event(self, event: events.Event) -> None:
         """Let a key of another alphabet do what the Latin letter on the same key does."""
@@ -135,8 +139,8 @@ class PlainApp(App[Result], inherit_bindings=False):
     def on_resize(self, event: events.Resize) -> None:
         """Tell the screen of its size.
 
-        Textual does so itself, by a timer of 8 ms that never rings on a machine that is busy at the wrong moment (see
-        `arl_tui.app.once`); then this change of size and all later ones would be missed.
+        Textual does so itself, by a timer of 8 ms that never rings on a machine that is busy at the wrong
+        moment (see `arl_tui.app.once`); then this change of size and all later ones would be missed.
         """
         self.call_later(self._tell_size)
 
@@ -148,9 +152,10 @@ class PlainApp(App[Result], inherit_bindings=False):
 def trust_the_terminal() -> None:
     """Forget COLUMNS and LINES where the terminal itself tells its size.
 
-    Textual asks `shutil.get_terminal_size`, which believes these variables before any terminal: exported, as some
-    shells and multiplexers leave them, they hold for ever, and no change of the window is ever heard of. Where
-    the terminal does not know its size (a serial line says 0 x 0) they are the only way to tell it, and stay.
+    Textual asks `shutil.get_terminal_size`, which believes these variables before any terminal: exported, as
+    some shells and multiplexers leave them, they hold for ever, and no change of the window is ever heard of.
+    Where the terminal does not know its size (a serial line says 0 x 0) they are the only way to tell it, and
+    stay.
     """
     try:
         size = os.get_terminal_size(sys.__stdout__.fileno() if sys.__stdout__ else -1)

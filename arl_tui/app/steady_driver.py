@@ -2,13 +2,15 @@
 
 What it does otherwise than Textual's own (8.2):
 
-- A terminal that goes away, at either end, ends the app; Textual's reading thread spins and its writing thread blocks.
+- A terminal that goes away, at either end, ends the app; Textual's reading thread spins and its writing
+  thread blocks.
 - A terminal that does not take what is written cannot block the end of the app.
-- SIGCONT restarts the terminal only after Textual itself has stopped it. The kernel sends SIGHUP and SIGCONT when a
-  terminal closes, and SIGCONT alone after a stop from outside; a restart then starts a second reader and forgets how
-  the terminal was before the app.
+- SIGCONT restarts the terminal only after Textual itself has stopped it. The kernel sends SIGHUP and SIGCONT
+  when a terminal closes, and SIGCONT alone after a stop from outside; a restart then starts a second reader
+  and forgets how the terminal was before the app.
 - Bytes that are not UTF-8 are read as U+FFFD, a key without a meaning, instead of ending the app.
-- The mouse is not asked for: nothing here uses it, and its reports are the commonest bytes that are not UTF-8.
+- The mouse is not asked for: nothing here uses it, and its reports are the commonest bytes that are not
+  UTF-8.
 
 Import this module only where Textual's Linux driver can be imported.
 """
@@ -88,7 +90,7 @@ class SteadyDriver(LinuxDriver):
         self.gone = False
         """Whether the terminal is known to be away: nothing more is written."""
 
-    # --- the end ------------------------------------------------------------------------------------------------
+    # --- the end --------------------------------------------------------------------------------------------
 
     def lose_terminal(self) -> None:
         """Note that the terminal has gone away. In any thread, or in a signal handler."""
@@ -110,7 +112,7 @@ class SteadyDriver(LinuxDriver):
         if loop is not None and not loop.is_closed():
             loop.call_soon_threadsafe(callback)
 
-    # --- writing ------------------------------------------------------------------------------------------------
+    # --- writing --------------------------------------------------------------------------------------------
 
     def write(self, data: str) -> None:
         """Hand text to the writing thread; drop it where the terminal is gone."""
@@ -132,7 +134,7 @@ class SteadyDriver(LinuxDriver):
             thread.join(LOOK_S)
             self._give_up_after(began_ns)
 
-    # --- stopping and going on ----------------------------------------------------------------------------------
+    # --- stopping and going on ------------------------------------------------------------------------------
 
     def start_application_mode(self) -> None:
         """Start as Textual does, and remember the loop for what other threads have to say."""
@@ -163,7 +165,7 @@ class SteadyDriver(LinuxDriver):
         self._disable_line_wrap()
         self._app.refresh(repaint=True, layout=True)
 
-    # --- reading ------------------------------------------------------------------------------------------------
+    # --- reading --------------------------------------------------------------------------------------------
 
     def run_input_thread(self) -> None:
         """Read keys until the app or the terminal ends."""

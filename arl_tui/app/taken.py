@@ -1,7 +1,7 @@
 """What a press was taken for, at once: the step that the credit rule gives more of it than any other.
 
-The learner credits a press when the step on screen is over. The participant cannot wait for that, so the worker
-answers from what has been on screen so far, with the function that gives credit.
+The learner credits a press when the step on screen is over. The participant cannot wait for that, so the
+worker answers from what has been on screen so far, with the function that gives credit.
 """
 
 from collections import deque

@@ -1,8 +1,9 @@
 """A small process that outlives the app and leaves the terminal usable, however the app ended.
 
-An app that crashes in native code, or is killed, cannot restore the terminal: it stays in raw mode, on the alternate
-screen, without a cursor. The guard waits at the other end of a pipe. The pipe closes when the app ends, whatever the
-reason; unless the app has said that it has restored the terminal itself, the guard does so.
+An app that crashes in native code, or is killed, cannot restore the terminal: it stays in raw mode, on the
+alternate screen, without a cursor. The guard waits at the other end of a pipe. The pipe closes when the app
+ends, whatever the reason; unless the app has said that it has restored the terminal itself, the guard does
+so.
 
 The second half of this file runs as a script, with nothing of this project imported.
 """
@@ -58,7 +59,8 @@ class TerminalGuard:
             self._process = subprocess.Popen(
                 [sys.executable, "-I", "-S", __file__, str(theirs), str(crash.fileno()), attributes],
                 pass_fds=(theirs, crash.fileno()),
-                start_new_session=True,  # what is sent to all of the terminal's processes does not end this one
+                # what is sent to all of the terminal's processes does not end this one
+                start_new_session=True,
             )
             # The handler keeps the number of the file for as long as this process lives.
             faulthandler.enable(os.dup(crash.fileno()))

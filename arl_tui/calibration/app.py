@@ -91,7 +91,7 @@ class CalibrationApp(PlainApp[Outcome]):
         self._asked: dict[str, asyncio.Future[bytes]] = {}
         """What another process has begun to prepare while pages are read, by module."""
 
-    # --- keys and frames ----------------------------------------------------------------------------------------
+    # --- keys and frames ------------------------------------------------------------------------------------
 
     def on_mount(self) -> None:
         """Listen to flushes and to requests to end, and begin."""
@@ -138,7 +138,7 @@ class CalibrationApp(PlainApp[Outcome]):
             if shown != ANY_FRAME and isinstance(screen, TrialScreen):
                 screen.flushed(shown, time_ns, interval_ns)
 
-    # --- the course ---------------------------------------------------------------------------------------------
+    # --- the course -----------------------------------------------------------------------------------------
 
     async def _conduct(self) -> None:
         setup = self._setup

@@ -1,4 +1,5 @@
-"""From finished trials to a participant's delays: runs in a process of its own, because statistics load slowly.
+"""From finished trials to a participant's delays: runs in a process of its own, because statistics load
+slowly.
 
 The screen's process imports `FitOrder` and `Fitted` only; everything heavy is imported inside the functions.
 """
@@ -121,7 +122,9 @@ def fit_task(path: Path, others: "Mapping[str, Sample]", participant: str, task:
 
 
 def is_late(record: TrialRecord) -> bool:
-    """Return whether the stimulus left the program much later than the foreperiod ended: its loop was held up."""
+    """Return whether the stimulus left the program much later than the foreperiod ended: its loop was held
+    up.
+    """
     if record.flushed_ns is None:
         return False
     late_s = seconds(record.flushed_ns - record.started_ns) - record.foreperiod_s

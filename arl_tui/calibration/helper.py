@@ -1,4 +1,6 @@
-"""Work for another process: a module of ours reads JSON from its standard input and writes JSON to its output."""
+"""Work for another process: a module of ours reads JSON from its standard input and writes JSON to its
+output.
+"""
 
 import asyncio
 import os

@@ -59,7 +59,8 @@ class HindrancePage(Reading, inherit_bindings=False):
         """Return what stands in between, and what that does."""
         yield "Between your keyboard and this program there is [b]" + " and ".join(self._hindrances) + "[/]."
         yield (
-            "It holds pictures and key presses up by an unknown time, which can differ from press to press. For a "
+            "It holds pictures and key presses up by an unknown time, which can differ from press to press. "
+            "For a "
             "measurement open a terminal on this computer itself and run the command there."
         )
         yield "If you go on, this is written down with the measurement."
@@ -84,7 +85,8 @@ class OldSittingPage(Reading, inherit_bindings=False):
         done = sum(len(part.done) for part in self._old.parts)
         total = sum(len(part.schedule.trials) for part in self._old.parts)
         yield (
-            f"This participant stopped [b]{self._old.age_h:.0f} hours ago[/] after {done} of {total} trials. Another day is "
+            f"This participant stopped [b]{self._old.age_h:.0f} hours ago[/] after {done} of {total} trials. "
+            f"Another day is "
             "another measurement, so a new session is better. The old one is kept in any case."
         )
 
@@ -114,7 +116,8 @@ class WelcomePage(Reading):
         )
         yield (
             "Sit comfortably, look at the middle of the screen, and leave your fingers on "
-            "[reverse b] F [/], [reverse b] J [/] and [reverse b] Space [/]. Press a key once and let it go at once."
+            "[reverse b] F [/], [reverse b] J [/] and [reverse b] Space [/]. Press a key once and let it go "
+            "at once."
         )
         yield (
             "[dim]Your key presses and their times are written to a file on this computer under the code[/] "
@@ -165,7 +168,10 @@ class BreakPage(Reading):
         """Return how much is done."""
         filled = round(30 * self._done / self._total)
         yield "Rest your eyes for a moment. Take as long as you like."
-        yield f"This task: [$primary]{'━' * filled}[/][dim]{'━' * (30 - filled)}[/] {self._done} of {self._total}"
+        yield (
+            f"This task: [$primary]{'━' * filled}[/][dim]{'━' * (30 - filled)}[/] {self._done} of "
+            f"{self._total}"
+        )
 
 
 def page_before(schedule: Schedule, block: BlockPlan, n_done: int, *, fresh: bool, resumed: bool) -> Reading:

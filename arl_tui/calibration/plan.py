@@ -179,7 +179,9 @@ def unfinished(setup: CalibrationSetup, now_utc: str) -> Unfinished | None:
 
 
 def newest_complete(recordings: Path, task: Task, game: GameName = "tetris") -> Iterator[Path]:
-    """Yield the newest finished session of each participant in this task, and in this game where one is watched."""
+    """Yield the newest finished session of each participant in this task, and in this game where one is
+    watched.
+    """
     found: dict[str, tuple[str, Path]] = {}
     name = slug(TaskConfig(task=task, game=game))
     for path in sorted((recordings / CALIBRATION_FOLDER).glob(f"*-{name}-*.jsonl")):

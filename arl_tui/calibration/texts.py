@@ -27,7 +27,8 @@ INSTRUCTIONS: dict[Task, str] = {
         f"Ring:  press {cap('space')} as soon as you see it\nCross: press nothing, and wait"
     ),
     "memory search": (
-        "You see a few letters, one after another: keep them in mind. Then a small cross, then one more letter.\n\n"
+        "You see a few letters, one after another: keep them in mind. Then a small cross, then one more "
+        "letter.\n\n"
         f"It was among them:     press {cap(YES)}\nIt was not among them: press {cap(NO)}"
     ),
     "visual search": (
@@ -35,7 +36,8 @@ INSTRUCTIONS: dict[Task, str] = {
         f"There is a [b]T[/] among them: press {cap(YES)}\nThere is none:           press {cap(NO)}"
     ),
     "recognition": (
-        "First you see a list of words, one after another: keep them in mind. Then words come one by one, each "
+        "First you see a list of words, one after another: keep them in mind. Then words come one by one, "
+        "each "
         f"after a small cross.\n\nThe word was in the list:     press {cap(YES)}\n"
         f"The word was not in the list: press {cap(NO)}"
     ),
@@ -57,7 +59,8 @@ def key_reminder(config: TaskConfig) -> str:
 
 
 SOMETIMES_NOTHING = (
-    "Be quick, but wait until you really see something: [b]now and then nothing comes[/], and then nothing is to "
+    "Be quick, but wait until you really see something: [b]now and then nothing comes[/], and then nothing "
+    "is to "
     "be pressed."
 )
 KEY_REMINDERS: dict[Task, str] = {

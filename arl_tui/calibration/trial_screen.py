@@ -1,4 +1,6 @@
-"""Runs the trials of one block: shows what the trial says, tells it of keys and flushes, hands its record on."""
+"""Runs the trials of one block: shows what the trial says, tells it of keys and flushes, hands its record
+on.
+"""
 
 import asyncio
 import contextlib
@@ -121,7 +123,7 @@ class TrialScreen(Screen[bool], inherit_bindings=False):
         """Begin."""
         self.run_worker(self._run(), exclusive=True, name="trials")
 
-    # --- what comes in ------------------------------------------------------------------------------------------
+    # --- what comes in --------------------------------------------------------------------------------------
 
     def press(self, key: str, time_ns: int) -> None:
         """Take a key in, with its message's own time."""
@@ -166,7 +168,7 @@ class TrialScreen(Screen[bool], inherit_bindings=False):
             self.workers.cancel_node(self)
             self.dismiss(finished)
 
-    # --- trials -------------------------------------------------------------------------------------------------
+    # --- trials ---------------------------------------------------------------------------------------------
 
     async def _run(self) -> None:
         for item in self._study_items:

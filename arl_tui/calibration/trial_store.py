@@ -35,7 +35,8 @@ class TrialStore:
 
         Args:
             part: the task.
-            facts: how it is measured; goes into the header, where resumed a word of it into the next trial's comment.
+            facts: how it is measured; goes into the header, where resumed a word of it into the next trial's
+                comment.
 
         Raises:
             OSError: the disk does not take it.

@@ -19,7 +19,8 @@ LOCK_FILE = "requirements.lock"
     "--key",
     type=click.Path(dir_okay=False, path_type=Path),
     required=True,
-    help="File of the secret key from which new codes are made, as in `arl anonymise`; a new one where it is missing.",
+    help="File of the secret key from which new codes are made, as in `arl anonymise`; a new one where it "
+    "is missing.",
 )
 @click.option(
     "--keep", type=click.Choice(KEEP), multiple=True, help="Do not remove this, as in `arl anonymise`."

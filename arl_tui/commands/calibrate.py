@@ -95,7 +95,8 @@ def refuse_where_times_mean_nothing() -> None:
     """Stop with a message in a browser, and on systems whose key times are of another clock."""
     if os.environ.get("TEXTUAL_DRIVER"):
         raise click.ClickException(
-            "a browser adds tens of milliseconds that differ from press to press: nothing can be measured in it. "
+            "a browser adds tens of milliseconds that differ from press to press: nothing can be measured in "
+            "it. "
             "Run `arl calibrate` in a terminal on the participant's computer"
         )
     if sys.platform == "win32":

@@ -28,7 +28,8 @@ LABEL = 24
     type=click.Choice(["participant", "condition", "protocol"]),
     default="participant",
     show_default=True,
-    help="What makes a group. Conditions and protocols are paired by participant, participants by game number.",
+    help="What makes a group. Conditions and protocols are paired by participant, participants by game "
+    "number.",
 )
 @click.option(
     "--csv", "csv_path", type=ToWrite(), help="Write a row for each game of every session to a file."
@@ -44,7 +45,8 @@ def compare(
 ) -> None:
     """Compare FILES, recordings of one game, session by session and group by group.
 
-    Differences are to the first group, in the order of the files. docs/look-at-a-session.md explains every figure.
+    Differences are to the first group, in the order of the files. docs/look-at-a-session.md explains every
+    figure.
     """
     from studies.session_view.comparison import differences_of, game_rows, groups_of
     from studies.session_view.comparison_page import (
@@ -107,7 +109,8 @@ def _read(files: Sequence[Path]) -> "list[SessionFigures]":
     games = sorted({session.game or "(presses only)" for session in sessions})
     if len(games) > 1:
         raise click.ClickException(
-            f"these are recordings of {' and '.join(games)}, whose figures cannot be compared: name files of one game"
+            f"these are recordings of {' and '.join(games)}, whose figures cannot be compared: name files of "
+            f"one game"
         )
     return sessions
 

@@ -46,7 +46,8 @@ def credit_of(text: str, recordings: Path, participant: str, game: str) -> Credi
 def settle_credit(
     protocol: Protocol, option: str | None, recordings: Path, participant: str
 ) -> tuple[Protocol, dict[str, str]]:
-    """Return the protocol with its credit rule in numbers, and where that comes from, for the recording's header.
+    """Return the protocol with its credit rule in numbers, and where that comes from, for the recording's
+    header.
 
     The rule is the same for every participant, with or without a protocol file
     (`docs/decisions/one-rule-of-credit.md`).
@@ -67,7 +68,9 @@ def settle_credit(
 
 
 def _choice_of(protocol: Protocol, asked: str, recordings: Path, participant: str) -> CreditChoice:
-    """Return the rule that `asked` names for a participant, or what the protocol says where they have none."""
+    """Return the rule that `asked` names for a participant, or what the protocol says where they have
+    none.
+    """
     if asked in MEASURED and not is_measured(asked, recordings, participant, protocol.game):
         return _without_measurement(protocol, asked, recordings, participant)
     return credit_of(asked, recordings, participant, protocol.game)
@@ -125,7 +128,8 @@ def with_credit(protocol: Protocol, choice: CreditChoice) -> Protocol:
 
 
 def what_if_delays(texts: Sequence[str], recording: Recording, protocol: Protocol) -> dict[Delay, str]:
-    """Return the credit rules of a what-if, each with where it comes from in words; print those of participants.
+    """Return the credit rules of a what-if, each with where it comes from in words; print those of
+    participants.
 
     Args:
         texts: from the command line; "rule" is the protocol's.

@@ -72,17 +72,21 @@ def tell_summary(path: Path) -> None:
     performances = ", ".join(f"{value:.4g}" for value in summary.performances)
     unseen = ", ".join(f"{value:.1f}" for value in summary.unseen_means)
     say(
-        f"Games watched: {summary.episodes}; {words.performance[0].lower()}{words.performance[1:]}: {performances}"
+        f"Games watched: {summary.episodes}; {words.performance[0].lower()}{words.performance[1:]}: "
+        f"{performances}"
     )
     say(
-        f"Games practised unseen: {summary.unseen_episodes}; {words.units[1]} per game in each block: {unseen or '-'}"
+        f"Games practised unseen: {summary.unseen_episodes}; {words.units[1]} per game in each block: "
+        f"{unseen or '-'}"
     )
     say(
-        f"Presses that counted: {summary.accepted}, {summary.praised} of them praise; other keys and presses: "
+        f"Presses that counted: {summary.accepted}, {summary.praised} of them praise; other keys and "
+        f"presses: "
         f"{summary.other_presses}"
     )
     say(
-        f"Weight of the human in the last game: {summary.weight:.2f}; trust in the human after it: {summary.trust:.2f}"
+        f"Weight of the human in the last game: {summary.weight:.2f}; trust in the human after it: "
+        f"{summary.trust:.2f}"
     )
     say(
         f"What would another credit rule have learned? arl replay {shlex.quote(str(path))} --credit previous "

@@ -12,7 +12,8 @@ from arl_tui.command_line import GAMES, recordings_option, seed_option
 @click.option(
     "--person",
     metavar="NAME",
-    help="Who presses: expert (the default), lay, myopic, hesitant, noisy, useless, adversary, instructed, bursty, hasty, "
+    help="Who presses: expert (the default), lay, myopic, hesitant, noisy, useless, adversary, instructed, "
+    "bursty, hasty, "
     "slow, tiring or leaves.",
 )
 @seed_option

@@ -25,8 +25,8 @@ LARGE_MS = 5.0
 def doctor(quick: bool, report: bool, recordings: Path) -> None:
     """Check everything that a session and a calibration need, and say what to do about each fault.
 
-    Status 1 where a session cannot run. In a terminal it asks for two keys, and tests for some seconds how exactly times
-    are measured.
+    Status 1 where a session cannot run. In a terminal it asks for two keys, and tests for some seconds how
+    exactly times are measured.
     """
     from arl_tui.doctor.findings import conclusions, lines, stopped
 

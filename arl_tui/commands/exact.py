@@ -49,7 +49,8 @@ def protocol_of(recording: Recording) -> Protocol:
     """Return the protocol in a recording's header."""
     if recording.header.origin == "imported" and not recording.header.protocol:
         raise click.ClickException(
-            f"{recording.path}: imported presses without the states and actions that they judge: nothing can be replayed. "
+            f"{recording.path}: imported presses without the states and actions that they judge: nothing can "
+            f"be replayed. "
             "`arl presses` reports them, `arl fit` fits their delays"
         )
     try:
@@ -82,7 +83,8 @@ def run_again(recording: Recording) -> None:
         raise click.ClickException(str(error)) from error
     if result.difference is not None:
         raise click.ClickException(
-            f"the replay differs from the recording after {result.outputs} equal outputs\n  {result.difference}\n"
+            f"the replay differs from the recording after {result.outputs} equal outputs\n  "
+            f"{result.difference}\n"
             f"{why_different(recording.header.software)}"
         )
     whole = isinstance(recording.outputs[-1], SessionEnded)
@@ -94,11 +96,18 @@ def run_again(recording: Recording) -> None:
 
 
 def why_different(software: Mapping[str, str]) -> str:
-    """Return what may explain that a recording comes out otherwise: software that is not the one it was made with."""
+    """Return what may explain that a recording comes out otherwise: software that is not the one it was made
+    with.
+    """
     others = facts.differing(software)
     if not others:
-        return "The software is the same: this is a fault of the program, or a machine that computes otherwise. Please report it."
+        return (
+            "The software is the same: this is a fault of the program, or a machine that computes otherwise. "
+            "Please report it."
+        )
     return (
-        f"It was recorded with other software: {'; '.join(others)}. Where a game plays otherwise (CHANGELOG), only the "
-        "commit that recorded it can replay it. Its presses can still be learned from, where it holds what was on screen: --credit RULE"
+        f"It was recorded with other software: {'; '.join(others)}. Where a game plays otherwise "
+        f"(CHANGELOG), only the "
+        "commit that recorded it can replay it. Its presses can still be learned from, where it holds what "
+        "was on screen: --credit RULE"
     )

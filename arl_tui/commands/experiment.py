@@ -32,8 +32,8 @@ out_option = click.option(
 def experiment() -> None:
     """Run the experiments behind the figures, and report them.
 
-    NAME is one of fig4 fig5 fig6 fig7 features robustness robustness-keepaway credit, or one of your own: a file (my.py) or a
-    module (my_package.my) with an EXPERIMENT. docs/own-experiment.md has a template.
+    NAME is one of fig4 fig5 fig6 fig7 features robustness robustness-keepaway credit, or one of your own: a
+    file (my.py) or a module (my_package.my) with an EXPERIMENT. docs/own-experiment.md has a template.
     """
 
 
@@ -48,8 +48,10 @@ def experiment() -> None:
 @click.option(
     "--cluster",
     metavar="ADDRESS",
-    help="Play on a Dask cluster instead, as tcp://host:8786. Only a cluster that you trust: its scheduler and workers can "
-    "run any code in this program (Dask exchanges pickles). Without this option nothing is unpickled from elsewhere, and "
+    help="Play on a Dask cluster instead, as tcp://host:8786. Only a cluster that you trust: its scheduler "
+    "and workers can "
+    "run any code in this program (Dask exchanges pickles). Without this option nothing is unpickled from "
+    "elsewhere, and "
     "the network is not used.",
 )
 @click.option(
@@ -66,7 +68,9 @@ def run(
     only: tuple[str, ...],
     out: Path,
 ) -> None:
-    """Play experiment NAME: every trial that has no file yet. May be stopped at any time and goes on from there."""
+    """Play experiment NAME: every trial that has no file yet. May be stopped at any time and goes on from
+    there.
+    """
     from arl_tui.app import facts
     from studies.experiments.run import SweepError, run_sweep
     from studies.experiments.sweep import root_seeds
@@ -101,13 +105,15 @@ def run(
 @click.option(
     "--into",
     type=ToWrite(folder=True),
-    help="The page goes into results/ below this folder, its figures into figures/; by default below the results.",
+    help="The page goes into results/ below this folder, its figures into figures/; by default below the "
+    "results.",
 )
 @click.option(
     "--only",
     multiple=True,
     metavar="CONDITION",
-    help="Only this condition, however few trials it has; given several times, the trials that all of them have.",
+    help="Only this condition, however few trials it has; given several times, the trials that all of them "
+    "have.",
 )
 def report(name: str, out: Path, quick: bool, into: Path | None, only: tuple[str, ...]) -> None:
     """Write the page of experiment NAME with its figures, from the files of its trials. Plays nothing."""

@@ -169,7 +169,8 @@ def minari(folder: Path, into: Path) -> None:
     exported = export_minari(folder, into)
     for name, episodes in exported.episodes.items():
         say(
-            f"{name}: {episodes} games, presses in {printable(str(into / name / 'presses.csv'), longest=None)}"
+            f"{name}: {episodes} games, presses in "
+            f"{printable(str(into / name / 'presses.csv'), longest=None)}"
         )
     say(f"Load: {FOLDER_VARIABLE}={printable(str(into), longest=None)}; minari.load_dataset({name!r})")
     tell_trouble(exported.left_out, exported.damaged)

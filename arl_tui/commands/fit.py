@@ -34,7 +34,8 @@ _PATH = ToWrite()
     "--from",
     "preset",
     metavar="PROGRAM",
-    help="Whose files they are: psychopy, jspsych, eprime, gorilla, opensesame, dmdx, qualtrics; or table. Recognised "
+    help="Whose files they are: psychopy, jspsych, eprime, gorilla, opensesame, dmdx, qualtrics; or table. "
+    "Recognised "
     "by default; a file without that program's marks is an error.",
 )
 @click.option(
@@ -47,7 +48,8 @@ _PATH = ToWrite()
 @click.option(
     "--unit",
     type=click.Choice(["s", "ms", "us", "ns"]),
-    help="Unit of the rt column, unless its name (rt_ms), a BIDS sidecar or BIDS itself states it. Never guessed.",
+    help="Unit of the rt column, unless its name (rt_ms), a BIDS sidecar or BIDS itself states it. Never "
+    "guessed.",
 )
 @click.option(
     "--keep",
@@ -97,7 +99,8 @@ _PATH = ToWrite()
 @click.option(
     "--task",
     metavar="TEXT",
-    help="What was measured; our recordings say it. Evaluations (evaluation, feedback lag) have other limits than "
+    help="What was measured; our recordings say it. Evaluations (evaluation, feedback lag) have other limits "
+    "than "
     "reactions.",
 )
 @click.option(
@@ -177,10 +180,11 @@ _PATH = ToWrite()
     help="Write JSON, report, the verdict on each row and all figures into a new folder.",
 )
 def fit(files: tuple[Path, ...], **options: object) -> None:
-    """Fit delay densities to the reaction times in FILES: our recordings, BIDS, CSV, or a program's own data files.
+    """Fit delay densities to the reaction times in FILES: our recordings, BIDS, CSV, or a program's own data
+    files.
 
-    Gamma and seven other families by maximum likelihood, with intervals. Status 2 and a message if a file cannot be
-    used. When to trust the numbers: docs/trusting-a-fit.md.
+    Gamma and seven other families by maximum likelihood, with intervals. Status 2 and a message if a file
+    cannot be used. When to trust the numbers: docs/trusting-a-fit.md.
     """
     request = Request(**options)  # type: ignore[arg-type]
     fit_files(files, request)

@@ -31,7 +31,9 @@ def draw_fit(group: "GroupFit", samples: "Mapping[str, Sample]", path: Path) -> 
 
 
 def means_figure(group: "GroupFit") -> "Figure":
-    """Draw each participant's mean delay with its interval, and the middle 90 % of the times, sorted by mean."""
+    """Draw each participant's mean delay with its interval, and the middle 90 % of the times, sorted by
+    mean.
+    """
     # Half a second that only this needs; Figure, not pyplot: no window system is asked for.
     from matplotlib.figure import Figure
 

@@ -39,7 +39,8 @@ def reading_lines(rows: "Sequence[Row]", selection: "Selection") -> Iterator[str
     )
     p = selection.policy
     yield (
-        f"Policy: faster than {p.anticipation_below_s:g} s is no reaction, slower than {p.slow_above_s:g} s something "
+        f"Policy: faster than {p.anticipation_below_s:g} s is no reaction, slower than {p.slow_above_s:g} s "
+        f"something "
         f"else, above {p.absurd_above_s:g} s a fault of the file; time-outs: {p.time_outs}."
     )
 
@@ -50,7 +51,8 @@ def fault_lines(rows: "Sequence[Row]", selection: "Selection") -> Iterator[str]:
         found = [row for row, verdict in zip(rows, selection.verdicts, strict=True) if verdict == fault]
         if found:
             yield (
-                f"Warning: {len(found)} {fault} {'time' if len(found) == 1 else 'times'}, the first at {found[0].source} "
+                f"Warning: {len(found)} {fault} {'time' if len(found) == 1 else 'times'}, the first at "
+                f"{found[0].source} "
                 f"({found[0].rt_s:g} s). Left out; find out where it comes from."
             )
 
@@ -103,7 +105,10 @@ def delay_lines(one: "ParticipantFit") -> Iterator[str]:
         yield f"{title:<12}{cells[0]:<31}{cells[1]}".rstrip()
     tests = [_goodness(delay) for delay in pair]
     yield f"{'goodness':<12}{tests[0]:<31}{tests[1]}"
-    yield f"Intervals: {level:g} % by profile likelihood (mode: bootstrap). * ends at the edge of what is allowed."
+    yield (
+        f"Intervals: {level:g} % by profile likelihood (mode: bootstrap). * ends at the edge of what is "
+        f"allowed."
+    )
 
 
 def _with_interval(delay: "DelayEstimate", name: str) -> str:
@@ -166,12 +171,16 @@ def group_lines(group: "GroupFit") -> Iterator[str]:
     for name in ("gamma", "shifted gamma"):
         leads = [next(fit.aic for fit in one.fits if fit.family == name) - one.fits[0].aic for one in people]
         clearly = sum(lead >= 10.0 for lead in leads)
-        yield f"Another family fits clearly better than the {name} (AIC lower by 10 or more) in {clearly} of {len(people)}."
+        yield (
+            f"Another family fits clearly better than the {name} (AIC lower by 10 or more) in {clearly} of "
+            f"{len(people)}."
+        )
     for name in ("gamma", "shifted_gamma"):
         unsure = sum(not getattr(one, name).shape_identified for one in people)
         if unsure:
             yield (
-                f"Warning: the shape of the {name.replace('_', ' ')} is not identified in {unsure} of {len(people)}: "
+                f"Warning: the shape of the {name.replace('_', ' ')} is not identified in {unsure} of "
+                f"{len(people)}: "
                 "trust mean and quantiles there."
             )
 

@@ -133,7 +133,8 @@ def import_tamer_log(log: Path, out: Path | None, recordings: Path) -> None:
     "--column",
     multiple=True,
     metavar="WHAT=NAME",
-    help="Which column holds what: participant=NAME (participant_id), time=NAME (time_s), value=NAME (value), "
+    help="Which column holds what: participant=NAME (participant_id), time=NAME (time_s), value=NAME "
+    "(value), "
     "delay=NAME (delay_s, if there is one).",
 )
 @click.option(
@@ -162,7 +163,8 @@ def import_evaluations(
 ) -> None:
     """Import TABLE, evaluations of an agent: who pressed when, what value, how long after the event judged.
 
-    The recordings give delays (`arl fit`), bursts and reports (`arl presses`); without states they cannot be replayed.
+    The recordings give delays (`arl fit`), bursts and reports (`arl presses`); without states they cannot be
+    replayed.
     """
     settings = pairs(column, "--column")
     for name, value in (("by", ",".join(by)), ("unit", unit), ("encoding", encoding)):

@@ -40,7 +40,8 @@ def play_session(
         chosen = with_episodes(chosen, episodes)
     if chosen.others:
         raise click.ClickException(
-            "a live session has one participant: leave `others` out of the protocol (only simulated sessions have them)"
+            "a live session has one participant: leave `others` out of the protocol (only simulated sessions "
+            "have them)"
         )
     from arl_tui.commands.check_protocol import tell_start
     from arl_tui.commands.credit import settle_credit
@@ -71,7 +72,8 @@ def read_protocol(path: Path | None, game: str | None = None) -> Protocol:
         raise click.ClickException(str(error)) from error
     if game is not None and protocol.game != game.partition(":")[0]:
         raise click.ClickException(
-            f"{path} is a protocol of {protocol.game}, not of {game}: say `{protocol.game}`, or change [domain] type"
+            f"{path} is a protocol of {protocol.game}, not of {game}: say `{protocol.game}`, or change "
+            f"[domain] type"
         )
     return protocol
 
@@ -153,8 +155,8 @@ def live_app(
     from arl_tui.session_app import SessionSetup, build_app
     from arl_tui.worker import start_worker
 
-    # Before the app runs, because no process can be started from inside it; but after everything is imported: on two
-    # hardware threads of one core a worker that compiles slows the first picture down by a third.
+    # Before the app runs, because no process can be started from inside it; but after everything is imported:
+    # on two hardware threads of one core a worker that compiles slows the first picture down by a third.
     link = start_worker(protocol, root_seed, simulated=simulated, kept=kept)
     try:
         setup = SessionSetup(

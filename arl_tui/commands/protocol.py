@@ -29,7 +29,8 @@ def protocol_lines(protocol: Protocol) -> Iterator[str]:
     A setting without effect in this protocol, and one that has no value, is there as a comment.
     """
     yield from _comment(
-        f"A protocol of {protocol.game}: every setting with its default or value. What is left out of a file has "
+        f"A protocol of {protocol.game}: every setting with its default or value. What is left out of a file "
+        f"has "
         'the default. A key without a line "Has an effect ..." has one in every session. '
         "`arl protocol --check FILE` says what a file will do."
     )

@@ -19,7 +19,8 @@ from arl_tui.commands.recordings_format import schema, upgrade
     "--publish",
     type=ToWrite(folder=True),
     metavar="DIR",
-    help="Copy all sound recordings into a new folder, without dates in headers and names, chained anew. `arl anonymise` removes "
+    help="Copy all sound recordings into a new folder, without dates in headers and names, chained anew. "
+    "`arl anonymise` removes "
     "more.",
 )
 @click.option(
@@ -32,7 +33,8 @@ from arl_tui.commands.recordings_format import schema, upgrade
     "--make-key",
     type=ToWrite(),
     metavar="FILE",
-    help="Make a key for signatures: FILE, which stays with you, and FILE.pub. Sessions sign where ARL_SIGNING_KEY names "
+    help="Make a key for signatures: FILE, which stays with you, and FILE.pub. Sessions sign where "
+    "ARL_SIGNING_KEY names "
     "FILE.",
 )
 @click.pass_context
@@ -51,7 +53,8 @@ def list_recordings(
     if context.invoked_subcommand is not None:
         if any((csv_path, publish, verify, make_key)):
             raise click.UsageError(
-                f"--csv, --publish, --verify and --make-key are not for {context.invoked_subcommand}: leave them out"
+                f"--csv, --publish, --verify and --make-key are not for {context.invoked_subcommand}: leave "
+                f"them out"
             )
         return
     from arl_tui.commands.recordings import list_all, publish_all

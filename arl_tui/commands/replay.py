@@ -23,7 +23,10 @@ if TYPE_CHECKING:
     from core.feedback.delays import Delay
     from studies.what_if import WhatIfRow
 
-OFF_POLICY = "Steps and presses are as recorded (off-policy): another agent would have shown, and been told, something else."
+OFF_POLICY = (
+    "Steps and presses are as recorded (off-policy): another agent would have shown, and been told, "
+    "something else."
+)
 
 
 def replay_recordings(paths: Sequence[Path], **options: Any) -> None:

@@ -14,14 +14,16 @@ from arl_tui.command_line import FILE, ToWrite, protocol_option, seed_option
     "credits",
     multiple=True,
     metavar="RULE",
-    help="What-if: how presses are shared out among steps: gamma:2.5,0.3 uniform:0.2,0.8 previous current, or participant (its own delay, see `arl calibrate`). May be given several times.",
+    help="What-if: how presses are shared out among steps: gamma:2.5,0.3 uniform:0.2,0.8 previous current, "
+    "or participant (its own delay, see `arl calibrate`). May be given several times.",
 )
 @click.option(
     "--scheme",
     "schemes",
     multiple=True,
     metavar="NAME",
-    help="What-if: how both rewards are combined, such as linear or annealed:episode (its weight falls per episode; else per "
+    help="What-if: how both rewards are combined, such as linear or annealed:episode (its weight falls per "
+    "episode; else per "
     "watched-game). May be given several times.",
 )
 @click.option(

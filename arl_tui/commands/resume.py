@@ -87,5 +87,6 @@ def _refuse_other_options(context: click.Context) -> None:
     ]
     if given:
         raise click.UsageError(
-            f"--resume goes on as the recording says: leave out {', '.join(given)} (the new file lies beside the old one)"
+            f"--resume goes on as the recording says: leave out {', '.join(given)} (the new file lies beside "
+            f"the old one)"
         )

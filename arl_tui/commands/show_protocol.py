@@ -15,7 +15,8 @@ from arl_tui.command_line import FILE, GAMES, protocol_option
 def show_protocol(game: str | None, protocol: Path | None, check: Path | None, markdown: bool) -> None:
     """Print a complete protocol of GAME (tetris by default) in TOML: a file to start from.
 
-    Every key is there with its meaning, its range and unit or its choices, and the sessions in which it has an effect.
+    Every key is there with its meaning, its range and unit or its choices, and the sessions in which it has
+    an effect.
     """
     if sum((check is not None, markdown, protocol is not None)) > 1:
         raise click.UsageError("use one of --protocol, --check and --markdown")

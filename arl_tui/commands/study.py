@@ -48,7 +48,9 @@ def new(folder: Path, name: str) -> None:
 @study_argument
 @click.option("--pages", is_flag=True, help="Print every text that participants will read.")
 def check(file: Path, pages: bool) -> None:
-    """Say what STUDY asks of participants, which orders there are, and what is missing. Status 1 if something is."""
+    """Say what STUDY asks of participants, which orders there are, and what is missing. Status 1 if something
+    is.
+    """
     from studies.lab.check import forecast
     from studies.lab.read import load_study
 
@@ -65,7 +67,8 @@ def check(file: Path, pages: bool) -> None:
     say("\nConditions, from simulated sessions:")
     for block in found.blocks:
         say(
-            f"  {block.condition:20} {block.games} games, {block.minutes:.1f} min, {block.presses:.0f} presses that count"
+            f"  {block.condition:20} {block.games} games, {block.minutes:.1f} min, {block.presses:.0f} "
+            f"presses that count"
         )
     say("\nOrders, by place:")
     for place, order in enumerate(found.orders, 1):
@@ -82,7 +85,9 @@ def check(file: Path, pages: bool) -> None:
 
 @study.command(short_help="Print every key of a study file with what it means.")
 def settings() -> None:
-    """Print every key of a study file and of a questionnaire: what it takes, and what it means (docs/study.md)."""
+    """Print every key of a study file and of a questionnaire: what it takes, and what it means
+    (docs/study.md).
+    """
     from arl_tui.commands.study_page import page
 
     say(page(), nl=False)
@@ -131,7 +136,8 @@ def run(file: Path, code: str | None, recordings: Path) -> None:
 def simulate(file: Path, participants: int, recordings: Path) -> None:
     """Send simulated participants of all kinds through the real pages of STUDY.
 
-    Their data lie in a folder of their own, whose name ends in "-simulated", and every file says that it is simulated.
+    Their data lie in a folder of their own, whose name ends in "-simulated", and every file says that it is
+    simulated.
     """
     from arl_tui.app.facts import software
     from arl_tui.commands.study_blocks import settle_simulated

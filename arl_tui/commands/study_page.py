@@ -20,12 +20,12 @@ The tables under `[protocol]` and `[conditions.NAME]` are those of a protocol (d
 only what differs from the base; a table of another `type` than the base's replaces it as a whole.
 
 Each step is a table in the list `steps` of a sitting, and says by its `type` which step it is.
-"""
+"""  # noqa: E501
 QUESTIONS = f"""# Every setting of a questionnaire
 
 A questionnaire is a TOML file beside the study file, or one of the ready ones: {", ".join(READY)}. Each question is a
 table under `[[questions]]`.
-"""
+"""  # noqa: E501
 
 
 def page() -> str:

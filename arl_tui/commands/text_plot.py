@@ -1,4 +1,6 @@
-"""Plots of plain text for standard output: a histogram with densities, and a Q-Q plot. Numbers in, lines out."""
+"""Plots of plain text for standard output: a histogram with densities, and a Q-Q plot. Numbers in, lines
+out.
+"""
 
 from collections.abc import Mapping, Sequence
 
@@ -15,7 +17,9 @@ _DOTS = np.array([[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]])
 
 
 def histogram_edges(times_s: Floats, most: int = 18) -> Floats:
-    """Return edges of bins of a round width (1, 2 or 5 times a power of ten), at most `most` bins, seconds."""
+    """Return edges of bins of a round width (1, 2 or 5 times a power of ten), at most `most` bins,
+    seconds.
+    """
     low, high = float(times_s.min()), float(times_s.max())
     wanted = max((high - low) / most, 1e-6)
     power = 10.0 ** np.floor(np.log10(wanted))
@@ -38,7 +42,8 @@ def histogram(
     Args:
         edges: of the bins in seconds, shape (n + 1,).
         heights: of the bars, per second, shape (n,), >= 0.
-        densities: name to the density's mean over each bin, per second, shape (n,); at most as many as `MARKS`.
+        densities: name to the density's mean over each bin, per second, shape (n,); at most as many as
+            `MARKS`.
         width: columns of the longest bar.
     """
     top = max(float(heights.max()), *(float(d.max()) for d in densities.values()), 1e-12)
@@ -55,7 +60,9 @@ def histogram(
 
 
 def bar(fraction: float, width: int) -> str:
-    """Return a bar over `fraction` (0 to 1) of `width` columns, to an eighth of a column, padded with spaces."""
+    """Return a bar over `fraction` (0 to 1) of `width` columns, to an eighth of a column, padded with
+    spaces.
+    """
     eighths = round(min(max(fraction, 0.0), 1.0) * width * 8)
     full, rest = divmod(eighths, 8)
     return ("█" * full + (EIGHTHS[rest] if rest else "")).ljust(width)

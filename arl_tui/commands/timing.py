@@ -48,7 +48,8 @@ BUSY = 0.5
     "--gate",
     type=click.FloatRange(min=0.0, min_open=True),
     metavar="MS",
-    help="Leave with status 1 where a scene's median error is larger. Nothing is kept then or otherwise: for CI.",
+    help="Leave with status 1 where a scene's median error is larger. Nothing is kept then or otherwise: "
+    "for CI.",
 )
 def timing(
     trials: int,
@@ -61,9 +62,9 @@ def timing(
 ) -> None:
     """Test how exactly reaction times are measured on this machine.
 
-    A robot participant at the other end of a pseudo-terminal answers a stimulus exactly 150 to 1000 ms after it has
-    seen its bytes; measured minus true is printed, at rest and beside a moving board, and what is left of it with a
-    program of a few lines that only reads. No keyboard is needed.
+    A robot participant at the other end of a pseudo-terminal answers a stimulus exactly 150 to 1000 ms after
+    it has seen its bytes; measured minus true is printed, at rest and beside a moving board, and what is left
+    of it with a program of a few lines that only reads. No keyboard is needed.
     """
     result = measure(
         tuple(scenes) or SCENE_NAMES, trials, longest, secrets.randbits(63) if seed is None else seed
@@ -84,13 +85,16 @@ def timing(
 
 
 def stop_above(result: "TimingResult", gate_ms: float) -> None:
-    """Leave with status 1 where a median is too large, or a scene has no usable trial. Means are the machine's."""
+    """Leave with status 1 where a median is too large, or a scene has no usable trial. Means are the
+    machine's.
+    """
     for scene in result.scenes:
         if scene.on_time is None:
             raise click.ClickException(f"{scene.scene}: no usable trial of {scene.n_trials}")
         if scene.on_time.median > gate_ms:
             raise click.ClickException(
-                f"{scene.scene}: the median error is {scene.on_time.median:.2f} ms, allowed are {gate_ms:g} ms"
+                f"{scene.scene}: the median error is {scene.on_time.median:.2f} ms, allowed are {gate_ms:g} "
+                f"ms"
             )
 
 
@@ -151,20 +155,25 @@ def report_lines(result: "TimingResult") -> Iterator[str]:
     for scene in result.scenes:
         yield from scene_lines(scene)
     yield ""
-    yield "On the way out: from the flush to the robot's read; the rest is the key's way in, to its time stamp."
     yield (
-        f"Read late: the kernel passed the bytes to the robot more than {LATE_MS:g} ms after the flush. The robot's true "
+        "On the way out: from the flush to the robot's read; the rest is the key's way in, to its time stamp."
+    )
+    yield (
+        f"Read late: the kernel passed the bytes to the robot more than {LATE_MS:g} ms after the flush. The "
+        f"robot's true "
         "time begins then, so the delay counts as error, though it is the pseudo-terminal's."
     )
     yield (
-        "Bare reader: a few lines without a screen, in the same pseudo-terminal. What it has, the machine does; the rest "
+        "Bare reader: a few lines without a screen, in the same pseudo-terminal. What it has, the machine "
+        "does; the rest "
         "is this program's."
     )
     if result.waking is not None:
         yield waking_line(result.waking)
     if result.load > BUSY * result.cores:
         yield (
-            f"This machine is busy (load {result.load:.1f} on {result.cores} cores): only the medians say something "
+            f"This machine is busy (load {result.load:.1f} on {result.cores} cores): only the medians say "
+            f"something "
             "about the program. Repeat on a quiet machine, and do not calibrate anybody on a busy one."
         )
     yield "Targets on a quiet machine: at rest bias < 0.5, sd < 0.2; beside a board median < 0.5, p95 < 3."
@@ -174,7 +183,9 @@ def report_lines(result: "TimingResult") -> Iterator[str]:
     yield from published_lines()
     yield ""
     yield (
-        "Not seen here: the terminal's drawing, the compositor, the screen, the keyboard and its cable. Together they "
-        "add typically 20 to 60 ms, about constant for one set-up; a fit has them in its offset. Nothing is subtracted. "
+        "Not seen here: the terminal's drawing, the compositor, the screen, the keyboard and its cable. "
+        "Together they "
+        "add typically 20 to 60 ms, about constant for one set-up; a fit has them in its offset. Nothing is "
+        "subtracted. "
         "Measuring them takes a photodiode and a button box."
     )

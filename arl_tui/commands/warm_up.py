@@ -1,4 +1,6 @@
-"""`arl warm-up`: compile everything now that sessions and matches would compile when they are first played."""
+"""`arl warm-up`: compile everything now that sessions and matches would compile when they are first
+played.
+"""
 
 import time
 

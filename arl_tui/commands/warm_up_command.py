@@ -5,7 +5,8 @@ import click
 
 @click.command(name="warm-up", short_help="Compile now what the first games would compile.")
 def warm_up_command() -> None:
-    """Compile everything now that sessions and matches compile when they are first played: half a minute, once.
+    """Compile everything now that sessions and matches compile when they are first played: half a minute,
+    once.
 
     Nothing has to be: a first game begins at once and compiles meanwhile.
     """

@@ -85,7 +85,8 @@ class GameOrRecording(click.ParamType):  # type: ignore[type-arg]
     default="hand",
     show_default=True,
     metavar="hand|random|hold|FILE",
-    help="Who plays: a benchmark policy, what `arl train keepaway` has saved (.npz), or what the keepers had learned "
+    help="Who plays: a benchmark policy, what `arl train keepaway` has saved (.npz), or what the keepers had "
+    "learned "
     "by the end of a recorded session (.jsonl).",
 )
 @click.option("--seed", type=click.IntRange(0, 2**63 - 1), help="Root seed; a new one by default.")
@@ -95,7 +96,8 @@ class GameOrRecording(click.ParamType):  # type: ignore[type-arg]
     type=click.FloatRange(0.02, 64.0),
     default=1.0,
     show_default=True,
-    help="Simulated seconds per second, at most 20; 0.25 is slow motion. FILE: recorded seconds per second of a film.",
+    help="Simulated seconds per second, at most 20; 0.25 is slow motion. FILE: recorded seconds per second "
+    "of a film.",
 )
 @keepers_option
 @takers_option
@@ -135,7 +137,8 @@ def watch(
     until: float | None,
     export: Path | None,
 ) -> None:
-    """See FILE, a recorded session, again: on a timeline, with credit, values and what-ifs (docs/look-at-a-session.md).
+    """See FILE, a recorded session, again: on a timeline, with credit, values and what-ifs
+    (docs/look-at-a-session.md).
 
     Or look at a policy playing Keepaway (--policy), as fast or slowly as you like; nothing is recorded then.
     """
@@ -268,7 +271,8 @@ def task(
     wanted = (keepers or config.n_keepers, takers or config.n_takers)
     if saved is not None and wanted != (config.n_keepers, config.n_takers):
         raise click.ClickException(
-            f"this policy was learned by {config.n_keepers} keepers against {config.n_takers} takers and knows "
+            f"this policy was learned by {config.n_keepers} keepers against {config.n_takers} takers and "
+            f"knows "
             f"nothing else; got --keepers {wanted[0]} --takers {wanted[1]}"
         )
     try:
@@ -290,7 +294,10 @@ def heading(policy: str, saved: "SavedPolicy | None", config: "KeepawayConfig", 
     from core.system.foreign_text import printable
 
     lines = [
-        f"[b]Keepaway {config.n_keepers} against {config.n_takers}[/], {config.length_m:g} m x {config.width_m:g} m"
+        (
+            f"[b]Keepaway {config.n_keepers} against {config.n_takers}[/], {config.length_m:g} m x "
+            f"{config.width_m:g} m"
+        )
     ]
     if saved is None:
         lines.append(f"Policy   {BENCHMARKS[policy]}")

@@ -22,7 +22,10 @@ def table(rows: "Iterable[WhatIfRow]", units: str = "lines") -> Iterable[str]:
     """
     rows = list(rows)
     first = rows[0]
-    yield f"How well each agent plays as its next episode: number {first.episode}, after {first.watched} watched games"
+    yield (
+        f"How well each agent plays as its next episode: number {first.episode}, after {first.watched} "
+        f"watched games"
+    )
     yield from _aligned(
         ("credit", "scheme", f"{units} per game", "minus the first row", "weight in use"),
         [(row.credit, row.rule, _score(row), _difference(row), _weight(row)) for row in rows],
@@ -101,7 +104,10 @@ def _remarks(rows: "Sequence[WhatIfRow]") -> Iterable[str]:
     for credit, reason in undefined.items():
         yield f"No log-loss under {credit}: {reason}."
     if any(row.held_out.worse for row in rows):
-        yield "worse: the human model foretells the last presses worse than a constant guess, the rate of praise."
+        yield (
+            "worse: the human model foretells the last presses worse than a constant guess, the rate of "
+            "praise."
+        )
     if any(math.isnan(row.credited) for row in rows):
         yield "on steps: no press counted, so none could be credited."
 

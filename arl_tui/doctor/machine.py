@@ -1,4 +1,6 @@
-"""Checks that need no terminal: versions, system, clock, sleeps, processors, compiled code, folders and disk."""
+"""Checks that need no terminal: versions, system, clock, sleeps, processors, compiled code, folders and
+disk.
+"""
 
 import os
 import platform
@@ -148,7 +150,9 @@ def compiled_finding() -> Finding:
 
 
 def disk_findings(recordings: Path) -> Iterator[Finding]:
-    """Yield whether recordings can be written, how much room there is, and how fast a press gets to the disk."""
+    """Yield whether recordings can be written, how much room there is, and how fast a press gets to the
+    disk.
+    """
     there = next(folder for folder in (recordings, *recordings.absolute().parents) if folder.exists())
     if not (there.is_dir() and os.access(there, os.W_OK | os.X_OK)):
         yield Finding(

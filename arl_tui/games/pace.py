@@ -33,5 +33,6 @@ def pace_warning(protocol: Protocol, ready: Ready | None) -> str:
     screens = screens_of(protocol)
     return (
         f"at this pace about {ready.reach:.0%} of a press reaches the {screens.words.step} it is meant "
-        f"for ({ready.step_s:.2f} s each, delay {describe(delay)} s, rule {describe(rule)}). {screens.slower(protocol.screen)}."
+        f"for ({ready.step_s:.2f} s each, delay {describe(delay)} s, rule {describe(rule)}). "
+        f"{screens.slower(protocol.screen)}."
     )

@@ -1,4 +1,6 @@
-"""What of the play screen belongs to one game: the picture, the figures beside it, and how much room they take."""
+"""What of the play screen belongs to one game: the picture, the figures beside it, and how much room they
+take.
+"""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -37,7 +39,9 @@ class Panel(Interface):
         ...
 
     def take_drawn(self) -> bool:
-        """Return whether a picture has been drawn for the first time, or again after `refresh`, since the last call."""
+        """Return whether a picture has been drawn for the first time, or again after `refresh`, since the
+        last call.
+        """
         ...
 
     def stage(self) -> CoverableWidget:

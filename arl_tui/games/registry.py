@@ -5,7 +5,8 @@ A package that shows a game of its own (`core.plugins`) names an instance of `Ga
     [project.entry-points."arl.screens"]
     our-game = "our_package.screens:SCREENS"
 
-under the name of the game. Without one the game can be simulated and replayed, and not be played in front of people.
+under the name of the game. Without one the game can be simulated and replayed, and not be played in front of
+people.
 """
 
 from abc import ABC, abstractmethod
@@ -45,7 +46,8 @@ class GameScreens(ABC):
     """What participants are told."""
 
     judging_module: ClassVar[str] = ""
-    """Module that prepares the game of the feedback-lag task in a process of its own; "" where there is none."""
+    """Module that prepares the game of the feedback-lag task in a process of its own; "" where there is
+    none."""
     judging: ClassVar[JudgingWords] = JudgingWords("", "")
     """What participants are told there."""
 
@@ -97,7 +99,8 @@ def screens_called(name: str) -> GameScreens:
     where = BUILT_IN.get(name) or _installed().get(name)
     if where is None:
         raise GameError(
-            f"the game {name!r} has no screens: simulate it (`arl.screens` is the entry point of a package's own)"
+            f"the game {name!r} has no screens: simulate it (`arl.screens` is the entry point of a package's "
+            f"own)"
         )
     return _loaded(name, where)
 

@@ -1,4 +1,6 @@
-"""From a session's outputs to pictures: the same for a live session and for a recording that is looked at again."""
+"""From a session's outputs to pictures: the same for a live session and for a recording that is looked at
+again.
+"""
 
 from typing import NamedTuple
 from typing import Protocol as Interface

@@ -34,7 +34,8 @@ class PauseScreen(Page):
         """Return the text."""
         if self._gap_s is not None:
             yield Static(
-                f"The computer slept or was held up for {self._gap_s:.0f} seconds, so the game has been paused.\n"
+                f"The computer slept or was held up for {self._gap_s:.0f} seconds, so the game has been "
+                f"paused.\n"
             )
         yield Static("The game waits for you. Take as long as you like; key presses do not count now.")
         yield Static("Press [reverse] P [/] or [reverse] Space [/] to go on", classes="call")
@@ -69,7 +70,8 @@ class HelpScreen(Page):
         yield Static(self._rules)
         yield Static(feedback_keys(keys))
         yield Static(
-            f"\nYou have {keys.max_presses_per_episode} presses in each game. A press counts once, however long you "
+            f"\nYou have {keys.max_presses_per_episode} presses in each game. A press counts once, however "
+            f"long you "
             "hold the key. If a press does not count, the screen says why.\n"
         )
         yield Static(session_keys(keys))

@@ -107,7 +107,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
                 yield self._status
         yield Static(session_keys(self._keys), id="session-keys")
 
-    # --- what happens -------------------------------------------------------------------------------------------
+    # --- what happens ---------------------------------------------------------------------------------------
 
     def show(self, occurrence: Occurrence) -> None:
         """Draw what has happened."""
@@ -225,7 +225,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         elif self._silence_shown:
             self._say(self._said)
 
-    # --- what the participant asks for --------------------------------------------------------------------------
+    # --- what the participant asks for ----------------------------------------------------------------------
 
     async def on_key(self, event: events.Key) -> None:
         """Act on a command's letter, unless the protocol has given it to feedback."""

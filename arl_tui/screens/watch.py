@@ -1,4 +1,6 @@
-"""Watching a policy play Keepaway: the pitch, what the policy thinks, and keys for time. Nothing is recorded."""
+"""Watching a policy play Keepaway: the pitch, what the policy thinks, and keys for time. Nothing is
+recorded.
+"""
 
 import threading
 from collections.abc import Callable, Iterable
@@ -54,8 +56,10 @@ class HelpPage(Page):
     def body(self) -> Iterable[Widget]:
         """Return the text."""
         yield Static(
-            "The keepers (K) pass the ball among themselves; the takers (T) want it. An episode ends when a taker "
-            "has had the ball for a moment, or the ball leaves the square. The mark beside a player shows which "
+            "The keepers (K) pass the ball among themselves; the takers (T) want it. An episode ends when a "
+            "taker "
+            "has had the ball for a moment, or the ball leaves the square. The mark beside a player shows "
+            "which "
             "way it faces; the bright player has the ball; dots lead to the receiver of a pass.\n"
         )
         rows = (
@@ -183,7 +187,7 @@ class WatchScreen(Screen[None], inherit_bindings=False):
             "\n".join([self._heading, *panel_lines(self.playback, self._palette)])
         )
 
-    # --- keys -----------------------------------------------------------------------------------------------------
+    # --- keys -----------------------------------------------------------------------------------------------
 
     def action_pause(self) -> None:
         """Stand still, or go on."""
@@ -297,8 +301,8 @@ class WatchApp(PlainApp[str]):
 
         Args:
             view: the screen.
-            prepare: makes the match; takes a minute where everything has to be compiled first, and is called in
-                another thread.
+            prepare: makes the match; takes a minute where everything has to be compiled first, and is called
+                in another thread.
         """
         super().__init__()
         self.view = view

@@ -81,21 +81,25 @@ class WelcomeScreen(Page):
         yield Static(words.welcome.format(games=games, practises=practises))
         yield Static(f"\n{feedback_keys(keys)}\n")
         yield Static(
-            f"You have [b]{presses} presses in each game[/], so save them for what matters, and press as soon as "
+            f"You have [b]{presses} presses in each game[/], so save them for what matters, and press as "
+            f"soon as "
             "you have made up your mind. Nothing you press is wrong: only your opinion counts."
         )
         if keys.wrong_press_rate > 0:
             yield Static(
-                "\nNow and then the screen asks you to press the [b]wrong[/] key on purpose. Please do it then: "
+                "\nNow and then the screen asks you to press the [b]wrong[/] key on purpose. Please do it "
+                "then: "
                 "we want to know how the computer copes with mistakes."
             )
         if self._simulated:
             yield Static(
-                "\nThis is a demonstration: a [b]simulated person[/] presses keys as well. You may press, too, "
+                "\nThis is a demonstration: a [b]simulated person[/] presses keys as well. You may press, "
+                "too, "
                 "or just watch."
             )
         yield Static(
-            "\n[dim]Your key presses and their times are written to a file on this computer under the code[/] "
+            "\n[dim]Your key presses and their times are written to a file on this computer under the "
+            "code[/] "
             f"[b]{self._participant}[/][dim]. You can pause or stop at any time.[/]"
         )
         yield Static(id="pace")

@@ -91,7 +91,9 @@ def _trials(schedule: Schedule, delay: Density, seed: int) -> list[TrialRecord]:
 
 
 def _record(schedule: Schedule, trial: int, time_s: float) -> TrialRecord:
-    """Return a trial in which the right key came after `time_s`, or none where none should or it took too long."""
+    """Return a trial in which the right key came after `time_s`, or none where none should or it took too
+    long.
+    """
     plan, block, limit_s = schedule.trials[trial], schedule.block_of(trial), schedule.config.time_out_s
     onset_ns = (trial + 1) * TRIAL_NS
     answers = bool(plan.expected_keys) and not plan.catch and time_s < limit_s

@@ -103,7 +103,8 @@ def lines_of(row: RunningRow) -> list[str]:
     if row.session is not None:
         lag = "-" if row.session.lag_ms is None else f"{row.session.lag_ms:.0f} ms"
         lines.append(
-            f"    game {row.session.games}, {row.session.presses_per_minute:.1f} presses per minute, lag {lag}"
+            f"    game {row.session.games}, {row.session.presses_per_minute:.1f} presses per minute, lag "
+            f"{lag}"
         )
     lines += [f"    [b]![/] {escape(warning)}" for warning in row.warnings]
     return lines

@@ -12,7 +12,9 @@ Results = list[object]
 
 
 class PageApp(PlainApp[Results]):
-    """Shows each page until it is left; ends early where a page is left with None (stop) or False (decline)."""
+    """Shows each page until it is left; ends early where a page is left with None (stop) or False
+    (decline).
+    """
 
     CSS_PATH = Path(__file__).parent.parent / "app.tcss"
     TITLE = "arl"

@@ -8,6 +8,7 @@ from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Vertical, VerticalScroll
 from textual.screen import ModalScreen, Screen
+from textual.widget import Widget
 from textual.widgets import Markdown, Static
 
 from arl_tui.study import words
@@ -55,7 +56,7 @@ class StudyPage(Screen[object], inherit_bindings=False):
             yield Static(id="call", classes="call")
             yield Static(self._part, classes="part")
 
-    def contents(self) -> Iterable[Static | Markdown]:
+    def contents(self) -> Iterable[Widget]:
         """Return what is read on this page."""
         raise NotImplementedError
 
@@ -148,13 +149,15 @@ class TextPage(StudyPage):
         super().__init__(heading, code=code, part=part)
         self._text = text
 
-    def contents(self) -> Iterable[Static | Markdown]:
+    def contents(self) -> Iterable[Widget]:
         """Return the text."""
         yield Markdown(self._text, open_links=False)
 
 
 class ConsentPage(StudyPage):
-    """The text, then its statements. The result is a dict of statement to answer, or False if the participant declines."""
+    """The text, then its statements. The result is a dict of statement to answer, or False if the participant
+    declines.
+    """
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("y", "answer(True)", "Yes", id="consent.yes", tooltip="Agree to the statement"),
@@ -182,7 +185,7 @@ class ConsentPage(StudyPage):
         self._at = 0
         self._remark = ""
 
-    def contents(self) -> Iterable[Static | Markdown]:
+    def contents(self) -> Iterable[Widget]:
         """Return text and statements."""
         yield Markdown(self._text, open_links=False)
         yield Static(words.CONSENT_HELP)
@@ -299,7 +302,7 @@ class BreakPage(StudyPage):
         self._clock = clock
         self._since_ns = clock.now_ns()
 
-    def contents(self) -> Iterable[Static | Markdown]:
+    def contents(self) -> Iterable[Widget]:
         """Return the text."""
         yield Markdown(self._text or words.BREAK_TEXT, open_links=False)
 
@@ -341,7 +344,7 @@ class NoticePage(StudyPage):
         self._text = text
         self._remarks = remarks
 
-    def contents(self) -> Iterable[Static | Markdown]:
+    def contents(self) -> Iterable[Widget]:
         """Return text and remarks."""
         if self._text:
             yield Markdown(self._text, open_links=False)

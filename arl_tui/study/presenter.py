@@ -1,4 +1,6 @@
-"""What shows a study's pages and runs its sessions: a terminal, or a simulated participant's headless screens."""
+"""What shows a study's pages and runs its sessions: a terminal, or a simulated participant's headless
+screens.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass

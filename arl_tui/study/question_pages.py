@@ -1,4 +1,6 @@
-"""A page for each kind of question. The result is an answer with its times, or None if the participant stops."""
+"""A page for each kind of question. The result is an answer with its times, or None if the participant
+stops.
+"""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -6,7 +8,8 @@ from typing import ClassVar, assert_never
 
 from textual import events
 from textual.binding import Binding, BindingType
-from textual.widgets import Input, Markdown, Static
+from textual.widget import Widget
+from textual.widgets import Input, Static
 
 from arl_tui.study import words
 from arl_tui.study.pages import StudyPage, _plain
@@ -54,13 +57,13 @@ class QuestionPage(StudyPage):
         self._touched = False
         self._chosen: set[int] = set()
 
-    # --- what is shown ------------------------------------------------------------------------------------------
+    # --- what is shown --------------------------------------------------------------------------------------
 
-    def contents(self) -> Iterable[Static | Markdown]:
+    def contents(self) -> Iterable[Widget]:
         """Return the question and what can be chosen."""
         yield Static(f"[b]{_plain(self.question.text)}[/]", classes="question")
         if isinstance(self.question, Number | FreeText):
-            yield Input(id="typed", type="number" if isinstance(self.question, Number) else "text")  # type: ignore[misc]
+            yield Input(id="typed", type="number" if isinstance(self.question, Number) else "text")
             if isinstance(self.question, Number) and self.question.unit:
                 yield Static(_plain(self.question.unit))
         else:
@@ -118,7 +121,7 @@ class QuestionPage(StudyPage):
         self.query_one("#answers", Static).update(self._drawn())
         self.show_call()
 
-    # --- keys ---------------------------------------------------------------------------------------------------
+    # --- keys -----------------------------------------------------------------------------------------------
 
     def on_key(self, event: events.Key) -> None:
         """Choose with digits, arrows and Space."""
@@ -176,7 +179,7 @@ class QuestionPage(StudyPage):
         event.stop()
         self.done()
 
-    # --- the answer ---------------------------------------------------------------------------------------------
+    # --- the answer -----------------------------------------------------------------------------------------
 
     def answer(self) -> Answer:
         """Return the answer as it stands; None if there is none yet."""

@@ -1,7 +1,7 @@
 """Simulated participants of a whole study: they press keys on the real pages, headless, and leave real files.
 
-Sessions are those of `studies.demo`: the same learners, credit and recorder as in a live session, with a simulated
-participant in place of a person, as fast as the machine can. Nobody draws their games.
+Sessions are those of `studies.demo`: the same learners, credit and recorder as in a live session, with a
+simulated participant in place of a person, as fast as the machine can. Nobody draws their games.
 """
 
 from collections.abc import Callable, Mapping
@@ -71,8 +71,8 @@ class SimulatedPresenter:
             seed: of their answers.
             clock: of all times in the record; it moves on with every key.
             software: versions, for headers.
-            settle: returns a block's protocol with its credit rule in numbers, and where that comes from; by default
-                the simulated participant's own delay is known without a calibration.
+            settle: returns a block's protocol with its credit rule in numbers, and where that comes from; by
+                default the simulated participant's own delay is known without a calibration.
         """
         self._loaded = loaded
         self._habits = habits

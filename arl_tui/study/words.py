@@ -4,15 +4,23 @@ GO_ON = "Press [reverse] Enter [/] to go on"
 READ_ON = "Press [reverse] Enter [/] to read on"
 STOP = "[reverse] Q [/] to stop"
 CONSENT = "Your consent"
-CONSENT_HELP = "Answer every statement: [reverse] Y [/] yes, [reverse] N [/] no, arrow keys to move. Then press [reverse] Enter [/]."
+CONSENT_HELP = (
+    "Answer every statement: [reverse] Y [/] yes, [reverse] N [/] no, arrow keys to move. Then press "
+    "[reverse] Enter [/]."
+)
 CONSENT_NEEDED = "You can take part only if you agree to the statements marked with *."
 CONSENT_OPEN = "Please answer every statement."
 DECLINE_HEADING = "You do not want to take part"
-DECLINE = "That is fine. Nothing about you is kept.\n\nPress [reverse] Enter [/] to leave, [reverse] B [/] to go back."
+DECLINE = (
+    "That is fine. Nothing about you is kept.\n\nPress [reverse] Enter [/] to leave, [reverse] B [/] to go "
+    "back."
+)
 STOP_HEADING = "Stop here?"
 STOP_TEXT = (
-    "You can stop at any time, without giving a reason. What you have done so far is kept. If you want it to be deleted, "
-    "tell the experimenter your code: [b]{code}[/].\n\nPress [reverse] Y [/] to stop, [reverse] N [/] to go on."
+    "You can stop at any time, without giving a reason. What you have done so far is kept. If you want it to "
+    "be deleted, "
+    "tell the experimenter your code: [b]{code}[/].\n\nPress [reverse] Y [/] to stop, [reverse] N [/] to go "
+    "on."
 )
 STOPPED = "You have stopped. Thank you. Please tell the experimenter. Your code is [b]{code}[/]."
 BREAK_HEADING = "Time for a break"

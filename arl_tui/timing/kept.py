@@ -1,6 +1,7 @@
 """Results of `arl timing` beside the recordings, and what a session's header says of them.
 
-A result speaks for one machine and one kind of terminal connection: a session takes the newest one of its own.
+A result speaks for one machine and one kind of terminal connection: a session takes the newest one of its
+own.
 """
 
 import hashlib
@@ -48,7 +49,8 @@ def keep_timing(recordings: Path, result: TimingResult) -> Path:
 
 
 def timing_facts(recordings: Path, terminal: dict[str, str], now_utc: str) -> dict[str, str]:
-    """Return what a session's header says: the newest result of this machine and terminal, its age, or that there is none.
+    """Return what a session's header says: the newest result of this machine and terminal, its age, or that
+    there is none.
 
     Args:
         recordings: folder of recordings.

@@ -9,7 +9,8 @@ _PR_SET_PDEATHSIG = 1
 
 
 def tie_to_parent(parent: int, longest_s: float) -> None:
-    """Have this process killed when its parent ends (Linux), and after `longest_s` seconds in any case (POSIX).
+    """Have this process killed when its parent ends (Linux), and after `longest_s` seconds in any case
+    (POSIX).
 
     Args:
         parent: process id of the parent; if it is gone already, this process leaves at once.

@@ -86,7 +86,8 @@ def make_plan(scene: Scene, n_trials: int, *, root_seed: int, longest_ms: int = 
     """
     if not (1 <= n_trials <= 9999 and longest_ms >= SHORTEST_MS):
         raise ValueError(
-            f"need 1 to 9999 trials and a longest delay from {SHORTEST_MS} ms, got {n_trials} and {longest_ms}"
+            f"need 1 to 9999 trials and a longest delay from {SHORTEST_MS} ms, got {n_trials} and "
+            f"{longest_ms}"
         )
     from core.numerics.streams import stream  # Numpy: a session's header only reads results.
 

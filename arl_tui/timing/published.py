@@ -2,11 +2,16 @@
 
 from typing import NamedTuple
 
-SOURCE = "Bridges et al. 2020, PeerJ 8:e9414 (https://peerj.com/articles/9414/), Tables 2 and 3, with a Black Box Toolkit"
+SOURCE = (
+    "Bridges et al. 2020, PeerJ 8:e9414 (https://peerj.com/articles/9414/), Tables 2 and 3, with a Black Box "
+    "Toolkit"
+)
 
 
 class Published(NamedTuple):
-    """Reaction times of one program; milliseconds. A range where a table gives several browsers or systems."""
+    """Reaction times of one program; milliseconds. A range where a table gives several browsers or
+    systems.
+    """
 
     program: str
     system: str

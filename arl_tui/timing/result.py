@@ -12,7 +12,8 @@ if TYPE_CHECKING:
     from arl_tui.timing.robot import RobotTrial
 
 LATE_MS = 5.0
-"""A robot that read the stimulus later than this after its flush is counted apart: the kernel held the bytes up."""
+"""A robot that read the stimulus later than this after its flush is counted apart: the kernel held the bytes
+up."""
 NS_PER_MS = 1e6
 
 
@@ -56,7 +57,8 @@ class SceneResult(msgspec.Struct, frozen=True, kw_only=True):
     on_time: Summary | None
     """Trials whose bytes the robot read in time; None where there are none."""
     on_the_way: Summary | None
-    """Flush to read in the trials that were read in time: the part of the error that the pseudo-terminal makes."""
+    """Flush to read in the trials that were read in time: the part of the error that the pseudo-terminal
+    makes."""
     late: Summary | None
     """Trials whose bytes it read more than `LATE_MS` after the flush."""
     board_fps: float
@@ -152,7 +154,8 @@ def header_facts(result: TimingResult) -> dict[str, str]:
 
 def _short(summary: Summary) -> str:
     return (
-        f"n {summary.n}, error ms: bias {summary.bias:.2f}, sd {summary.sd:.2f}, median {summary.median:.2f}, "
+        f"n {summary.n}, error ms: bias {summary.bias:.2f}, sd {summary.sd:.2f}, median "
+        f"{summary.median:.2f}, "
         f"p95 {summary.p95:.2f}, p99 {summary.p99:.2f}"
     )
 

@@ -1,7 +1,9 @@
-"""The robot participant: runs the app under test in a pseudo-terminal and answers each stimulus after an exact delay.
+"""The robot participant: runs the app under test in a pseudo-terminal and answers each stimulus after an
+exact delay.
 
-The robot and the app use one clock (CLOCK_MONOTONIC) of one machine, so their times can be subtracted. The true
-reaction time is the robot's: from just after the read that brought the stimulus to just before the write of the key.
+The robot and the app use one clock (CLOCK_MONOTONIC) of one machine, so their times can be subtracted. The
+true reaction time is the robot's: from just after the read that brought the stimulus to just before the write
+of the key.
 """
 
 import contextlib
@@ -31,8 +33,9 @@ COLUMNS, LINES = 80, 30
 SPIN_NS = 2_000_000
 """The last 2 ms before a key is written are spent looking at the clock: no wake-up is late then."""
 REST_S = 0.02
-"""The robot sleeps for so long after a key: the kernel's worker that carries the key over may share its core with the
-robot, and a robot that goes on working holds it up until the next tick (measured: median 0.07 against 0.3 to 0.6 ms)."""
+"""The robot sleeps for so long after a key: the kernel's worker that carries the key over may share its core
+with the robot, and a robot that goes on working holds it up until the next tick (measured: median 0.07
+against 0.3 to 0.6 ms)."""
 _TAIL = 64
 """Bytes kept from one read to the next: more than a marker or a query."""
 _LAST_WORDS = 2000
@@ -57,7 +60,9 @@ class RobotTrial(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Robot:
-    """A pseudo-terminal with the app under test on its other side. A context manager: no process is left behind."""
+    """A pseudo-terminal with the app under test on its other side. A context manager: no process is left
+    behind.
+    """
 
     def __init__(self, plan: Plan, folder: Path) -> None:
         """Start the app.
@@ -184,7 +189,9 @@ def _program(plan: Plan) -> str:
 
 
 def _environment() -> dict[str, str]:
-    """Return an environment in which the app behaves as in a plain local terminal, drawing as live sessions do."""
+    """Return an environment in which the app behaves as in a plain local terminal, drawing as live sessions
+    do.
+    """
     environment = {
         **os.environ,
         "TERM": "xterm-256color",

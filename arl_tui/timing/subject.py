@@ -134,7 +134,7 @@ class SubjectApp(PlainApp[str]):
         if self._link is not None:
             self._link.stop_listening()
 
-    # --- the learner --------------------------------------------------------------------------------------------
+    # --- the learner ----------------------------------------------------------------------------------------
 
     def _on_worker(self, message: FromWorker) -> None:
         match message:
@@ -159,7 +159,7 @@ class SubjectApp(PlainApp[str]):
         self._link.send(FrameShown(frame=self._frames, step=step, flushed_ns=flushed_ns))
         self._frames += 1
 
-    # --- frames -------------------------------------------------------------------------------------------------
+    # --- frames ---------------------------------------------------------------------------------------------
 
     def post_display_hook(self) -> None:
         """Ask for the flush time of what has just been drawn."""
@@ -183,7 +183,7 @@ class SubjectApp(PlainApp[str]):
         if self._open and self._flushed_ns is None:
             self._flushed_ns = flushed_ns
 
-    # --- trials -------------------------------------------------------------------------------------------------
+    # --- trials ---------------------------------------------------------------------------------------------
 
     def _settle(self) -> None:
         self._garbage.first_paint()

@@ -1,6 +1,7 @@
 """How late this machine wakes whoever sleeps: what no program on it can do better than.
 
-A virtual machine that shares its processors may be away for milliseconds without any load of its own to show for it.
+A virtual machine that shares its processors may be away for milliseconds without any load of its own to show
+for it.
 """
 
 import time
@@ -32,6 +33,7 @@ def waking_line(waking: Summary) -> str:
     if waking.p95 <= QUIET_P95_MS:
         return told
     return (
-        f"{told} More than {QUIET_P95_MS:g} ms in 1 of 20 cases is not a quiet machine: bias, sd and tails above are its, and "
+        f"{told} More than {QUIET_P95_MS:g} ms in 1 of 20 cases is not a quiet machine: bias, sd and tails "
+        f"above are its, and "
         "no program on it can have better ones."
     )

@@ -27,7 +27,9 @@ class ViewerApp(PlainApp[str]):
 
 
 def mouse_driver() -> type | None:
-    """Return the driver of all apps, which here asks for the mouse; None where Textual's own choice must stand."""
+    """Return the driver of all apps, which here asks for the mouse; None where Textual's own choice must
+    stand.
+    """
     if own_driver() is None:
         return None
     from arl_tui.app.steady_driver import SteadyDriver

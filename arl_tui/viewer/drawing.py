@@ -74,7 +74,9 @@ def status_line(viewing: Viewing, transport: Transport, moment: Moment) -> list[
 
 
 def decision_lines(viewing: Viewing, moment: Moment, width: int, *, roomy: bool) -> list[list[Run]]:
-    """Return what the agent thought at a moment, and beside or below it what a what-if did; `roomy`: many lines."""
+    """Return what the agent thought at a moment, and beside or below it what a what-if did; `roomy`: many
+    lines.
+    """
     if moment.step < 0:
         lines: list[list[Run]] = [[("Between games", DIM)], [(viewing.own_words, DIM)]]
         if viewing.other is not None:

@@ -67,7 +67,8 @@ def export_film(
     n = int(max(0.0, end_s - begin_s) / speed * FRAMES_PER_S) + 1
     if path.suffix.lower() == ".gif" and n > MOST_GIF_FRAMES:
         raise click.ClickException(
-            f"{path}: a GIF of {n:,} pictures; the most is {MOST_GIF_FRAMES:,}. Name a shorter stretch (--at, --until), a "
+            f"{path}: a GIF of {n:,} pictures; the most is {MOST_GIF_FRAMES:,}. Name a shorter stretch "
+            f"(--at, --until), a "
             "higher --speed, or a .cast, which has no limit"
         )
     times = [session.start_ns + round((begin_s + k * speed / FRAMES_PER_S) * NS_PER_S) for k in range(n)]
@@ -146,7 +147,8 @@ class _Mp4:
         ffmpeg = shutil.which("ffmpeg")
         if ffmpeg is None:
             raise click.ClickException(
-                f"{path}: an MP4 is made by ffmpeg, which is not installed here. Install it (`apt install ffmpeg`, "
+                f"{path}: an MP4 is made by ffmpeg, which is not installed here. Install it (`apt install "
+                f"ffmpeg`, "
                 "`brew install ffmpeg`), or write a .gif or .cast"
             )
         size = f"{SIZE[0] * CELL[0]}x{SIZE[1] * CELL[1]}"

@@ -16,7 +16,7 @@ ROWS = (
     ("shift+→ ←", "scrub; page down, page up: far"), ("home end", "beginning, end"),
     ("z x", "timeline closer, further (or the wheel)"), ("j", "go to a press by its number"),
     ("c C", "credit rule on the strip: next, previous"), ("m", "marks on the game on, off"),
-    ("w", "what-if with the rule on the strip; again: end it"), ("n N", "next, previous decision that differs"),
+    ("w", "what-if with the rule on the strip; again: end it"), ("n N", "next, previous decision that differs"),  # noqa: E501
     ("1-9", "tag this moment"), ("t", "write a note"), ("d T", "remove the tag at hand; go to the next"),
     ("e", "write tagged moments as CSV"), ("p", "save the screen as SVG and PNG"), ("q", "leave"),
 )  # fmt: skip

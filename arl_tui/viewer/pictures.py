@@ -85,8 +85,9 @@ class NoPictures:
 def shot_number(session: SessionView, moment: Moment, n_shots: int, tick_ns: int) -> int:
     """Return which of a step's pictures was on screen.
 
-    A live session records every picture as a frame: where all of them reached the terminal, they are counted. Where
-    some did not, or where only the first is recorded (simulated and imported sessions), time on screen tells.
+    A live session records every picture as a frame: where all of them reached the terminal, they are counted.
+    Where some did not, or where only the first is recorded (simulated and imported sessions), time on screen
+    tells.
     """
     frame, frames = moment.frame, session.frames
     n_frames = session.frames_of(moment.step) if moment.step >= 0 else 0
@@ -128,7 +129,9 @@ class BoardPictures:
         return snapshot(Wall(self._config.rows, self._config.columns), counts=Counts())
 
     def _between(self, moment: Moment) -> Board:
-        """Return the board of a frame without a step: the last one, or an empty one before the first piece."""
+        """Return the board of a frame without a step: the last one, or an empty one before the first
+        piece.
+        """
         games, frame_ns = self._session.games, int(self._session.frames["time"][moment.frame])
         game = moment.game
         while game > 0 and games["start"][game] > frame_ns:

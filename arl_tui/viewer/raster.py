@@ -91,9 +91,10 @@ def _font(bold: bool) -> ImageFont.FreeTypeFont:
 
 
 _QUADRANTS: Final = {
-    0x2596: 4, 0x2597: 8, 0x2598: 1, 0x2599: 13, 0x259A: 9, 0x259B: 7, 0x259C: 11, 0x259D: 2, 0x259E: 6, 0x259F: 14,
+    0x2596: 4, 0x2597: 8, 0x2598: 1, 0x2599: 13, 0x259A: 9, 0x259B: 7, 0x259C: 11, 0x259D: 2, 0x259E: 6, 0x259F: 14,  # noqa: E501
 }  # fmt: skip
-"""Of block characters made of quarters: bits of the upper left, upper right, lower left and lower right one."""
+"""Of block characters made of quarters: bits of the upper left, upper right, lower left and lower right
+one."""
 
 
 def _draw_block(draw: ImageDraw.ImageDraw, code: int, front: RGB, back: RGB) -> None:

@@ -102,7 +102,8 @@ class Viewing:
         self.warm = False
         """Whether compiled code has been loaded; see `warm_up`."""
         self.drawn_receivers: Callable[[], tuple[int, tuple[int, ...]]] = lambda: (-1, ())
-        """Returns the row of the step drawn last, and to whom its options pass; set by what draws the pitch."""
+        """Returns the row of the step drawn last, and to whom its options pass; set by what draws the
+        pitch."""
         if what_if is not None:
             self.toggle_what_if()
 
@@ -119,7 +120,9 @@ class Viewing:
         return "score" if protocol is None else words_of(protocol.game).units[1]
 
     def warm_up(self) -> None:
-        """Load the compiled code that names placements: a second or two, a minute the first time. In any thread."""
+        """Load the compiled code that names placements: a second or two, a minute the first time. In any
+        thread.
+        """
         protocol = self.session.protocol
         if protocol is not None and isinstance(protocol.domain, TetrisConfig):
             from core.tetris.afterstate import Tetris
@@ -186,7 +189,8 @@ class Viewing:
     def toggle_what_if(self) -> str:
         """Begin a what-if, or end it; return what was done, in words.
 
-        It is the command's (`--credit`, `--scheme`), else the session's protocol with the credit rule on the strip.
+        It is the command's (`--credit`, `--scheme`), else the session's protocol with the credit rule on the
+        strip.
         """
         if self.other is not None and (self._asked is not None or self.other_name == self.rule.words):
             self.other, self._differences = None, (0, NO_TIMES)
@@ -207,7 +211,9 @@ class Viewing:
 
     @property
     def differences(self) -> NDArray[np.int64]:
-        """Times at which steps came on screen that the what-if's agent would have decided otherwise, ascending."""
+        """Times at which steps came on screen that the what-if's agent would have decided otherwise,
+        ascending.
+        """
         if self.other is None:
             return NO_TIMES
         n = len(self.other.thoughts)
@@ -243,7 +249,9 @@ class Viewing:
     # --- marks on the game ----------------------------------------------------------------------------------
 
     def placements(self, step: int) -> list[tuple[int, int]]:
-        """Return (orientation, leftmost column) of each action at a step of Tetris; nothing where it is not known."""
+        """Return (orientation, leftmost column) of each action at a step of Tetris; nothing where it is not
+        known.
+        """
         known = self._board_of(step) if step >= 0 and self.warm else None
         return [] if known is None else list(self._candidates(step, known))
 
@@ -297,8 +305,8 @@ class Viewing:
         """Return f(R, H) of each option at a step of Keepaway.
 
         Returns:
-            For each keeper a share of the best, a figure, and whether it was chosen. The bar of holding the ball is the
-            deciding keeper's own.
+            For each keeper a share of the best, a figure, and whether it was chosen. The bar of holding the
+            ball is the deciding keeper's own.
         """
         thought = self.own_thought(step) if step >= 0 else None
         if thought is None:

@@ -287,7 +287,9 @@ class ViewerScreen(Screen[str], inherit_bindings=False):
         self.draw()
 
     def action_what_if(self) -> None:
-        """Begin or end the side by side, with the credit rule that is on the strip or what the command named."""
+        """Begin or end the side by side, with the credit rule that is on the strip or what the command
+        named.
+        """
         self.say(self.viewing.toggle_what_if())
 
     def action_difference(self, by: int) -> None:

@@ -290,7 +290,9 @@ class Timeline(Rows):
 
 
 def _marks(times: Times, edges: Times, mark: str, style: Style) -> list[Cell]:
-    """Return a mark in each column in which something happened; bold digits where it happened several times."""
+    """Return a mark in each column in which something happened; bold digits where it happened several
+    times.
+    """
     counts = np.diff(np.searchsorted(times, edges, side="left"))
     if len(times) and len(counts) and times[-1] == edges[-1]:
         counts[-1] += int((times == edges[-1]).sum())

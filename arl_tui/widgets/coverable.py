@@ -14,7 +14,8 @@ class CoverableWidget(Widget, inherit_bindings=False, can_focus=False):
 
         Args:
             text: lines; what is longer than the game is wide is cut off.
-            whole: hide the whole game, so that there is nothing to judge; otherwise only a band around the text.
+            whole: hide the whole game, so that there is nothing to judge; otherwise only a band around the
+                text.
         """
         self._cover_text = tuple(text.splitlines()) or ("",)
         self._cover_whole = whole
@@ -36,7 +37,9 @@ class CoverableWidget(Widget, inherit_bindings=False, can_focus=False):
         return self.covered and self._cover_whole
 
     def covering(self, y: int, height: int) -> str | None:
-        """Return what is written over line y of a game of so many lines; None where the game itself is to be seen."""
+        """Return what is written over line y of a game of so many lines; None where the game itself is to be
+        seen.
+        """
         line = y - (height - len(self._cover_text)) // 2
         if not self.covered or not (self._cover_whole or -1 <= line <= len(self._cover_text)):
             return None

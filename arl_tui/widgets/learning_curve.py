@@ -1,4 +1,6 @@
-"""How practice went: performance per game over the blocks of unseen games. Import it late: plotting brings numpy."""
+"""How practice went: performance per game over the blocks of unseen games. Import it late: plotting brings
+numpy.
+"""
 
 from collections.abc import Sequence
 

@@ -94,7 +94,7 @@ class PitchWidget(CoverableWidget):
         self._looks: dict[tuple[int, int], Style] = {}
         self.add_class(f"-{palette.name}" if palette.name in PALETTES else f"-{STANDARD.name}")
 
-    # --- what is shown --------------------------------------------------------------------------------------------
+    # --- what is shown --------------------------------------------------------------------------------------
 
     def show(self, view: PitchFrame, frame: int = -1) -> bool:
         """Draw this picture with the next paint.
@@ -166,7 +166,7 @@ class PitchWidget(CoverableWidget):
             self._mark = None
             self._redraw()
 
-    # --- drawing --------------------------------------------------------------------------------------------------
+    # --- drawing --------------------------------------------------------------------------------------------
 
     def get_content_width(self, container: Size, viewport: Size) -> int:
         """Return the width of the largest pitch that there is room for."""

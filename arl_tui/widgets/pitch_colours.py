@@ -1,8 +1,8 @@
 """Colours of the pitch: data, and the style sheet that follows from it.
 
-Who is who never depends on colour alone: keepers are called K1, K2, ..., takers T1, T2, ..., the ball is a dot of its
-own, and what is going on stands in words below. The two teams' colours are a pair that people with any colour
-blindness tell apart (Okabe & Ito 2002), and differ in lightness as well.
+Who is who never depends on colour alone: keepers are called K1, K2, ..., takers T1, T2, ..., the ball is a
+dot of its own, and what is going on stands in words below. The two teams' colours are a pair that people with
+any colour blindness tell apart (Okabe & Ito 2002), and differ in lightness as well.
 """
 
 from collections.abc import Iterator, Mapping
@@ -73,7 +73,9 @@ def component_classes() -> set[str]:
 
 
 def style_sheet(widget: str) -> str:
-    """Return the style rules of every palette for widgets of this type; the widget's class `-NAME` chooses."""
+    """Return the style rules of every palette for widgets of this type; the widget's class `-NAME`
+    chooses.
+    """
     return "\n".join(rule for name in COLOURS for rule in _rules(widget, name))
 
 

@@ -1,8 +1,9 @@
 """A picture of the pitch as lines of characters: pure functions, no screen.
 
-Three renderings share everything but the fineness of their dots: plain ASCII has one dot per character, half-blocks
-two, braille eight. Players are their names (K1, T2) on two characters, which are always to be read: names move
-aside for each other, and the ball for names. A character is taken to be twice as high as wide.
+Three renderings share everything but the fineness of their dots: plain ASCII has one dot per character,
+half-blocks two, braille eight. Players are their names (K1, T2) on two characters, which are always to be
+read: names move aside for each other, and the ball for names. A character is taken to be twice as high as
+wide.
 """
 
 import math
@@ -87,9 +88,11 @@ def _edges(shape: Shape, detail: Detail, first: tuple[str, str], last: tuple[str
 
 
 def _between_ends(left: str, right: str, width: int, level: str, dots: str) -> str:
-    """Return a line with words at both ends; where there is no room for both, those on the left are shortened.
+    """Return a line with words at both ends; where there is no room for both, those on the left are
+    shortened.
 
-    What stands on the right is a figure (time, presses left): nobody else shows it, and half of it would be wrong.
+    What stands on the right is a figure (time, presses left): nobody else shows it, and half of it would be
+    wrong.
     """
     right = f" {_shortened(right, width - 4, dots)} " if right else ""
     room = width - len(right) - 4
@@ -98,7 +101,9 @@ def _between_ends(left: str, right: str, width: int, level: str, dots: str) -> s
 
 
 def _shortened(text: str, room: int, dots: str) -> str:
-    """Return the text, as much of it as there is room for, or nothing where that would be less than a word."""
+    """Return the text, as much of it as there is room for, or nothing where that would be less than a
+    word.
+    """
     if len(text) <= room:
         return text
     kept = text[: max(0, room - len(dots))].rstrip()

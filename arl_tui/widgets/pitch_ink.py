@@ -93,7 +93,8 @@ class Marks:
     """Places of the ball per character, side by side."""
     ball_down: int
     balls: str
-    """What a character looks like by the places that the ball fills, a bit for each: from the left, then down."""
+    """What a character looks like by the places that the ball fills, a bit for each: from the left, then
+    down."""
     boundary: str
     """Corners (upper left, right, lower left, right), level and upright line."""
 

@@ -80,7 +80,7 @@ class Sheet:
         self.ball: dict[int, dict[int, int]] = {}
         """By line and column: the places in a character that it fills (`Marks.balls`)."""
 
-    # --- places ---------------------------------------------------------------------------------------------------
+    # --- places ---------------------------------------------------------------------------------------------
 
     def point(self, x_m: float, y_m: float) -> Place:
         """Return (column, line) of a place, in characters from the top left corner, inside the drawing."""
@@ -94,7 +94,7 @@ class Sheet:
         if 0 <= column < self.shape.columns and 0 <= line < self.shape.lines:
             self.dots.setdefault(int(line * self.down), {})[int(column * self.across)] = ink
 
-    # --- what is drawn, from the bottom to the top ----------------------------------------------------------------
+    # --- what is drawn, from the bottom to the top ----------------------------------------------------------
 
     def write_names(self) -> None:
         """Write every player's name where the player is, or as near as there is room."""
@@ -210,7 +210,9 @@ class Sheet:
             self.texts.setdefault(line, {}).setdefault(column, (letter, ink, self._paper(line)))
 
     def place_ball(self) -> None:
-        """Draw the ball, beside the names if it is under one: as wide as a character and half as high, or a letter."""
+        """Draw the ball, beside the names if it is under one: as wide as a character and half as high, or a
+        letter.
+        """
         column, line = self.point(*self.frame.ball)
         across, down = self.marks.ball_across, self.marks.ball_down
         left = int(column) if across == 1 else round((column - 0.5) * across)
@@ -230,7 +232,7 @@ class Sheet:
         cell = self.texts.get(line, {}).get(column)
         return cell is None or (cell[1] not in _NAMES and cell[2] not in (GOOD, BAD))
 
-    # --- rows -----------------------------------------------------------------------------------------------------
+    # --- rows -----------------------------------------------------------------------------------------------
 
     def _paper(self, line: int) -> int:
         """Return the grass of a line: mown in stripes."""

@@ -1,4 +1,6 @@
-"""The agent of augmented reinforcement learning: an environment learner, human models, and how far these are trusted."""
+"""The agent of augmented reinforcement learning: an environment learner, human models, and how far these are
+trusted.
+"""
 
 import hashlib
 
@@ -33,7 +35,9 @@ __all__ = ["ArlAgent", "Decision", "EpisodePolicy", "Outcome", "exact_values"]
 
 
 def exact_values(rows: Features, weights: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return rows (n, F) times weights (F,) on the grid of `core.numerics.fixed_point`: as a compiled player has them."""
+    """Return rows (n, F) times weights (F,) on the grid of `core.numerics.fixed_point`: as a compiled player
+    has them.
+    """
     return action_values(np.asarray(rows, np.float64), exact_weights(weights))
 
 
@@ -41,8 +45,8 @@ class ArlAgent:
     """Chooses actions by environment and human (Fig. 1), and learns from both.
 
     The agent "initially assumes the absence of human feedback" (section 3.1): until the human model knows
-    something, the environment policy is played alone, w_h is 0 and nothing is compared. (`HumanOnly` alone does
-    not wait: without an environment it has nothing else to go by.)
+    something, the environment policy is played alone, w_h is 0 and nothing is compared. (`HumanOnly` alone
+    does not wait: without an environment it has nothing else to go by.)
     """
 
     def __init__(
@@ -66,7 +70,8 @@ class ArlAgent:
             root_seed: of the session; streams "policy", "explore", "share", "softmax" and "chance".
             feedback_tiles: what psi(s, a) means where it lists active tiles; None for plain features.
             n_participants: who may press, >= 1; each has a human model and a weight.
-            environment_values: R of each action from feature rows (n, F) and theta (F,). Default: `exact_values`.
+            environment_values: R of each action from feature rows (n, F) and theta (F,). Default:
+                `exact_values`.
             human_values: H of each action from feature rows (n, G) and v (G,); a constant does not matter.
                 Default: `exact_values`.
 
@@ -95,14 +100,15 @@ class ArlAgent:
         # Of the decision last made: how the sides were combined, and H of each action.
         self._decided: tuple[EpisodeWeights, NDArray[np.float64]] = (ENVIRONMENT_WEIGHTS, np.zeros(0))
         self.last_values: tuple[NDArray[np.float64], NDArray[np.float64]] = (np.zeros(0), np.zeros(0))
-        """R and H of each action of the decision last made, shape (n,) each; H is 0 while there is no human policy."""
+        """R and H of each action of the decision last made, shape (n,) each; H is 0 while there is no human
+        policy."""
 
     @property
     def trust(self) -> float:
         """What the rule of trust says of the human (Eq. 4, 5); 0 while the human model knows nothing.
 
-        Of several participants the mean; each one's is in `trust_of_sources`. Which weight an episode is played with is
-        up to the scheme: `EpisodePolicy.weights`.
+        Of several participants the mean; each one's is in `trust_of_sources`. Which weight an episode is
+        played with is up to the scheme: `EpisodePolicy.weights`.
         """
         return sum(self.trust_of_sources) / len(self.trust_of_sources)
 
@@ -129,7 +135,9 @@ class ArlAgent:
         return policy
 
     def next_policy(self, *, exploring: bool) -> EpisodePolicy:
-        """Return the policy of the next episode without counting that episode; `exploring` as in `begin_episode`."""
+        """Return the policy of the next episode without counting that episode; `exploring` as in
+        `begin_episode`.
+        """
         episode = self.next_episode.number
         self._asker.begin_episode()
         handover_seed = stream_seed(self._root_seed, "share", episode) >> 1
@@ -193,9 +201,10 @@ class ArlAgent:
     ) -> None:
         """Take in what was done in the decision last made, whoever chose it, and the reward of its step.
 
-        `watched_step` is the step's number among all watched ones of the session, by which presses name it; -1 of a step
-        that is not watched.
-        Reward shaping adds beta H(s, a) to the reward, H without its constant; Q augmentation gives the learner beta H.
+        `watched_step` is the step's number among all watched ones of the session, by which presses name it;
+        -1 of a step that is not watched.
+        Reward shaping adds beta H(s, a) to the reward, H without its constant; Q augmentation gives the
+        learner beta H.
         """
         weights, human_values = self._decided
         h = float(human_values[action])
@@ -209,7 +218,8 @@ class ArlAgent:
         )
 
     def learn_from_domain(self, policy: EpisodePolicy, played: Outcome) -> None:
-        """Take in how an episode went: the learner learns of its proposal, policies are ranked, w_h is revised.
+        """Take in how an episode went: the learner learns of its proposal, policies are ranked, w_h is
+        revised.
 
         Args:
             policy: from `begin_episode`.
@@ -242,7 +252,9 @@ class ArlAgent:
         self.human.step_hidden(time_ns)
 
     def interrupted(self, last_ns: int) -> None:
-        """Note that the program stood still from `last_ns` on: no later press speaks of what was on screen before."""
+        """Note that the program stood still from `last_ns` on: no later press speaks of what was on screen
+        before.
+        """
         self.human.interrupted(last_ns)
 
     def learn_from_press(self, press: int, time_ns: int, value: float, participant: int = 0) -> CreditGiven:
@@ -253,9 +265,11 @@ class ArlAgent:
         return given
 
     def question(self, choices: Choices) -> Question | None:
-        """Return a choice to pose at this decision of a watched episode; None where there is nothing worth asking.
+        """Return a choice to pose at this decision of a watched episode; None where there is nothing worth
+        asking.
 
-        The committee are the top policies; a learner that changes at every step has none (`docs/decisions/asking.md`).
+        The committee are the top policies; a learner that changes at every step has none
+        (`docs/decisions/asking.md`).
         """
         committee = [policy.theta for policy in self.bootstrap.ranked if len(policy.theta)]
         if self.config.asking.per_episode == 0 or len(committee) < 2:
@@ -284,8 +298,8 @@ class ArlAgent:
     def final_policy(self) -> EpisodePolicy:
         """Return what the agent would play to be judged, as its next episode (`next_episode`).
 
-        That is its best policy, its human models, and the weights its scheme gives them in that episode. Without any
-        policy the environment has no say (theta = 0).
+        That is its best policy, its human models, and the weights its scheme gives them in that episode.
+        Without any policy the environment has no say (theta = 0).
         """
         episode = self.next_episode.number
         ranked = self.bootstrap.ranked
@@ -313,8 +327,8 @@ class ArlAgent:
     def digest(self) -> str:
         """Return SHA-256 over everything learned, hex: learner, top policies, human model, w_h.
 
-        How consistent the presses were is part of it where trust goes by it, and only there: sessions under other
-        rules keep the fingerprints that they were recorded with.
+        How consistent the presses were is part of it where trust goes by it, and only there: sessions under
+        other rules keep the fingerprints that they were recorded with.
         """
         parts = [self._environment.state_digest(), self.bootstrap.state_bytes(), self.human.state_bytes()]
         if self.config.bootstrap.trust.needs.consistency:
@@ -356,7 +370,8 @@ def _check_trust(rule: TrustRule) -> None:
     """Refuse a rule that needs several learners."""
     if rule.needs.side_by_side:
         raise ValueError(
-            "this rule of trust needs learners side by side, and an agent has one: choose another one, or play "
+            "this rule of trust needs learners side by side, and an agent has one: choose another one, or "
+            "play "
             f"compiled Keepaway (core.keepaway.arl_autoplay); got {rule}"
         )
 

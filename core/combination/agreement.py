@@ -1,4 +1,6 @@
-"""Agreement of an environment policy with a human policy: the one record of it, and the degree of match m_i."""
+"""Agreement of an environment policy with a human policy: the one record of it, and the degree of match
+m_i.
+"""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -9,7 +11,9 @@ MatchKind = Literal["rate", "chance-corrected", "signed"]
 
 @dataclass(frozen=True, slots=True)
 class Agreement:
-    """Choices of an environment policy compared with those of a human policy (`core.combination.tally` counts them)."""
+    """Choices of an environment policy compared with those of a human policy (`core.combination.tally` counts
+    them).
+    """
 
     decisions: int
     """How many decisions were compared, >= 1."""

@@ -1,7 +1,8 @@
 """Asking: the agent poses a choice of two or three candidate actions where its top policies disagree most.
 
-The paper's introduction names feedback as "a selection from multiple options posed by the agent"; when to ask and what
-an answer is worth are ours (`docs/decisions/asking.md`): query by committee, the committee being the top policies.
+The paper's introduction names feedback as "a selection from multiple options posed by the agent"; when to ask
+and what an answer is worth are ours (`docs/decisions/asking.md`): query by committee, the committee being the
+top policies.
 """
 
 import math
@@ -40,7 +41,9 @@ def votes(actions: Sequence[int], probabilities: Sequence[float]) -> dict[int, f
 
 
 def disagreement_of(shares: dict[int, float]) -> float:
-    """Return the chance that two policies drawn with replacement choose different actions: 1 - sum of squares."""
+    """Return the chance that two policies drawn with replacement choose different actions: 1 - sum of
+    squares.
+    """
     return 1.0 - math.fsum(share * share for share in shares.values())
 
 

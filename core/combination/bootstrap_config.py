@@ -30,14 +30,17 @@ class BootstrapConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
 
 
 class AskingConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """When the agent poses a choice of candidate actions (`core.combination.asking`; `docs/decisions/asking.md`)."""
+    """When the agent poses a choice of candidate actions (`core.combination.asking`;
+    `docs/decisions/asking.md`).
+    """
 
     per_episode: Annotated[int, number("questions", ge=0, le=1_000_000)] = 0
     """Questions per watched episode at most. 0: the agent never asks, as in the paper's experiments."""
     options: Annotated[int, number("actions", ge=2, le=3)] = 3
     """Candidate actions of a question at most, 2 or 3."""
     share: Annotated[float, number(gt=0, lt=1)] = 0.05
-    """It asks where its policies disagree more than in all but this share of recent decisions, in (0, 1). (Our choice.)"""
+    """It asks where its policies disagree more than in all but this share of recent decisions, in (0, 1).
+    (Our choice.)"""
     memory: Annotated[int, number("decisions", ge=1, le=1_000_000)] = 200
     """How many recent decisions that share is of. (Our choice.)"""
     minimum_decisions: Annotated[int, number("decisions", ge=1, le=1_000_000)] = 20

@@ -62,7 +62,9 @@ class BootstrapLearning:
         return self._trust.matches(self._evidence(human_weights))
 
     def pulls(self, human_weights: NDArray[np.float64] | None) -> list[float]:
-        """Return w_h m_i of each ranked policy; 0 where the symmetric update is off or the human is not trusted."""
+        """Return w_h m_i of each ranked policy; 0 where the symmetric update is off or the human is not
+        trusted.
+        """
         if not self.config.symmetric or not self.w_h:
             return [0.0] * len(self._ranking.policies)
         return pulls(self.matches(human_weights), self.w_h)

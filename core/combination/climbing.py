@@ -1,7 +1,8 @@
-"""The environment's side of an agent whose learner is an actor: its softmax is drawn from together with the human's say.
+"""The environment's side of an agent whose learner is an actor: its softmax is drawn from together with the
+human's say.
 
-Where presses are to teach the actor itself (COACH, MacGlashan et al. 2017), this side keeps the trace that each watched
-step left: theta <- theta + alpha f e.
+Where presses are to teach the actor itself (COACH, MacGlashan et al. 2017), this side keeps the trace that
+each watched step left: theta <- theta + alpha f e.
 """
 
 from collections import deque
@@ -26,7 +27,9 @@ KEPT_TRACES = 256
 
 
 class Climbing:
-    """A learner whose proposal is a softmax policy that learns while it is played; good ones can be played again."""
+    """A learner whose proposal is a softmax policy that learns while it is played; good ones can be played
+    again.
+    """
 
     kind: ClassVar[LearnerKind] = "climbing"
 
@@ -52,7 +55,9 @@ class Climbing:
         return self._learner.values(choices) if self._climbs else self._values(choices.features, theta)
 
     def act(self, values: Floats, choices: Choices, preferred: int, human: HumanPreference) -> int:
-        """Draw from the softmax of f(R, H); a ranked policy, and a human who decides alone, take the best action."""
+        """Draw from the softmax of f(R, H); a ranked policy, and a human who decides alone, take the best
+        action.
+        """
         n = len(values)
         self._softmax = None
         weights = human.weights
@@ -117,7 +122,9 @@ class Climbing:
 
 
 class Coached(Climbing):
-    """The same, and presses move the policy themselves (COACH): each watched step leaves its trace of grad log pi."""
+    """The same, and presses move the policy themselves (COACH): each watched step leaves its trace of grad
+    log pi.
+    """
 
     def __init__(self, learner: Actor, values: Values, coach: Coach) -> None:
         super().__init__(learner, values)

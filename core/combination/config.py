@@ -1,4 +1,5 @@
-"""Settings of combination: schemes and the weights they give to an episode (Eqs. 2 and 3), and an agent's settings.
+"""Settings of combination: schemes and the weights they give to an episode (Eqs. 2 and 3), and an agent's
+settings.
 
 Nothing here needs compiled code, so a protocol can be read without it; the decision itself is in
 `core.combination.preference`, the rules of trust are in `core.combination.trust`.
@@ -78,10 +79,11 @@ __all__ = [
 
 Scale = Literal["standardised", "raw"]
 Per = Literal["watched-game", "episode"]
-"""What a weight that falls is counted by; k of an episode is the number of watched games, or of episodes, before it."""
+"""What a weight that falls is counted by; k of an episode is the number of watched games, or of episodes,
+before it."""
 ActsOn = Literal["choice", "reward", "values", "policy"]
-"""What of a learner a scheme acts on: its choices only, as any learner has, or what it learns: the reward of each step, the
-values of actions, or the policy itself (`check_learner` refuses a learner without)."""
+"""What of a learner a scheme acts on: its choices only, as any learner has, or what it learns: the reward of
+each step, the values of actions, or the policy itself (`check_learner` refuses a learner without)."""
 OFFERS: dict[LearnerKind, frozenset[ActsOn]] = {
     "search": frozenset({"choice"}),
     "climbing": frozenset({"choice", "reward", "policy"}),
@@ -121,7 +123,9 @@ class Exponential(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="
 
 
 class Annealed(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="annealed"):
-    """Eq. 3 with w_h = beta_0 decay^k, k counted by `per`: the paper's baseline (section 4; Knox & Stone 2010)."""
+    """Eq. 3 with w_h = beta_0 decay^k, k counted by `per`: the paper's baseline (section 4; Knox & Stone
+    2010).
+    """
 
     acts_on: ClassVar[ActsOn] = "choice"
 
@@ -130,7 +134,8 @@ class Annealed(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="ann
     decay: Annotated[float, number(gt=0, le=1)] = 0.98
     """Factor per watched game or per episode, in (0, 1] (TAMER's code documents 0.98 for AAMAS 2010)."""
     per: Per = "watched-game"
-    """What the weight falls with: each watched game, or each episode, unseen ones included (`docs/decisions/annealing.md`)."""
+    """What the weight falls with: each watched game, or each episode, unseen ones included
+    (`docs/decisions/annealing.md`)."""
     scale: Scale = "standardised"
     """As in `Linear`."""
 
@@ -191,7 +196,8 @@ class ActionBiasing(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag
     decay: Annotated[float, number(gt=0, le=1)] = 0.98
     """Factor per watched game or per episode, in (0, 1] (TAMER's code documents 0.98 for AAMAS 2010)."""
     per: Per = "watched-game"
-    """What the weight falls with: each watched game, or each episode, unseen ones included (`docs/decisions/annealing.md`)."""
+    """What the weight falls with: each watched game, or each episode, unseen ones included
+    (`docs/decisions/annealing.md`)."""
     scale: Scale = "raw"
     """As in `Linear`; the source adds raw values."""
 
@@ -213,7 +219,8 @@ class ControlSharing(msgspec.Struct, frozen=True, forbid_unknown_fields=True, ta
     decay: Annotated[float, number(gt=0, le=1)] = 0.98
     """Factor per watched game or per episode, in (0, 1] (TAMER's code documents 0.98 for AAMAS 2010)."""
     per: Per = "watched-game"
-    """What the weight falls with: each watched game, or each episode, unseen ones included (`docs/decisions/annealing.md`)."""
+    """What the weight falls with: each watched game, or each episode, unseen ones included
+    (`docs/decisions/annealing.md`)."""
 
     def __post_init__(self) -> None:
         _check_annealing(self.beta_0, self.decay)
@@ -226,15 +233,16 @@ class ControlSharing(msgspec.Struct, frozen=True, forbid_unknown_fields=True, ta
 class Advise(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="advise"):
     """a = argmax pi_R(a) pi_H(a): policy shaping by the Advise rule (Griffith et al. 2013).
 
-    pi_R is the softmax of R; pi_H = C^d / (C^d + (1 - C)^d), d being how much more often the action has been called right
-    than wrong, and C how consistent the human is. Where states do not come back nobody counts: d is H, standardised over the
-    actions of the decision as R is (`docs/decisions/more-schemes.md`).
+    pi_R is the softmax of R; pi_H = C^d / (C^d + (1 - C)^d), d being how much more often the action has been
+    called right than wrong, and C how consistent the human is. Where states do not come back nobody counts: d
+    is H, standardised over the actions of the decision as R is (`docs/decisions/more-schemes.md`).
     """
 
     acts_on: ClassVar[ActsOn] = "choice"
 
     consistency: Annotated[float, number(gt=0, lt=1)] = 0.9
-    """C, in (0, 1): chance that a press is right. 0.5 means nothing, less the opposite. (Paper, section 4: 1 in 10 wrong.)"""
+    """C, in (0, 1): chance that a press is right. 0.5 means nothing, less the opposite. (Paper, section 4: 1
+    in 10 wrong.)"""
     temperature: Annotated[float, number("standard deviations of R", gt=0, le=1e9, usual=(0.001, 1000))] = 1.0
     """Of the softmax, > 0, in standard deviations of R. (Our choice.)"""
 
@@ -251,7 +259,9 @@ class Advise(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="advis
 
 
 class RewardShaping(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="reward-shaping"):
-    """The learner learns from r + beta H(s, a), beta annealed, and chooses by R alone (Knox & Stone 2010, technique 1)."""
+    """The learner learns from r + beta H(s, a), beta annealed, and chooses by R alone (Knox & Stone 2010,
+    technique 1).
+    """
 
     acts_on: ClassVar[ActsOn] = "reward"
 
@@ -260,7 +270,8 @@ class RewardShaping(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag
     decay: Annotated[float, number(gt=0, le=1)] = 0.98
     """Factor per watched game or per episode, in (0, 1] (TAMER's code documents 0.98 for AAMAS 2010)."""
     per: Per = "watched-game"
-    """What the weight falls with: each watched game, or each episode, unseen ones included (`docs/decisions/annealing.md`)."""
+    """What the weight falls with: each watched game, or each episode, unseen ones included
+    (`docs/decisions/annealing.md`)."""
 
     def __post_init__(self) -> None:
         _check_annealing(self.beta_0, self.decay)
@@ -273,7 +284,8 @@ class RewardShaping(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag
 class QAugmentation(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="q-augmentation"):
     """Q + beta H takes Q's place in learning and in choice, beta constant (Knox & Stone 2010, technique 4).
 
-    The temporal difference of Q + beta H is that of Q with beta (gamma H(s', a') - H(s, a)) added to the reward.
+    The temporal difference of Q + beta H is that of Q with beta (gamma H(s', a') - H(s, a)) added to the
+    reward.
     """
 
     acts_on: ClassVar[ActsOn] = "values"
@@ -291,10 +303,11 @@ class QAugmentation(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag
 
 
 class Coach(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="coach"):
-    """A press is the advantage of what was done: it moves an actor's policy itself (COACH, MacGlashan et al. 2017).
+    """A press is the advantage of what was done: it moves an actor's policy itself (COACH, MacGlashan et al.
+    2017).
 
-    theta <- theta + alpha f e, e being the trace of grad log pi up to the step that the press is about. No human model
-    takes part in choices; the learner must be an actor (policy gradient).
+    theta <- theta + alpha f e, e being the trace of grad log pi up to the step that the press is about. No
+    human model takes part in choices; the learner must be an actor (policy gradient).
     """
 
     acts_on: ClassVar[ActsOn] = "policy"
@@ -353,13 +366,16 @@ def check_learner(scheme: Scheme, kind: LearnerKind, name: str) -> None:
     """
     if scheme.acts_on not in OFFERS[kind]:
         raise ValueError(
-            f"scheme {scheme.__struct_config__.tag} needs {NEEDED[scheme.acts_on]}; got {name}: choose another "
+            f"scheme {scheme.__struct_config__.tag} needs {NEEDED[scheme.acts_on]}; got {name}: choose "
+            f"another "
             "scheme ([agent.scheme] type) or another learner ([learner] type)"
         )
 
 
 def waits_for_feedback(scheme: Scheme) -> bool:
-    """Return whether the environment is played alone until the human model knows something: not in `HumanOnly`."""
+    """Return whether the environment is played alone until the human model knows something: not in
+    `HumanOnly`.
+    """
     return not isinstance(scheme, HumanOnly)
 
 

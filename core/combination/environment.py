@@ -1,4 +1,5 @@
-"""The environment's side of an agent: one interface over learners that search and learners that learn at every step.
+"""The environment's side of an agent: one interface over learners that search and learners that learn at
+every step.
 
 `core.combination.agent` asks this side for values and actions and never knows which kind it has.
 """
@@ -34,7 +35,9 @@ class EnvironmentSide(Protocol):
         ...
 
     def act(self, values: Floats, choices: Choices, preferred: int, human: HumanPreference) -> int:
-        """Return the action to take; `preferred` is that of both sides together, -1 where this one decides alone."""
+        """Return the action to take; `preferred` is that of both sides together, -1 where this one decides
+        alone.
+        """
         ...
 
     def took(
@@ -148,7 +151,9 @@ class StepByStep:
         self._learner = learner
 
     def begin_episode(self, start: EpisodeStart) -> StartedPolicy:
-        """Begin with what has been learned so far; the episode's number is that of the policy, theta is empty."""
+        """Begin with what has been learned so far; the episode's number is that of the policy, theta is
+        empty.
+        """
         self._learner.begin_episode(rng=start.rng)
         return StartedPolicy(start.episode, np.empty(0), proposed=True)
 
@@ -178,7 +183,9 @@ class StepByStep:
         self._learner.end_episode(end.time, terminated=end.terminated)
 
     def no_policy(self) -> Floats:
-        """Return an empty theta: the learner goes by what it has learned, which is nothing without episodes."""
+        """Return an empty theta: the learner goes by what it has learned, which is nothing without
+        episodes.
+        """
         return np.empty(0)
 
     def state_digest(self) -> bytes:

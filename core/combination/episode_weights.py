@@ -1,4 +1,6 @@
-"""How environment and human are combined during one episode: the form of f(R, H), and its weights (Eqs. 2 and 3)."""
+"""How environment and human are combined during one episode: the form of f(R, H), and its weights (Eqs. 2 and
+3).
+"""
 
 import math
 from dataclasses import dataclass
@@ -10,7 +12,8 @@ EXPONENTIAL = 1
 LINEAR_RAW = 2
 """Form: argmax w_r R + w_h H of the values as they come (Eq. 3 to the letter)."""
 ADVISE = 3
-"""Form: argmax pi_R pi_H, softmax of R times the probability that the human calls the action right (Advise)."""
+"""Form: argmax pi_R pi_H, softmax of R times the probability that the human calls the action right
+(Advise)."""
 
 FORM_NAMES: dict[int, str] = {
     LINEAR: "linear",

@@ -17,7 +17,9 @@ from core.numerics.tile_coding import Tiling
 
 
 class HumanLearner:
-    """Keeps assigner and model in step: after every call the model has seen exactly the assigner's samples."""
+    """Keeps assigner and model in step: after every call the model has seen exactly the assigner's
+    samples.
+    """
 
     def __init__(
         self, credit: CreditConfig, model: HumanModelConfig, n_features: int, *, tiles: Tiling | None = None
@@ -39,7 +41,9 @@ class HumanLearner:
 
     @property
     def consistency(self) -> float:
-        """How many standard errors better than chance the model foresaw the presses (`core.learners.consistency`)."""
+        """How many standard errors better than chance the model foresaw the presses
+        (`core.learners.consistency`).
+        """
         return self._consistency.score
 
     @property
@@ -65,8 +69,8 @@ class HumanLearner:
     def step_shown(self, step: int, features: Features, time_ns: int) -> None:
         """Note that a step came on screen; features psi(s, a), shape (G,).
 
-        NaN features are those of a step of which a recording does not tell what it led to: it takes its credit,
-        and nothing is learned from it.
+        NaN features are those of a step of which a recording does not tell what it led to: it takes its
+        credit, and nothing is learned from it.
         """
         self._assigner.step_shown(step, time_ns, features)
         self._on_screen = step
@@ -80,13 +84,17 @@ class HumanLearner:
             self._learn()
 
     def interrupted(self, last_ns: int) -> None:
-        """Note that the program stood still from `last_ns` on: no later press speaks of what was on screen before."""
+        """Note that the program stood still from `last_ns` on: no later press speaks of what was on screen
+        before.
+        """
         self._assigner.interrupted(last_ns)
         self._on_screen = -1
         self._learn()
 
     def learn_from_press(self, press: int, time_ns: int, value: float, participant: int = 0) -> CreditGiven:
-        """Learn from a press, value > 0 good, < 0 bad, whichever participant made it; return how it was shared out."""
+        """Learn from a press, value > 0 good, < 0 bad, whichever participant made it; return how it was
+        shared out.
+        """
         given = self._assigner.press(press, time_ns, value)
         self._learn()
         return CreditGiven(
@@ -136,7 +144,9 @@ class HumanLearner:
         )
 
     def consistency_bytes(self) -> bytes:
-        """Return all that decides about later `consistency`, for fingerprints of agents whose trust goes by it."""
+        """Return all that decides about later `consistency`, for fingerprints of agents whose trust goes by
+        it.
+        """
         return self._consistency.state_bytes()
 
     def _learn(self) -> None:

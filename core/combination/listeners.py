@@ -1,9 +1,11 @@
-"""The participants whom an agent listens to, one or several: a human model and a weight for each (section 3.1).
+"""The participants whom an agent listens to, one or several: a human model and a weight for each (section
+3.1).
 
-f(R, H) of the paper is of one H. With one participant that is their model's. Those of several are folded into one:
-H = sum of w_s H_s / sd_s over the participants, w_s being what trust (or the scheme) gives participant s, and sd_s the spread
-of H_s among the actions of recent decisions, so that who presses more has no more say. The weight of the folded H is its own
-spread. If only one of several presses, choices are those of that one (`docs/decisions/several-sources.md`).
+f(R, H) of the paper is of one H. With one participant that is their model's. Those of several are folded into
+one: H = sum of w_s H_s / sd_s over the participants, w_s being what trust (or the scheme) gives participant
+s, and sd_s the spread of H_s among the actions of recent decisions, so that who presses more has no more say.
+The weight of the folded H is its own spread. If only one of several presses, choices are those of that one
+(`docs/decisions/several-sources.md`).
 """
 
 import dataclasses
@@ -39,7 +41,8 @@ class Listeners:
             raise ValueError("an agent listens to at least one participant, got 0")
         self.learners = tuple(learners)
         self.factors = np.zeros(0 if self.alone else len(learners))
-        """What each participant's v is multiplied by in the folded one, shape (n,); of one alone nothing is folded, shape (0,)."""
+        """What each participant's v is multiplied by in the folded one, shape (n,); of one alone nothing is
+        folded, shape (0,)."""
         self._n_weights = n_weights
         self._participant_of: dict[int, int] = {}
 
@@ -80,7 +83,8 @@ class Listeners:
 
         Args:
             weights: w_s of each participant; one whose model knows nothing has no say.
-            window: recent decisions, by which spreads are measured. Before there is any, each counts by its own v.
+            window: recent decisions, by which spreads are measured. Before there is any, each counts by its
+                own v.
         """
         if self.alone:
             return weights[0]
@@ -94,7 +98,8 @@ class Listeners:
     def preferred_by_each(
         self, choices: Choices, values: Values, together: tuple[int, int]
     ) -> tuple[tuple[int, int], ...]:
-        """Return each participant's best and worst action of a decision; -1 for one whose model knows nothing.
+        """Return each participant's best and worst action of a decision; -1 for one whose model knows
+        nothing.
 
         Args:
             choices: the decision.
@@ -139,7 +144,8 @@ class Listeners:
         """
         if not 0 <= participant < len(self.learners):
             raise ValueError(
-                f"press {press} is by participant {participant}, but this agent listens to {len(self.learners)}, counted "
+                f"press {press} is by participant {participant}, but this agent listens to "
+                f"{len(self.learners)}, counted "
                 "from 0: name the others in the protocol"
             )
         self._participant_of[press] = participant
@@ -176,7 +182,9 @@ class Listeners:
 
 
 class ListenersTrust:
-    """Bootstrap learning with a weight per participant: the same rule for each, over the same top policies."""
+    """Bootstrap learning with a weight per participant: the same rule for each, over the same top
+    policies.
+    """
 
     def __init__(
         self,
@@ -209,9 +217,9 @@ class ListenersTrust:
 
         Args:
             report: the episode, with the agreement of its policy with H.
-            with_each: agreement with each participant's own model; empty where nobody counted it. With one participant
-                that is the report's. With several a policy that was not compared with a participant's model while it was
-                played is compared with it in recent decisions.
+            with_each: agreement with each participant's own model; empty where nobody counted it. With one
+                participant that is the report's. With several a policy that was not compared with a
+                participant's model while it was played is compared with it in recent decisions.
         """
         several = not self._listeners.alone
         for s, (rule, learner) in enumerate(zip(self.rules, self._listeners.learners, strict=True)):
@@ -226,7 +234,8 @@ class ListenersTrust:
             )
 
     def probabilities(self) -> list[float]:
-        """Return the probability of each top policy being played: by performance, and by its match to every participant.
+        """Return the probability of each top policy being played: by performance, and by its match to every
+        participant.
 
         p_i is proportional to pm_i max(0, 1 + sum over participants of w_s m_is).
         """
@@ -234,7 +243,8 @@ class ListenersTrust:
         pull = np.zeros(len(ranked))
         for rule, learner in zip(self.rules, self._listeners.learners, strict=True):
             known = learner.weights if learner.knows_something else None
-            # One of several who has taken every press back has no say. (One alone keeps it: recorded sessions go by that.)
+            # One of several who has taken every press back has no say. (One alone keeps it: recorded sessions
+            # go by that.)
             if known is not None or self._listeners.alone:
                 pull += rule.pulls(known)
         return selection_probabilities([policy.performance for policy in ranked], pull.tolist())
@@ -246,7 +256,8 @@ class ListenersTrust:
     def combine(self, scheme: Scheme, episode: int) -> EpisodeWeights:
         """Fold the participants by what the scheme gives each of them; return how H is combined with R.
 
-        Schemes that give H no weight in the choice (control sharing, reward shaping) listen to all participants alike.
+        Schemes that give H no weight in the choice (control sharing, reward shaping) listen to all
+        participants alike.
         """
         # Of one alone -0.0 is 0.0, as it stands in recordings.
         w_h = [sum(self.w_h)] if self._listeners.alone else self.w_h

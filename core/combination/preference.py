@@ -1,4 +1,5 @@
-"""The preference f(R, H) of Eq. 2, once: a score per action, and on top of it the argmax and the logits of a softmax.
+"""The preference f(R, H) of Eq. 2, once: a score per action, and on top of it the argmax and the logits of a
+softmax.
 
 All kernels take rows of which the first `n` entries count, never raise and allocate nothing. Sums run in the
 order of the actions, so that plain Python gives the same bits. Values must be finite where not ruled out.
@@ -125,9 +126,9 @@ def terms_of(
 def score(env_value: float, human_value: float, terms: Terms) -> tuple[float, float]:
     """Return f(R, H) of one action, and its derivative by the action's R (of Advise: that of log f).
 
-    Linear: w_r R + w_h H (Eq. 3), each less its mean and divided by its sd where the form says so. Exponential:
-    w_r (R - min R)(1 + h^w_h), h being H mapped to [0, 1], 1 - h in its place where w_h < 0 (section 3.1); w_r is 1 in
-    every scheme. Advise: e^(w_r R) P(w_h H).
+    Linear: w_r R + w_h H (Eq. 3), each less its mean and divided by its sd where the form says so.
+    Exponential: w_r (R - min R)(1 + h^w_h), h being H mapped to [0, 1], 1 - h in its place where w_h < 0
+    (section 3.1); w_r is 1 in every scheme. Advise: e^(w_r R) P(w_h H).
     """
     if terms.form == EXPONENTIAL:
         fraction = (human_value - terms.centre_h) / terms.range_h if terms.range_h > 0.0 else 0.0
@@ -193,9 +194,9 @@ def fill_logits(
 ) -> int:
     """Write f(R, H) of each action as logits, and their derivative by the action's R.
 
-    Linear: w_r R + w_h s H', H' being H standardised over the actions and s the larger of 1 and the sd of R. That is
-    Eq. 3 with both standardised, times a factor of the decision: R keeps the sharpness that learning gave it
-    (`docs/decisions/policy-gradient.md`). Advise: w_r R + log P(w_h H'). The others: as in `choose`.
+    Linear: w_r R + w_h s H', H' being H standardised over the actions and s the larger of 1 and the sd of R.
+    That is Eq. 3 with both standardised, times a factor of the decision: R keeps the sharpness that learning
+    gave it (`docs/decisions/policy-gradient.md`). Advise: w_r R + log P(w_h H'). The others: as in `choose`.
 
     Args:
         env_values: R of each action, shape (>= n,).

@@ -43,8 +43,8 @@ def next_episode(scheme: Scheme, so_far: EpisodesSoFar) -> NextEpisode:
     """Return which episode comes next.
 
     Args:
-        scheme: whose weight may fall with each episode or with each watched game. Schemes without a schedule are
-            asked about the episode's number, which plays no part.
+        scheme: whose weight may fall with each episode or with each watched game. Schemes without a schedule
+            are asked about the episode's number, which plays no part.
         so_far: what has begun.
     """
     by_game = isinstance(scheme, ANNEALED_SCHEMES) and scheme.per == "watched-game"

@@ -1,4 +1,6 @@
-"""What passes between an agent, its environment's side (`core.combination.environment`), and who plays for it."""
+"""What passes between an agent, its environment's side (`core.combination.environment`), and who plays for
+it.
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field

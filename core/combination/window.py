@@ -46,7 +46,9 @@ def compare_decisions(
 def mean_spread(
     values: NDArray[np.float64], ruled_out: NDArray[np.bool_], starts: NDArray[np.int64]
 ) -> float:
-    """Return the root mean square, over decisions, of the sd of the values among the actions; as `compare_decisions`."""
+    """Return the root mean square, over decisions, of the sd of the values among the actions; as
+    `compare_decisions`.
+    """
     total = 0.0
     for decision in range(starts.shape[0] - 1):
         low, high = starts[decision], starts[decision + 1]
@@ -74,7 +76,9 @@ class DecisionWindow:
         self._stacked = None
 
     def compare(self, theta: NDArray[np.float64], human_weights: NDArray[np.float64]) -> Agreement:
-        """Return the agreement of an environment policy with a human policy in all decisions kept (at least one)."""
+        """Return the agreement of an environment policy with a human policy in all decisions kept (at least
+        one).
+        """
         rows, feedback_rows, ruled_out, starts = self._rows()
         tally = new_tally()
         compare_decisions(

@@ -54,8 +54,8 @@ class Kind:
     any_length: bool = False
     """Of a list: it has any number of items."""
     structs: Mapping[str, Struct] | None = None
-    """Of a table, or of tables: the struct of each type; under "" that of a table without types. ("names": a table with
-    keys of one's own, which are not checked here.)"""
+    """Of a table, or of tables: the struct of each type; under "" that of a table without types. ("names": a
+    table with keys of one's own, which are not checked here.)"""
 
     def __str__(self) -> str:
         """Return in words which values there are."""
@@ -149,7 +149,9 @@ def field_docs(struct: Struct) -> dict[str, str]:
 
 
 def _kind(kind: types.Type, extra: Mapping[str, Any] | None = None) -> Kind:
-    """Return the kind of a field's type; `extra` is what its annotation says (`core.configuration.fields`)."""
+    """Return the kind of a field's type; `extra` is what its annotation says
+    (`core.configuration.fields`).
+    """
     extra = extra or {}
     match kind:
         case types.Metadata():

@@ -1,9 +1,9 @@
 """How a field of a configuration says its range, its unit and what is usual.
 
-The range (`ge`, `gt`, `le`, `lt`) holds wherever a configuration is read by `core.configuration.reading`, headers of
-recordings included. What is usual holds for protocols that are about to be run: a value outside it is a slip
-(milliseconds for seconds, say). A struct that is made in Python checks by itself what its own arithmetic
-needs.
+The range (`ge`, `gt`, `le`, `lt`) holds wherever a configuration is read by `core.configuration.reading`,
+headers of recordings included. What is usual holds for protocols that are about to be run: a value outside it
+is a slip (milliseconds for seconds, say). A struct that is made in Python checks by itself what its own
+arithmetic needs.
 """
 
 import math

@@ -1,7 +1,8 @@
-"""Tables of a configuration whose types are not all known here: what a game is set up by is declared by the game.
+"""Tables of a configuration whose types are not all known here: what a game is set up by is declared by the
+game.
 
-A closed set of types is a union of structs. An open one is a subclass of `OpenTable`: the structs of its types inherit
-from it, and it names them by their tags when they are asked for.
+A closed set of types is a union of structs. An open one is a subclass of `OpenTable`: the structs of its
+types inherit from it, and it names them by their tags when they are asked for.
 """
 
 from collections.abc import Mapping
@@ -25,7 +26,9 @@ class OpenTable:
 
     @classmethod
     def structs(cls) -> Mapping[str, type[msgspec.Struct]]:
-        """Return the struct of each type by its tag. The mapping is live: it shows what is declared at the time."""
+        """Return the struct of each type by its tag. The mapping is live: it shows what is declared at the
+        time.
+        """
         raise NotImplementedError
 
 

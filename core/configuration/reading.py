@@ -1,7 +1,8 @@
 """Reading a configuration from plain types: whatever cannot be used is named with its place.
 
-The structs that are read say all there is to know (`core.configuration.catalogue`). What they check themselves when they
-are made, such as two settings that exclude each other, is found last, and named in the same way.
+The structs that are read say all there is to know (`core.configuration.catalogue`). What they check
+themselves when they are made, such as two settings that exclude each other, is found last, and named in the
+same way.
 """
 
 import difflib
@@ -64,7 +65,8 @@ def read(given: Mapping[str, Any], default: Config, *, to_run: bool) -> Config:
     Args:
         given: tables by key, as in TOML or JSON.
         default: of the same kind.
-        to_run: values that nobody means (`core.configuration.fields`, usual) are refused, too: nothing has been run yet.
+        to_run: values that nobody means (`core.configuration.fields`, usual) are refused, too: nothing has
+            been run yet.
 
     Raises:
         ConfigurationError: with every place and reason.
@@ -81,7 +83,8 @@ def read(given: Mapping[str, Any], default: Config, *, to_run: bool) -> Config:
 
 
 def read_whole(given: Mapping[str, Any], struct: type[Config]) -> Config:
-    """Return the configuration that plain types describe, where nothing stands for what is left out but the struct's own.
+    """Return the configuration that plain types describe, where nothing stands for what is left out but the
+    struct's own.
 
     Args:
         given: tables by key, as in TOML.

@@ -79,7 +79,9 @@ class _Open:
 
 
 def _inside(value: str) -> Iterator[tuple[Path, int]]:
-    """Yield the places within a list or inline table that `value` begins with, each with how many lines it is below."""
+    """Yield the places within a list or inline table that `value` begins with, each with how many lines it is
+    below.
+    """
     opened: list[_Open] = []
     place: Path = ()
     below = 0

@@ -18,8 +18,8 @@ from core.numerics.clock import NS_PER_S
 __all__ = ["CreditAssigner", "CreditConfig", "MassAccount", "PressCredit", "Sample"]
 
 LATENESS_NS = 200_000_000
-"""A report may come this long after what it reports (terminal, queues): a press still finds its step open, and
-frames whose times cross by less are put in order."""
+"""A report may come this long after what it reports (terminal, queues): a press still finds its step open,
+and frames whose times cross by less are put in order."""
 
 FORGET_AFTER_NS = 60 * NS_PER_S
 """So long after a step can receive no more credit its features are kept all the same."""
@@ -32,15 +32,16 @@ _Entry = tuple[Any, ...]
 class CreditAssigner:
     """Follows a session and keeps the list of samples it has given so far.
 
-    Call the methods in the order of events. Steps have numbers that never fall; a step may be covered and shown
-    again; between steps there may be gaps.
+    Call the methods in the order of events. Steps have numbers that never fall; a step may be covered and
+    shown again; between steps there may be gaps.
     """
 
     def __init__(self, config: CreditConfig) -> None:
         self.config = config
         self._features: dict[int, Features] = {}
         self._ledger = _Ledger(config, self._features)
-        # Everything that happened, so that a press can be taken out of the past. Two entries per step for hours: small.
+        # Everything that happened, so that a press can be taken out of the past. Two entries per step for
+        # hours: small.
         self._log: list[_Entry] = []
         self._known: set[int] = set()
         self._taken = 0
@@ -80,8 +81,8 @@ class CreditAssigner:
     def interrupted(self, last_ns: int) -> None:
         """Note that the program stood still from `last_ns` on, and has gone on since (`core.events.TimeGap`).
 
-        What was on screen is hidden from `last_ns` on. No later press is credited to what was on screen before: what
-        would have fallen there counts as `in_gaps`. A burst of presses ends there.
+        What was on screen is hidden from `last_ns` on. No later press is credited to what was on screen
+        before: what would have fallen there counts as `in_gaps`. A burst of presses ends there.
         """
         self._do(_Ledger.interrupted, last_ns)
 
@@ -134,8 +135,8 @@ class _Press:
 class _Ledger:
     """The state behind `CreditAssigner`; takes events in order and forgets none of their effects.
 
-    A session of hours has tens of thousands of steps, and few presses: what only a press needs of a step is made by
-    the press, and features are forgotten once no press can need them any more.
+    A session of hours has tens of thousands of steps, and few presses: what only a press needs of a step is
+    made by the press, and features are forgotten once no press can need them any more.
     """
 
     def __init__(self, config: CreditConfig, features: dict[int, Features]) -> None:
@@ -271,7 +272,8 @@ class _Ledger:
     def _give(self, press: int, step: int, value: float, credit_share: float) -> None:
         if step not in self._features:
             raise ValueError(
-                f"press {press} is for step {step}, which left the screen more than {FORGET_AFTER_NS // NS_PER_S} s ago"
+                f"press {press} is for step {step}, which left the screen more than "
+                f"{FORGET_AFTER_NS // NS_PER_S} s ago"
             )
         if self._config.scheme == "individual":
             self.samples.append(Sample(self._features[step], value, min(credit_share, 1.0), step, (press,)))

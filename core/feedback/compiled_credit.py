@@ -112,8 +112,8 @@ def share_out(
     Args:
         rule: density or rule.
         press_ns: time of the press, when the last step had been shown already.
-        shown_ns: when each step came on screen, in a ring: step s at place s % n, shape (n,), n >= 2. It has to
-            reach back as far as the rule.
+        shown_ns: when each step came on screen, in a ring: step s at place s % n, shape (n,), n >= 2. It has
+            to reach back as far as the rule.
         hidden_ns: when each went off, likewise; far in the future for one that has not.
         n_steps: steps so far.
         shares: out, by the same places: share of each step from the first one returned.

@@ -18,8 +18,8 @@ class CreditConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     delay: Delay = PreviousStep()
     """Density of the delay, or a rule. Previous step: TAMER's rule for Tetris (`docs/decisions`)."""
     scheme: Literal["individual", "aggregate"] = "individual"
-    """Individual: one sample per press and step, weighted by its share (K-CAP 2009). Aggregate: one sample per
-    step, its label the sum of value * share over all presses (TAMER's later default)."""
+    """Individual: one sample per press and step, weighted by its share (K-CAP 2009). Aggregate: one sample
+    per step, its label the sum of value * share over all presses (TAMER's later default)."""
     silence: Literal["no-update", "zero-label"] = "no-update"
     """What a step without any press says: nothing, or 0 (TAMER's code; with the aggregate scheme only)."""
     merge_within_s: Annotated[float, number("seconds", ge=0, le=1e6, usual=(0, 10))] = 0.0
@@ -37,22 +37,24 @@ class TrainerConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     """What kind of participant is simulated."""
 
     press_probability: Annotated[float, number(ge=0, le=1)] = 0.03
-    """Chance per step to say anything: about 2 presses in an episode of 60 steps (section 4: 2 on average)."""
+    """Chance per step to say anything: about 2 presses in an episode of 60 steps (section 4: 2 on
+    average)."""
     max_presses: Annotated[int, number("judgements", ge=0, le=1_000_000)] = 5
     """Judgements per episode, bursts counted once (section 4: no more than 5 times in any Tetris episode)."""
     mean_presses: Annotated[float, number("judgements", ge=0, le=1_000_000)] | None = None
-    """Judgements per long episode on average: the most for an episode is then drawn from a binomial distribution
-    with this mean and at most `max_presses`. None: always `max_presses`. (Section 4: at most 5, on average 2.)"""
+    """Judgements per long episode on average: the most for an episode is then drawn from a binomial
+    distribution with this mean and at most `max_presses`. None: always `max_presses`. (Section 4: at most 5,
+    on average 2.)"""
     knowledge: Knowledge = "expert"
-    """By what they judge. Expert: a controller far beyond the learner's features; lay: what meets the eye; myopic:
-    the immediate effect of the step alone (B-Pref's myopia, to the end)."""
+    """By what they judge. Expert: a controller far beyond the learner's features; lay: what meets the eye;
+    myopic: the immediate effect of the step alone (B-Pref's myopia, to the end)."""
     good_share: Annotated[float, number(ge=0, le=1)] = 0.25
     """An action among this share of the best ones is good, any other is bad. (Our choice.)"""
     skip_margin: Annotated[float, number(ge=0, le=1)] = 0.0
     """No judgement where the action's rank is within this share of the border between good and bad."""
     equal_margin: Annotated[float, number("standard deviations", ge=0, le=1e6, usual=(0, 10))] = 0.0
-    """No judgement where the action's value is within this many sd of the values on offer from the border between
-    good and bad (B-Pref's "equal": values too close to tell apart)."""
+    """No judgement where the action's value is within this many sd of the values on offer from the border
+    between good and bad (B-Pref's "equal": values too close to tell apart)."""
     mistake_rate: Annotated[float, number(ge=0, le=1)] = 0.1
     """Chance of the wrong key by mistake (B-Pref: 0.1). 1 is an adversary."""
     deliberate_rate: Annotated[float, number(ge=0, le=1)] = 0.0
@@ -62,7 +64,8 @@ class TrainerConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     anticipation_rate: Annotated[float, number(ge=0, le=1)] = 0.0
     """Chance of pressing before the outcome is seen, at a random moment of the step."""
     burst_rate: Annotated[float, number(ge=0, le=1)] = 0.0
-    """Chance that a judgement is given by several presses (TAMER's logs: two of four people nearly always)."""
+    """Chance that a judgement is given by several presses (TAMER's logs: two of four people nearly
+    always)."""
     burst_presses: Annotated[int, number("presses", ge=1, le=1000)] = 3
     """Presses in a burst. (Our choice.)"""
     burst_interval_s: Annotated[float, number("seconds", gt=0, le=1e6, usual=(0.001, 10))] = 0.19

@@ -1,8 +1,8 @@
 """Credit assignment: which steps a press speaks of (section 3.3, Fig. 4).
 
-A press at time t is an answer to something that was on screen a while before. With a density p of that delay, a
-step that was on screen during [a, b] gets the integral of p from t - b to t - a. Two rules that use no density
-stand beside it: all credit to the step on screen, or to the one before.
+A press at time t is an answer to something that was on screen a while before. With a density p of that delay,
+a step that was on screen during [a, b] gets the integral of p from t - b to t - a. Two rules that use no
+density stand beside it: all credit to the step on screen, or to the one before.
 """
 
 import math
@@ -54,7 +54,8 @@ class Credit:
     before_first: float
     """Share that falls before the first interval."""
     in_gaps: float
-    """Share that falls between intervals (pauses, ends of episodes), or between the last one and the press."""
+    """Share that falls between intervals (pauses, ends of episodes), or between the last one and the
+    press."""
 
 
 def credit(
@@ -73,8 +74,8 @@ def credit(
         hidden_ns: when each ended, shape (n,), not before it began nor after the next one began;
             `STILL_SHOWN_NS` for the last one if it has not ended.
         delay: density of the delay, or a rule. Any object with `cdf` and `horizon_s` is a density.
-        steps: number of the step shown in each interval, shape (n,), never falling; a step that was covered for
-            a while has several intervals. Each interval is a step of its own when left out.
+        steps: number of the step shown in each interval, shape (n,), never falling; a step that was covered
+            for a while has several intervals. Each interval is a step of its own when left out.
 
     Returns:
         The shares; what a density leaves beyond its horizon (less than 1e-6) is taken to lie at the horizon.

@@ -1,4 +1,6 @@
-"""Delay densities and credit rules, as settings. No numerical library is imported: a protocol is read without one."""
+"""Delay densities and credit rules, as settings. No numerical library is imported: a protocol is read without
+one.
+"""
 
 import math
 from functools import lru_cache
@@ -17,7 +19,9 @@ HORIZON_MASS = 1e-6
 
 
 class DelayDensity(Protocol):
-    """What credit needs of a density of the delay; any class that has both can be one (`docs/extending.md`)."""
+    """What credit needs of a density of the delay; any class that has both can be one
+    (`docs/extending.md`).
+    """
 
     @property
     def horizon_s(self) -> float:
@@ -25,7 +29,9 @@ class DelayDensity(Protocol):
         ...
 
     def cdf(self, delay_s: "ArrayLike") -> "NDArray[np.float64]":
-        """Return the probability of a delay of at most `delay_s` >= 0 seconds, in [0, 1], element by element."""
+        """Return the probability of a delay of at most `delay_s` >= 0 seconds, in [0, 1], element by
+        element.
+        """
         ...
 
 
@@ -33,8 +39,8 @@ class GammaDelay(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="g
     """Gamma density of the delay, shifted by an offset (Fig. 4).
 
     The paper's gamma(2.5, 0.3) is shape and scale in seconds: mean shape * scale_s = 0.75 s, mode
-    (shape - 1) * scale_s = 0.45 s. Its text puts the mean about 0.5 s before the press, which holds for neither
-    reading of the numbers; we build the numbers (`docs/decisions/credit-of-a-press.md`).
+    (shape - 1) * scale_s = 0.45 s. Its text puts the mean about 0.5 s before the press, which holds for
+    neither reading of the numbers; we build the numbers (`docs/decisions/credit-of-a-press.md`).
     """
 
     shape: Annotated[float, number(gt=0, le=1e9, usual=(0.05, 1000))] = 2.5
@@ -117,8 +123,8 @@ def parse_delay(text: str) -> Delay:
     """Return the credit rule that `text` names: the inverse of `describe`.
 
     Args:
-        text: "gamma", "gamma:SHAPE,SCALE", "gamma:SHAPE,SCALE,OFFSET", "uniform", "uniform:LOW,HIGH", "previous"
-            or "current"; in seconds, except for SHAPE.
+        text: "gamma", "gamma:SHAPE,SCALE", "gamma:SHAPE,SCALE,OFFSET", "uniform", "uniform:LOW,HIGH",
+            "previous" or "current"; in seconds, except for SHAPE.
     """
     name, colon, rest = text.strip().partition(":")
     kinds: dict[str, tuple[type[Delay], tuple[int, ...]]] = {

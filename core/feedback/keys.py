@@ -1,7 +1,8 @@
 """Which key presses count as feedback: the one rule used by the live screen and by simulated sessions.
 
-A terminal reports no key releases, and a held key as a flood of presses: the first repeat after 250-660 ms, then
-one every 25-40 ms. The rule here recognises such a run from its intervals and takes the press that opened it back.
+A terminal reports no key releases, and a held key as a flood of presses: the first repeat after 250-660 ms,
+then one every 25-40 ms. The rule here recognises such a run from its intervals and takes the press that
+opened it back.
 """
 
 from collections.abc import Iterator
@@ -61,8 +62,8 @@ class KeyConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
 class PressGate:
     """Turns raw key presses into records, and says of each whether it counts.
 
-    One instance per session; `episode_started` gives a new budget. The gate knows the screen only through what
-    the caller tells it: which frame and step are shown, and whether they are covered.
+    One instance per session; `episode_started` gives a new budget. The gate knows the screen only through
+    what the caller tells it: which frame and step are shown, and whether they are covered.
     """
 
     def __init__(self, config: KeyConfig, *, person: int = 0, numbers: Iterator[int] | None = None) -> None:
@@ -146,7 +147,9 @@ class PressGate:
         return "accepted" if self.presses_left > 0 else "no-presses-left"
 
     def _opener_of_held_key(self, record: KeyPressed) -> KeyPressed | None:
-        """Return the accepted press that turns out to be a held key's first repeat, once its run is recognised."""
+        """Return the accepted press that turns out to be a held key's first repeat, once its run is
+        recognised.
+        """
         last = self._last_of_key.get(record.key)
         if last is None:
             return None
@@ -171,7 +174,8 @@ class PressGate:
 class WrongPressPlan:
     """Says before which feedback the participant is asked for a deliberately wrong press (paper, section 4).
 
-    One number of the stream "wrong-press" is drawn at the start and after each accepted press of the participant.
+    One number of the stream "wrong-press" is drawn at the start and after each accepted press of the
+    participant.
     """
 
     def __init__(self, rate: float, root_seed: int) -> None:
@@ -194,7 +198,9 @@ class WrongPressPlan:
         return True
 
     def asked(self, gate: PressGate) -> None:
-        """Note that the participant has been asked, in a session that goes on: the press is still to be made."""
+        """Note that the participant has been asked, in a session that goes on: the press is still to be
+        made.
+        """
         self._next_is_wrong = False
         gate.wrong_asked = True
 

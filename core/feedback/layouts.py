@@ -1,8 +1,8 @@
 """Keys of other keyboard layouts: which Latin letter stands on the key that sent another one.
 
 A terminal sends characters, not keys. Where the keyboard is set to another alphabet, the key of `j` sends
-another letter, and a participant's feedback would be lost. The tables say which Latin letter the same key sends
-in the US layout. Why each alphabet has the layout it has here: `docs/decisions/keyboard-layouts.md`.
+another letter, and a participant's feedback would be lost. The tables say which Latin letter the same key
+sends in the US layout. Why each alphabet has the layout it has here: `docs/decisions/keyboard-layouts.md`.
 """
 
 import unicodedata
@@ -63,7 +63,9 @@ _AT_Q = {layout.q: layout.name for layout in _LAYOUTS if layout.q}
 
 
 def possible_readings(key: str) -> frozenset[Reading]:
-    """Return all that a key can stand for, whatever was typed before and whatever the participant's language is."""
+    """Return all that a key can stand for, whatever was typed before and whatever the participant's language
+    is.
+    """
     if key in _AT_Q:
         return frozenset({Reading("q", _AT_Q[key])})
     reading = None if len(key) != 1 or key.isascii() else KeyReader().read(key)

@@ -1,7 +1,7 @@
 """Simulated people by name: one registry, from which experiments and tests take them.
 
-All keep the paper's budget (section 4): at most 5 judgements in an episode, 2 on average where it is long enough, and
-about 1 in 10 wrong, unless their name says otherwise.
+All keep the paper's budget (section 4): at most 5 judgements in an episode, 2 on average where it is long
+enough, and about 1 in 10 wrong, unless their name says otherwise.
 """
 
 from collections.abc import Mapping

@@ -1,8 +1,8 @@
 """Simulated participants: they judge by an oracle, late, seldom, and not always rightly.
 
 A trainer knows no game: it is given the oracle's value of each action. Its properties follow the literature:
-mistakes and skips as in B-Pref (Lee et al. 2021), delay, few presses and stopping as in DQN-TAMER (Arakawa et al.
-2018), bursts as in TAMER's public logs, and the paper's own limits (section 4).
+mistakes and skips as in B-Pref (Lee et al. 2021), delay, few presses and stopping as in DQN-TAMER (Arakawa et
+al. 2018), bursts as in TAMER's public logs, and the paper's own limits (section 4).
 """
 
 from collections.abc import Sequence
@@ -33,7 +33,8 @@ class IntendedPress:
     step: int
     """The step it is about, which need not be on screen any more."""
     believed: float
-    """What the participant thinks of the step; `value` has the other sign in a mistake or a deliberate error."""
+    """What the participant thinks of the step; `value` has the other sign in a mistake or a deliberate
+    error."""
     deliberate: bool
     """The press is wrong on purpose."""
 
@@ -53,8 +54,9 @@ def judgement(
         action: the chosen one.
         good_share: an action is good if fewer than this share of the n actions are better.
         skip_margin: nothing is said if the share of better actions is less than this away from `good_share`.
-        equal_margin: nothing is said of an action (not a fatal one) whose value is less than this many sd of the
-            finite values away from the middle between the worst good and the best bad value; nor where all are alike.
+        equal_margin: nothing is said of an action (not a fatal one) whose value is less than this many sd of
+            the finite values away from the middle between the worst good and the best bad value; nor where
+            all are alike.
     """
     if not 0 <= action < len(oracle_values):
         raise ValueError(f"action {action} is not one of {len(oracle_values)}")
@@ -139,7 +141,8 @@ class SimulatedTrainer:
         return self._drawn(step)
 
     def next_inclined(self, step: int, end: int) -> int:
-        """Return the first of the steps from `step` to before `end` at which they feel like speaking; else `end`.
+        """Return the first of the steps from `step` to before `end` at which they feel like speaking; else
+        `end`.
 
         `watch` says nothing at all other steps, so a player need not stop there.
         """
@@ -155,7 +158,9 @@ class SimulatedTrainer:
         return end
 
     def _drawn(self, step: int) -> NDArray[np.float64]:
-        """Return the draws about this step and the others of its block after it, shape (n, _N_DRAWS), n >= 1."""
+        """Return the draws about this step and the others of its block after it, shape (n, _N_DRAWS), n >=
+        1.
+        """
         block, place = divmod(step, _BLOCK)
         if block != self._block:
             rng = stream(self._root_seed, "trainer", self._episode, block)
@@ -218,8 +223,8 @@ class SimulatedTrainer:
     def answer(self, step: int, oracle_values: NDArray[np.float64], options: Sequence[int]) -> int | None:
         """Return which of the agent's options they choose; None where they do not say.
 
-        The best option by the oracle, the first of equal ones; in a mistake another one, any as likely. They do not
-        answer where the best two are too close to tell apart (`equal_margin`), or when they have left.
+        The best option by the oracle, the first of equal ones; in a mistake another one, any as likely. They
+        do not answer where the best two are too close to tell apart (`equal_margin`), or when they have left.
 
         Args:
             step: its number in the session.

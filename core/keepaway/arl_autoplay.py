@@ -1,7 +1,7 @@
 """Whole episodes of keepers that learn from their environment and from a simulated person, for experiments.
 
-An episode is one call of compiled code, presses included; what happens once per episode is done by the classes of a
-session: bootstrap learning, the weights of the scheme, the participant's budget and fatigue.
+An episode is one call of compiled code, presses included; what happens once per episode is done by the
+classes of a session: bootstrap learning, the weights of the scheme, the participant's budget and fatigue.
 """
 
 import hashlib
@@ -72,14 +72,15 @@ class ArlKeepawayConfig(msgspec.Struct, frozen=True, kw_only=True):
     task: KeepawayConfig = KeepawayConfig()
     sarsa: SarsaConfig = SarsaConfig()
     agent: AgentConfig = KEEPAWAY_AGENT
-    """`human_model` has to be a `TileModel`; credit is individual and merges no bursts; matches are measured as
-    played."""
+    """`human_model` has to be a `TileModel`; credit is individual and merges no bursts; matches are measured
+    as played."""
     person: KeepawayPersonConfig | None = KeepawayPersonConfig()
     """None: nobody watches."""
     keys: KeyConfig = KeyConfig(max_presses_per_episode=2)
     """At most two presses per episode (section 4)."""
     pause_s: float = 2.0
-    """How long the last picture of an episode stays before the next kick-off; late presses still count then."""
+    """How long the last picture of an episode stays before the next kick-off; late presses still count
+    then."""
     n_tilings: int = 32
 
     def __post_init__(self) -> None:
@@ -92,7 +93,8 @@ class ArlKeepawayConfig(msgspec.Struct, frozen=True, kw_only=True):
             )
         if self.agent.scheme.acts_on != "choice":
             raise ValueError(
-                f"compiled play lets the human act on choices, not on Sarsa's learning: got {self.agent.scheme}"
+                f"compiled play lets the human act on choices, not on Sarsa's learning: got "
+                f"{self.agent.scheme}"
             )
         trust = self.agent.bootstrap.trust
         if trust.needs.window:
@@ -109,7 +111,8 @@ class ArlKeepawayConfig(msgspec.Struct, frozen=True, kw_only=True):
         """Refuse what learners side by side cannot do."""
         if not isinstance(self.agent.scheme, Linear | Exponential):
             raise TypeError(
-                f"learners side by side need a scheme that goes by trust, linear or exponential: got {self.agent.scheme}"
+                f"learners side by side need a scheme that goes by trust, linear or exponential: got "
+                f"{self.agent.scheme}"
             )
         if self.sarsa.trace_decay or self.sarsa.shared_weights:
             raise ValueError(
@@ -161,8 +164,8 @@ class ArlEpisode:
     steps: int
     """Decisions of all keepers."""
     agreement: Agreement | None
-    """Of the environment's best options with the human model's, in the decisions made while it knew something; None where
-    there was none."""
+    """Of the environment's best options with the human model's, in the decisions made while it knew
+    something; None where there was none."""
     presses: tuple[MadePress, ...]
     """Presses made until the next kick-off, the refused ones too."""
 
@@ -181,7 +184,9 @@ class ArlAutoplay:
     """A session of Keepaway without a screen, played in whole episodes. Its clock is that of the match."""
 
     def __init__(self, config: ArlKeepawayConfig, root_seed: int, *path: str | int) -> None:
-        """Set up the match whose streams are named by `path`; the participant's streams follow from it, too."""
+        """Set up the match whose streams are named by `path`; the participant's streams follow from it,
+        too.
+        """
         task, delay = config.task, config.agent.credit.delay
         self.config = config
         self.streams = open_streams(root_seed, *path)
@@ -191,7 +196,8 @@ class ArlAutoplay:
         """w_h of each set of learners side by side; empty: one set."""
         n_learners = task.n_keepers * max(1, len(self._w_h_of))
         self.sarsa = new_sarsa(config.sarsa, coder, n_learners, task.n_actions)
-        """One learner per keeper; where they learn side by side one set of them after the other, in the order of the rule."""
+        """One learner per keeper; where they learn side by side one set of them after the other, in the order
+        of the rule."""
         model = config.agent.human_model
         assert isinstance(model, TileModel), "checked by the configuration"
         self.human = new_human_set(model, coder, task.n_keepers, task.n_actions)
@@ -257,8 +263,8 @@ class ArlAutoplay:
     def digest(self) -> str:
         """Return SHA-256 over everything learned, hex: two sessions with the same one have learned the same.
 
-        Of the human model that is all that decides about trust later: how many samples it is made of and how well it
-        foresaw the presses, beside its weights.
+        Of the human model that is all that decides about trust later: how many samples it is made of and how
+        well it foresaw the presses, beside its weights.
         """
         human = self.human
         arrays = (self.sarsa.weights, human.weights, human.samples, human.foreseen, self._timeline.masses)
@@ -356,7 +362,9 @@ class ArlAutoplay:
 
 
 def _room(config: ArlKeepawayConfig) -> int:
-    """Return how many presses can wait, or be made in one episode: those of all episodes within a delay's reach."""
+    """Return how many presses can wait, or be made in one episode: those of all episodes within a delay's
+    reach.
+    """
     person = config.person or NO_PRESSES
     trainer = person.trainer
     most = trainer.max_presses * trainer.burst_presses

@@ -1,7 +1,8 @@
-"""Compiled play of keepers that learn from their environment and from a person: whole episodes, presses included.
+"""Compiled play of keepers that learn from their environment and from a person: whole episodes, presses
+included.
 
-Steps, intervals and decisions are those of a session: a step is the decision of a keeper, on screen until the next
-one by any keeper or the end of the episode; presses reach back over all of them, whoever decided.
+Steps, intervals and decisions are those of a session: a step is the decision of a keeper, on screen until the
+next one by any keeper or the end of the episode; presses reach back over all of them, whoever decided.
 """
 
 from typing import Final, NamedTuple
@@ -71,7 +72,8 @@ class Timeline(NamedTuple):
     counts: Ints
     """STEPS, EPISODE_STEPS, shape (2,)."""
     tally: Tally
-    """Agreement in the decisions of this episode made while the human model knew something (`core.combination.tally`)."""
+    """Agreement in the decisions of this episode made while the human model knew something
+    (`core.combination.tally`)."""
     masses: Floats
     """PRESSES, CREDITED, BEFORE_FIRST, IN_GAPS, shape (4,)."""
     shares: Floats
@@ -83,7 +85,9 @@ class Timeline(NamedTuple):
 
 
 class Mix(NamedTuple):
-    """How environment and human are combined during one episode (`core.combination.config.EpisodeWeights`)."""
+    """How environment and human are combined during one episode
+    (`core.combination.config.EpisodeWeights`).
+    """
 
     form: int
     w_r: float
@@ -91,7 +95,8 @@ class Mix(NamedTuple):
     handover: float
     handover_seed: int
     sets: int
-    """How many sets of learners there are, one learner per keeper each: 1, or one set per attitude (`SideBySide`)."""
+    """How many sets of learners there are, one learner per keeper each: 1, or one set per attitude
+    (`SideBySide`)."""
     playing: int
     """The set that chooses; the others look on."""
     w_h_of: tuple[float, ...]
@@ -235,7 +240,9 @@ def _decide(
 
 @inner_kernel
 def _value_before(sarsa: Sarsa, k: int, windows: Ints) -> float:
-    """Write learner k's values of the present state; return that of its ended option, 0 where there is none."""
+    """Write learner k's values of the present state; return that of its ended option, 0 where there is
+    none.
+    """
     before = 0.0
     if sarsa.last_time[k] != NOT_YET:
         before = last_value(sarsa, k)

@@ -1,6 +1,7 @@
 """Whole episodes in compiled code: benchmark policies, and keepers that learn or act by Sarsa.
 
-The cycles are those of `core.keepaway.simulator.game`: for the same seeds a live loop plays the same episodes.
+The cycles are those of `core.keepaway.simulator.game`: for the same seeds a live loop plays the same
+episodes.
 """
 
 from dataclasses import dataclass
@@ -121,7 +122,9 @@ class Autoplay:
         return Episodes(cycles, ends == OUT)
 
     def learn(self, sarsa: Sarsa, n_episodes: int) -> Episodes:
-        """Play episodes with keepers that act by `sarsa` and improve it (see `core.learners.sarsa.frozen`)."""
+        """Play episodes with keepers that act by `sarsa` and improve it (see
+        `core.learners.sarsa.frozen`).
+        """
         if sarsa.values.shape != (self.config.n_keepers, self.config.n_actions):
             raise ValueError(
                 f"need {self.config.n_keepers} learners of {self.config.n_actions} actions, "

@@ -1,4 +1,6 @@
-"""One episode of Keepaway from decision to decision: the match stands still where a keeper has to choose an option."""
+"""One episode of Keepaway from decision to decision: the match stands still where a keeper has to choose an
+option.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -31,7 +33,8 @@ def play_to_decision(match: Match, rules: Rules, streams: Streams, most: int, de
         rules: size of the game.
         streams: of the match.
         most: finish at most this many cycles, >= 1.
-        decided: the present cycle has begun and all deciding keepers have decided; False: it has yet to begin.
+        decided: the present cycle has begun and all deciding keepers have decided; False: it has yet to
+            begin.
 
     Returns:
         DECIDING, OVER, or FINISHED after `most` cycles without either.
@@ -57,8 +60,8 @@ class Saved:
 class DecisionPlay:
     """An episode that is played in place, one decision after the other.
 
-    Where several keepers have to decide in the same cycle they do so one after the other, in the order of their
-    numbers, and all options begin together.
+    Where several keepers have to decide in the same cycle they do so one after the other, in the order of
+    their numbers, and all options begin together.
     """
 
     def __init__(self, config: KeepawayConfig, episode_seed: int) -> None:

@@ -1,7 +1,7 @@
 """Keepaway as sessions see it: a step is a decision of the keeper with the ball, and states are immutable.
 
-An action is an option of the keeper whose turn it is: 0 holds the ball (for one cycle), k passes to the k-th nearest
-keeper. What an agent sees are the keeper's state variables.
+An action is an option of the keeper whose turn it is: 0 holds the ball (for one cycle), k passes to the k-th
+nearest keeper. What an agent sees are the keeper's state variables.
 """
 
 import hashlib
@@ -24,7 +24,9 @@ HOLD = 0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class KeepawayState:
-    """A match that stands still: a keeper has to decide, or the episode is over. Two are equal if all of it is."""
+    """A match that stands still: a keeper has to decide, or the episode is over. Two are equal if all of it
+    is.
+    """
 
     saved: Saved = field(repr=False)
 
@@ -69,7 +71,10 @@ class KeepawayState:
         return hash(self.fingerprint())
 
     def __repr__(self) -> str:
-        return f"KeepawayState(cycle={self.cycle}, keeper={self.keeper}, ended={self.ended}, {self.fingerprint()})"
+        return (
+            f"KeepawayState(cycle={self.cycle}, keeper={self.keeper}, ended={self.ended}, "
+            f"{self.fingerprint()})"
+        )
 
 
 class Keepaway:
@@ -140,7 +145,9 @@ class Keepaway:
         return self.choices_of(state.keeper, state.variables, state.cycle)
 
     def choices_of(self, keeper: int, variables: NDArray[np.float64], cycle: int) -> Choices:
-        """Return the choices of a keeper who sees these state variables, shape (v,), so many cycles after the kick-off."""
+        """Return the choices of a keeper who sees these state variables, shape (v,), so many cycles after the
+        kick-off.
+        """
         n_options = self.config.n_actions
         return Choices(
             features=np.empty((n_options, 0)),

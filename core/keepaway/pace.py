@@ -1,7 +1,7 @@
 """How long options are on screen: some episodes are played, and their options timed.
 
-Half of the episodes are those of a team that chooses at random, as an untrained one does, half those of the hand-coded
-policy. In 3v2 on 20 m x 20 m a pass takes 6.6 cycles on average, a hold one.
+Half of the episodes are those of a team that chooses at random, as an untrained one does, half those of the
+hand-coded policy. In 3v2 on 20 m x 20 m a pass takes 6.6 cycles on average, a hold one.
 """
 
 from collections.abc import Iterator
@@ -20,7 +20,9 @@ MOST_OPTIONS = 150
 
 
 def options_on_screen(domain: Keepaway, viewing: Viewing) -> tuple[Watched, ...]:
-    """Return how the options of 12 episodes are seen, in order; of the first 2 while Python stands in for kernels."""
+    """Return how the options of 12 episodes are seen, in order; of the first 2 while Python stands in for
+    kernels.
+    """
     episodes = EPISODES_IN_PYTHON if is_interpreting() else EPISODES
     return tuple(watched for seed in range(episodes) for watched in _one_episode(domain, viewing, seed))
 

@@ -1,8 +1,8 @@
 """A simulated participant of Keepaway in compiled code: `core.feedback.trainers` for the steps of a match.
 
-The arithmetic and the draws of a step are those of `SimulatedTrainer.watch`, the number of a step being that in
-its episode. Only delays come from another stream: one per episode, for its judgements in turn, since setting up a
-Generator for each judgement would take longer than the step.
+The arithmetic and the draws of a step are those of `SimulatedTrainer.watch`, the number of a step being that
+in its episode. Only delays come from another stream: one per episode, for its judgements in turn, since
+setting up a Generator for each judgement would take longer than the step.
 """
 
 from typing import Final, NamedTuple
@@ -111,7 +111,9 @@ def with_more_draws(judge: Judge, trainer: SimulatedTrainer) -> Judge:
 
 
 def _opinion(trainer: TrainerConfig, n_options: int, option: int) -> float:
-    """Return what they think of an option where option 0 is the one they would have chosen; 0.0 for nothing."""
+    """Return what they think of an option where option 0 is the one they would have chosen; 0.0 for
+    nothing.
+    """
     values = np.zeros(n_options)
     values[0] = 1.0
     believed = judgement(
@@ -150,7 +152,9 @@ def would_choose(judge: Judge, match: Match, rules: Rules, i: int) -> int:
 
 @inner_kernel
 def lay_choice(variables: Floats, n_keepers: int, n_takers: int) -> int:
-    """Return what a lay person would do: pass to the mate farthest from all takers when one is near, else hold."""
+    """Return what a lay person would do: pass to the mate farthest from all takers when one is near, else
+    hold.
+    """
     if variables[n_keepers] > LAY_DANGER_M:
         return 0
     base = 1 + 2 * (n_keepers - 1 + n_takers)

@@ -1,8 +1,8 @@
 """What a screen shows of a game of Keepaway: pictures of the pitch, and pictures between two of them.
 
-Everything here is immutable and made of plain numbers, so that it can be sent to another process; no compiled code
-is imported. Places in metres from the centre (x right, y down as in the soccer server), angles in degrees from x
-towards y.
+Everything here is immutable and made of plain numbers, so that it can be sent to another process; no compiled
+code is imported. Places in metres from the centre (x right, y down as in the soccer server), angles in
+degrees from x towards y.
 """
 
 import math
@@ -15,7 +15,8 @@ from core.plugins import View
 Place = tuple[float, float]
 """x and y in metres."""
 SLACK = 2.0
-"""Whoever moves further than this many times the top speed in a cycle has been put elsewhere, and does not slide."""
+"""Whoever moves further than this many times the top speed in a cycle has been put elsewhere, and does not
+slide."""
 
 
 class PlayerView(msgspec.Struct, frozen=True, array_like=True):
@@ -58,7 +59,8 @@ class PitchFrame(msgspec.Struct, View, frozen=True, kw_only=True, array_like=Tru
     def __post_init__(self) -> None:
         if not 0 < self.n_keepers <= len(self.players):
             raise ValueError(
-                f"a picture has keepers first, then takers: {self.n_keepers} keepers of {len(self.players)} players"
+                f"a picture has keepers first, then takers: {self.n_keepers} keepers of {len(self.players)} "
+                f"players"
             )
 
     def name(self, player: int) -> str:
@@ -89,8 +91,9 @@ class PitchFrame(msgspec.Struct, View, frozen=True, kw_only=True, array_like=Tru
 def between(before: PitchFrame, after: PitchFrame, fraction: float) -> PitchFrame:
     """Return the picture at `fraction` of the way from one to a later one of the same episode.
 
-    Places move in a straight line and angles turn the short way; all else, and with it the option on screen, stays
-    that of `before` until the fraction is 1. Nothing slides over a reset: what has been put elsewhere stays until then.
+    Places move in a straight line and angles turn the short way; all else, and with it the option on screen,
+    stays that of `before` until the fraction is 1. Nothing slides over a reset: what has been put elsewhere
+    stays until then.
 
     Args:
         before: a picture.

@@ -1,7 +1,8 @@
 """The pitch: physical constants, the size of the game, and the columns of the arrays that hold its state.
 
-Sources: RoboCup soccer server 15.2.2 (defaults) in keepaway mode; UT Austin keepaway players 0.6 for the numbers
-of the players' own skills. Lengths in metres, speeds in metres per cycle, angles in degrees, one cycle = 100 ms.
+Sources: RoboCup soccer server 15.2.2 (defaults) in keepaway mode; UT Austin keepaway players 0.6 for the
+numbers of the players' own skills. Lengths in metres, speeds in metres per cycle, angles in degrees, one
+cycle = 100 ms.
 """
 
 from typing import Annotated, Final, NamedTuple
@@ -17,7 +18,8 @@ CYCLE_S: Final = 0.1
 NO_PLAYER: Final = -1
 """In place of a player's number."""
 SESSION_CYCLE_LIMIT: Final = 36_000
-"""Longest episode of sessions and their experiments, cycles (an hour): a ball that is never lost would never end."""
+"""Longest episode of sessions and their experiments, cycles (an hour): a ball that is never lost would never
+end."""
 AUTOPLAY_CYCLE_LIMIT: Final = 1_000_000
 """The same where benchmark policies or Sarsa play alone, cycles (28 hours)."""
 """Duration of one cycle in seconds."""
@@ -61,8 +63,8 @@ PLAYER_NOISE: Final = 0.1
 PLAYER_SPEED_MAX: Final = 1.05
 PLAYER_ACCEL_MAX: Final = 1.0
 DASH_RATE: Final = 0.006
-"""Acceleration per unit of dash power, forwards and backwards. (Server 15's back_dash_rate 0.6 does not act in the
-reference runs: their logs show backward dashes of full strength.)"""
+"""Acceleration per unit of dash power, forwards and backwards. (Server 15's back_dash_rate 0.6 does not act
+in the reference runs: their logs show backward dashes of full strength.)"""
 MAX_POWER: Final = 100.0
 INERTIA: Final = 5.0
 TURN_NOISE: Final = 0.1
@@ -134,16 +136,19 @@ class KeepawayConfig(msgspec.Struct, DomainConfig, frozen=True, forbid_unknown_f
     quantise: bool = True
     """False: what is seen is seen exactly, but still only in two of three cycles."""
     see_phases: tuple[SeePhase, ...] | None = None
-    """Of each player's visual messages (0, 1 or 2, keepers first), kept over episodes; None draws them per episode."""
+    """Of each player's visual messages (0, 1 or 2, keepers first), kept over episodes; None draws them per
+    episode."""
 
     def __post_init__(self) -> None:
         if not 2 <= self.n_keepers <= 11 or not 1 <= self.n_takers <= 11:
             raise ValueError(
-                f"need 2..11 keepers and 1..11 takers, got {self.n_keepers} keepers and {self.n_takers} takers"
+                f"need 2..11 keepers and 1..11 takers, got {self.n_keepers} keepers and {self.n_takers} "
+                f"takers"
             )
         if min(self.length_m, self.width_m) < 4 * CORNER_BOX - 2:
             raise ValueError(
-                f"a region needs at least 10 m x 10 m for its corner boxes, got {self.length_m} x {self.width_m}"
+                f"a region needs at least 10 m x 10 m for its corner boxes, got {self.length_m} x "
+                f"{self.width_m}"
             )
         if not 0 < self.view_angle_deg <= 360:
             raise ValueError(f"a field of view is in (0, 360] degrees, got {self.view_angle_deg}")

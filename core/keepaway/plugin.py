@@ -63,7 +63,8 @@ class KeepawayPlugin(GamePlugin):
             # Section 4: at most two presses per episode, about 1 in 10 of them wrong.
             keys=KeyConfig(max_presses_per_episode=2),
             trainer=KeepawayPersonConfig().trainer,
-            # An untrained team keeps the ball for about 7 s, a trained one for 12 s; a step takes 0.1 s or a pass.
+            # An untrained team keeps the ball for about 7 s, a trained one for 12 s; a step takes 0.1 s or a
+            # pass.
             session=SessionConfig(episodes=20, unseen_between=0, watched_steps=1200, unseen_steps=12000),
             # A pass then takes 3.2 s, in which it can be judged (docs/decisions/pace-of-a-session.md).
             screen=ScreenConfig(speed=0.2),
@@ -115,7 +116,8 @@ class KeepawayPlugin(GamePlugin):
             found.append("players know the exact state instead of noisy perceptions")
         elif protocol.domain.see_phases is None:
             found.append(
-                "which two of three cycles each player sees in is drawn anew in every episode (the reference: once per "
+                "which two of three cycles each player sees in is drawn anew in every episode (the "
+                "reference: once per "
                 "match)"
             )
         return found

@@ -1,4 +1,6 @@
-"""Learned policies on disk: an npz archive with the weights and a header in JSON that says where they come from."""
+"""Learned policies on disk: an npz archive with the weights and a header in JSON that says where they come
+from.
+"""
 
 import io
 import lzma
@@ -89,14 +91,17 @@ class SavedPolicy:
         expected = _empty(header).weights.shape
         if self.weights.shape != expected:
             raise PolicyFileError(
-                f"the weights of {header.task.n_keepers} keepers against {header.task.n_takers} takers have shape "
+                f"the weights of {header.task.n_keepers} keepers against {header.task.n_takers} takers have "
+                f"shape "
                 f"{expected}, got {self.weights.shape}"
             )
         if not np.isfinite(self.weights).all():
             raise PolicyFileError("some weights are not finite numbers")
 
     def sarsa(self) -> Sarsa:
-        """Return learners with these weights; they would go on learning (see `core.learners.sarsa.frozen`)."""
+        """Return learners with these weights; they would go on learning (see
+        `core.learners.sarsa.frozen`).
+        """
         return _empty(self.header)._replace(weights=self.weights.copy())
 
 
@@ -152,7 +157,8 @@ def load_policy(path: Path) -> SavedPolicy:
         raise PolicyFileError(f"{path}: {error}") from error
     except (*_UNREADABLE, MemoryError) as error:
         raise PolicyFileError(
-            f"{path}: not a policy of Keepaway ({type(error).__name__}: {error}); `arl train keepaway --save FILE` "
+            f"{path}: not a policy of Keepaway ({type(error).__name__}: {error}); `arl train keepaway --save "
+            f"FILE` "
             "makes one"
         ) from error
 
@@ -184,6 +190,7 @@ def _header(raw: bytes) -> PolicyHeader:
     named = msgspec.json.decode(raw, type=dict)
     if (named.get("format"), named.get("version")) != (FORMAT, VERSION):
         raise PolicyFileError(
-            f"need {FORMAT!r} of version {VERSION}, got {named.get('format')!r} of version {named.get('version')!r}"
+            f"need {FORMAT!r} of version {VERSION}, got {named.get('format')!r} of version "
+            f"{named.get('version')!r}"
         )
     return msgspec.json.decode(raw, type=PolicyHeader)

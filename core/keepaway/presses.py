@@ -1,7 +1,9 @@
-"""Key presses of a simulated participant in compiled play: planned, made when they fall due, and let through or not.
+"""Key presses of a simulated participant in compiled play: planned, made when they fall due, and let through
+or not.
 
-What counts is what `core.feedback.keys.PressGate` lets through: a budget per episode, and no repeats within the refractory
-time. Its rule for held keys has nothing to act on here: judgements and the presses of a burst are too far apart.
+What counts is what `core.feedback.keys.PressGate` lets through: a budget per episode, and no repeats within
+the refractory time. Its rule for held keys has nothing to act on here: judgements and the presses of a burst
+are too far apart.
 """
 
 from typing import Final, NamedTuple
@@ -115,7 +117,9 @@ def is_due(presses: Presses, now_ns: int) -> bool:
 
 @inner_kernel
 def make(presses: Presses) -> bool:
-    """Make the press that is due first; return whether it counts. Its time and value: `made_ns`, `made_value`."""
+    """Make the press that is due first; return whether it counts. Its time and value: `made_ns`,
+    `made_value`.
+    """
     place = presses.counts[MADE]
     if place >= len(presses.made_ns):
         presses.counts[LOST] += 1

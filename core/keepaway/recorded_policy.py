@@ -19,7 +19,8 @@ N_TILINGS = 32
 
 
 def recorded_policy(path: Path) -> SavedPolicy:
-    """Return the environment's learners of a session as they were at its end; what people taught is not in it.
+    """Return the environment's learners of a session as they were at its end; what people taught is not in
+    it.
 
     Raises:
         PolicyFileError: the file is not a whole recording of Keepaway.

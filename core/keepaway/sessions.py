@@ -24,7 +24,9 @@ from core.session.sarsa_game import SarsaGame, recorded_observation
 
 @dataclass(frozen=True, slots=True)
 class KeepawayViewing:
-    """Simulated time goes by at `speed`; an option is seen to have been chosen when its first cycle is over."""
+    """Simulated time goes by at `speed`; an option is seen to have been chosen when its first cycle is
+    over.
+    """
 
     speed: float
     """Simulated seconds per second."""

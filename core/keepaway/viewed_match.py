@@ -1,6 +1,7 @@
 """A match played cycle by cycle, one frame after each cycle.
 
-The cycles, streams and choices are those of `core.keepaway.autoplay`: for the same seeds it plays the same episodes.
+The cycles, streams and choices are those of `core.keepaway.autoplay`: for the same seeds it plays the same
+episodes.
 """
 
 import numpy as np
@@ -50,7 +51,8 @@ class ViewedMatch:
             wanted = (config.n_keepers, n_variables(config.n_keepers, config.n_takers))
             if policy.windows.shape != wanted:
                 raise ValueError(
-                    f"{config.n_keepers} keepers against {config.n_takers} takers need {wanted[0]} learners of "
+                    f"{config.n_keepers} keepers against {config.n_takers} takers need {wanted[0]} learners "
+                    f"of "
                     f"{wanted[1]} variables, got {policy.windows.shape[0]} of {policy.windows.shape[1]}"
                 )
         self.config = config

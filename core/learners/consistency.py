@@ -1,9 +1,10 @@
 """Whether a participant's presses follow from what they are about: the test that random presses fail.
 
-Each press is predicted from the presses before it, then learned from. If presses were random, however often each
-key is pressed, no prediction made beforehand could be right more often than wrong: the sum of prediction times
-surprise would be a martingale, and divided by the root of its quadratic variation about standard normal at any time.
-(An adversary is as consistent as a good participant: which of the two a participant is, only the environment can tell.)
+Each press is predicted from the presses before it, then learned from. If presses were random, however often
+each key is pressed, no prediction made beforehand could be right more often than wrong: the sum of prediction
+times surprise would be a martingale, and divided by the root of its quadratic variation about standard normal
+at any time. (An adversary is as consistent as a good participant: which of the two a participant is, only the
+environment can tell.)
 """
 
 import math
@@ -23,17 +24,20 @@ class Consistency:
 
     @property
     def score(self) -> float:
-        """Standard errors by which predictions did better than chance; 0 before the first that could be wrong."""
+        """Standard errors by which predictions did better than chance; 0 before the first that could be
+        wrong.
+        """
         return self._drift / math.sqrt(self._variation) if self._variation > 0 else 0.0
 
     def note(self, prediction: float, label: float, weight: float) -> None:
         """Take in a press.
 
-        Prediction and press count against what was usual so far: a constant says nothing about any single press. A
-        prediction counts in its own standard deviations, at most one: early ones are wild.
+        Prediction and press count against what was usual so far: a constant says nothing about any single
+        press. A prediction counts in its own standard deviations, at most one: early ones are wild.
 
         Args:
-            prediction: what the model expected, made before the press was known; any unit, any constant added.
+            prediction: what the model expected, made before the press was known; any unit, any constant
+                added.
             label: what it said.
             weight: how much it counts, > 0.
         """

@@ -1,6 +1,7 @@
 """What an agent asks of an environment learner, whichever algorithm it is.
 
-Two kinds: those that search among policies, each played for whole episodes, and those that learn at every step.
+Two kinds: those that search among policies, each played for whole episodes, and those that learn at every
+step.
 """
 
 from dataclasses import dataclass
@@ -40,11 +41,12 @@ class EnvironmentLearner(Protocol):
 
 @runtime_checkable
 class StepwiseLearner(Protocol):
-    """Learns while an episode is played, so that each episode is a policy of its own (Sarsa, policy gradient).
+    """Learns while an episode is played, so that each episode is a policy of its own (Sarsa, policy
+    gradient).
 
-    An episode is `begin_episode`, then for each decision `values`, `act`, and `took` when the step's outcome is there,
-    then `end_episode`. Whoever only wants to know what the learner would do asks for `values` and `act` and leaves
-    out `took`.
+    An episode is `begin_episode`, then for each decision `values`, `act`, and `took` when the step's outcome
+    is there, then `end_episode`. Whoever only wants to know what the learner would do asks for `values` and
+    `act` and leaves out `took`.
     """
 
     def begin_episode(self, *, rng: np.random.Generator) -> None:
@@ -89,7 +91,8 @@ class StepwiseLearner(Protocol):
 
         Args:
             time: the domain's own time at the end (`Domain.time`).
-            terminated: it came to its end; otherwise it was broken off, and nobody knows what would have come.
+            terminated: it came to its end; otherwise it was broken off, and nobody knows what would have
+                come.
         """
         ...
 
@@ -154,7 +157,9 @@ class Actor(Protocol):
         ...
 
     def push(self, direction: NDArray[np.float64]) -> None:
-        """Move the weights by `direction`, shape (F,), as scores count them: feedback on the policy itself."""
+        """Move the weights by `direction`, shape (F,), as scores count them: feedback on the policy
+        itself.
+        """
         ...
 
     def end_episode(self) -> None:

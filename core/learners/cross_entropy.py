@@ -1,8 +1,9 @@
 """The noisy cross-entropy method: a normal distribution over weight vectors that moves to its best samples.
 
-Szita & Lorincz 2006, with the settings of Thiery & Scherrer 2009: in each iteration a population is drawn from
-N(mean, variance) with independent weights; mean and variance become those of the elite, the samples with the highest
-performance; a noise schedule is added to the variance, which keeps the search from stopping too early.
+Szita & Lorincz 2006, with the settings of Thiery & Scherrer 2009: in each iteration a population is drawn
+from N(mean, variance) with independent weights; mean and variance become those of the elite, the samples with
+the highest performance; a noise schedule is added to the variance, which keeps the search from stopping too
+early.
 """
 
 import math
@@ -53,7 +54,8 @@ class CrossEntropy:
         return samples
 
     def elite(self, performance: ArrayLike) -> NDArray[np.intp]:
-        """Return the indices of the best samples, in the order drawn; of equal ones the first drawn are taken.
+        """Return the indices of the best samples, in the order drawn; of equal ones the first drawn are
+        taken.
 
         Args:
             performance: of each sample, shape (population,).
@@ -63,15 +65,15 @@ class CrossEntropy:
             raise ValueError(
                 f"need {self.config.population} performances without NaN, got shape {values.shape}: {values}"
             )
-        # In the order drawn: who is best among the best then changes no sum, so games of the elite need not be
-        # played to their end.
+        # In the order drawn: who is best among the best then changes no sum, so games of the elite need not
+        # be played to their end.
         return np.sort(np.argsort(-values, kind="stable")[: self.config.elite_size])
 
     def update(self, performance: ArrayLike) -> None:
         """Move to the elite and begin the next iteration.
 
-        The variance is the elite's population variance (divided by n, as in Thiery & Scherrer's program) plus the
-        noise of this iteration.
+        The variance is the elite's population variance (divided by n, as in Thiery & Scherrer's program) plus
+        the noise of this iteration.
         """
         best = self.population()[self.elite(performance)]
         self.mean = best.mean(axis=0)

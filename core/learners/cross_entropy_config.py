@@ -1,4 +1,6 @@
-"""Settings of the noisy cross-entropy method (`core.learners.cross_entropy`). No numerical library is imported."""
+"""Settings of the noisy cross-entropy method (`core.learners.cross_entropy`). No numerical library is
+imported.
+"""
 
 import math
 from typing import Annotated, ClassVar

@@ -1,7 +1,8 @@
 """Encoding of observations for linear learners: active tiles of a state, and of a state and an action.
 
-A learner that compares rows needs no encoder (`Choices.features`). One that sees an observation tiles it by a `TileCoder`
-of its own; a human model over tiles has one weight vector for all actions, so each action has tiles of its own.
+A learner that compares rows needs no encoder (`Choices.features`). One that sees an observation tiles it by a
+`TileCoder` of its own; a human model over tiles has one weight vector for all actions, so each action has
+tiles of its own.
 """
 
 from dataclasses import dataclass

@@ -27,15 +27,15 @@ class SgdModel(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="sgd
 class RidgeModel(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="ridge"):
     """Linear model by regularised least squares over all samples so far.
 
-    It minimises sum_i weight_i (label_i - intercept - v . z_i)^2 + l2 |v|^2, z_i being the inputs of sample i,
-    and does not depend on the order of the samples, but for rounding.
+    It minimises sum_i weight_i (label_i - intercept - v . z_i)^2 + l2 |v|^2, z_i being the inputs of sample
+    i, and does not depend on the order of the samples, but for rounding.
     """
 
     l2: Annotated[float, number(ge=1e-30, le=1e30, usual=(1e-6, 1e6))] = 1.0
     """Penalty, > 0: as strong as one unit of sample weight per standardised input. (Our choice.)"""
     intercept: Literal["free", "penalised", "none"] = "penalised"
-    """Free: unpenalised, so inputs are centred, and praise alone (or blame alone) teaches nothing. Penalised: one
-    more input that is always 1. None: H is 0 where nothing changes."""
+    """Free: unpenalised, so inputs are centred, and praise alone (or blame alone) teaches nothing. Penalised:
+    one more input that is always 1. None: H is 0 where nothing changes."""
     standardise: bool = True
     """Divide each input by its sd (centred) or its root mean square (not centred) over the samples so far."""
 
@@ -54,8 +54,8 @@ class TileModel(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="ti
     """
 
     step_size: Annotated[float, number(gt=0, le=1)] = 0.125
-    """Share of a sample's error that is taken out, in (0, 1]: divided by the number of active tiles in every update,
-    as the Sarsa of the released keepaway players does with its own. (Our choice.)"""
+    """Share of a sample's error that is taken out, in (0, 1]: divided by the number of active tiles in every
+    update, as the Sarsa of the released keepaway players does with its own. (Our choice.)"""
     shared: bool = False
     """One model for all keepers; otherwise each keeper has its own, as it has its own values."""
 

@@ -14,7 +14,9 @@ __all__ = ["FeatureModelConfig", "HumanRewardModel", "RidgeModel", "SgdModel"]
 
 
 class HumanRewardModel:
-    """Learns from samples one by one. The same samples in the same order give the same bits, however batched."""
+    """Learns from samples one by one. The same samples in the same order give the same bits, however
+    batched.
+    """
 
     def __init__(self, config: FeatureModelConfig, n_features: int) -> None:
         if n_features < 1:

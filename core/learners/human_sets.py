@@ -1,4 +1,5 @@
-"""Human models over tiles of several learners, for compiled play: `core.learners.human_tiles` without its classes.
+"""Human models over tiles of several learners, for compiled play: `core.learners.human_tiles` without its
+classes.
 
 The same samples in the same order give the same bits as there.
 """
@@ -23,8 +24,8 @@ class HumanSet(NamedTuple):
     samples: Ints
     """[samples learned from], shape (1,): while it is 0 nothing is known."""
     foreseen: Floats
-    """How well presses were foreseen (`core.learners.consistency`): sum of weights, means of label and prediction, sum of
-    squares of predictions, drift, variation; shape (6,)."""
+    """How well presses were foreseen (`core.learners.consistency`): sum of weights, means of label and
+    prediction, sum of squares of predictions, drift, variation; shape (6,)."""
     n_tilings: int
     step_size: float
     """Share of its error that a sample of weight 1 takes out."""

@@ -1,4 +1,6 @@
-"""The human reward model over tiles: H(s, o) is the sum of the weights of the active tiles, learned from presses."""
+"""The human reward model over tiles: H(s, o) is the sum of the weights of the active tiles, learned from
+presses.
+"""
 
 from collections.abc import Iterable
 

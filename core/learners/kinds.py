@@ -4,5 +4,5 @@ from typing import Literal
 
 LearnerKind = Literal["search", "climbing", "stepwise"]
 """What a learner does while an episode is played: "search", it waits for the performance of a whole policy
-(`core.learners.contract.EnvironmentLearner`); "climbing", it moves a softmax policy (`Actor`); "stepwise", it changes its
-values at every step (`StepwiseLearner`)."""
+(`core.learners.contract.EnvironmentLearner`); "climbing", it moves a softmax policy (`Actor`); "stepwise", it
+changes its values at every step (`StepwiseLearner`)."""

@@ -1,8 +1,9 @@
 """Policy gradient with a softmax over linear values: GPOMDP and OLPOMDP, plain or natural.
 
-pi(a | s) is proportional to exp(theta . phi(s, a)); the gradient of its mean reward is estimated as the sum of
-(r_t - b) e_t with the eligibility trace e_t = beta e_{t-1} + grad log pi(a_t | s_t) (Baxter & Bartlett 2001), b being
-the running mean reward. The natural gradient premultiplies by the inverse Fisher matrix (Kakade 2001).
+pi(a | s) is proportional to exp(theta . phi(s, a)); the gradient of its mean reward is estimated as the sum
+of (r_t - b) e_t with the eligibility trace e_t = beta e_{t-1} + grad log pi(a_t | s_t) (Baxter & Bartlett
+2001), b being the running mean reward. The natural gradient premultiplies by the inverse Fisher matrix
+(Kakade 2001).
 """
 
 import math
@@ -115,8 +116,8 @@ class PolicyGradient:
 class PolicyGradientLearner:
     """The method as an agent's learner: a `core.learners.contract.Actor`.
 
-    The policy proposed is the one at the start of the episode. A compiled player may play it by itself and learn through
-    `gradient`; then `took` is not called.
+    The policy proposed is the one at the start of the episode. A compiled player may play it by itself and
+    learn through `gradient`; then `took` is not called.
     """
 
     def __init__(self, config: PolicyGradientConfig, *, scales: ArrayLike) -> None:
@@ -124,7 +125,9 @@ class PolicyGradientLearner:
         self._proposed = Candidate(0, self._frozen_weights())
 
     def propose(self) -> Candidate:
-        """Return the policy of the next episode; the same one again until its performance has been reported."""
+        """Return the policy of the next episode; the same one again until its performance has been
+        reported.
+        """
         return self._proposed
 
     def report(self, policy_id: int, performance: float) -> None:

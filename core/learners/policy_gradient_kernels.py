@@ -1,4 +1,6 @@
-"""Kernels of policy gradient: the score of a softmax, and one step of learning, for rows of features of any task."""
+"""Kernels of policy gradient: the score of a softmax, and one step of learning, for rows of features of any
+task.
+"""
 
 import math
 from typing import NamedTuple
@@ -37,7 +39,8 @@ class Memory(NamedTuple):
 def fill_score(
     rows: Floats, gains: Floats, probabilities: Floats, n: int, action: int, reference: int, out: Floats
 ) -> None:
-    """Write the gradient of log pi(action) by theta, for logits whose derivative by R of each action is its gain.
+    """Write the gradient of log pi(action) by theta, for logits whose derivative by R of each action is its
+    gain.
 
     Args:
         rows: phi(s, a), scaled, shape (>= n, F).
@@ -77,7 +80,9 @@ def remember_score(memory: Memory, score: Floats) -> None:
 
 @kernel
 def learn_from_reward(memory: Memory, reward: float) -> None:
-    """Credit a reward, less the baseline, to the decisions in the trace; move the weights where that is on-line."""
+    """Credit a reward, less the baseline, to the decisions in the trace; move the weights where that is
+    on-line.
+    """
     advantage = reward - memory.numbers[BASELINE]
     memory.numbers[BASELINE] += memory.rates[BASELINE_RATE] * advantage
     n_weights = len(memory.trace)

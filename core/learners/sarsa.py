@@ -53,8 +53,8 @@ class Sarsa(NamedTuple):
     values: Floats
     """Action values at each learner's last decision, before the update it caused, shape (n, a)."""
     extra: Floats
-    """What is added to the reward of time of each learner's last option, shape (n,): shaping, Q augmentation, and the
-    domain's rewards where time brings none."""
+    """What is added to the reward of time of each learner's last option, shape (n,): shaping, Q augmentation,
+    and the domain's rewards where time brings none."""
     coder: TileCoder
     step_size: float
     """alpha / number of active tiles."""
@@ -77,7 +77,8 @@ def new_sarsa(
         coder: of the variables that they see.
         n_learners: >= 1.
         n_actions: of each decision, >= 1.
-        reward_is_time: each unit of time brings a reward of 1, as in Keepaway; False: rewards are added to `extra`.
+        reward_is_time: each unit of time brings a reward of 1, as in Keepaway; False: rewards are added to
+            `extra`.
     """
     n_variables = len(coder.low)
     n_active = n_variables * coder.n_tilings
@@ -187,8 +188,8 @@ def decide(sarsa: Sarsa, k: int, windows: Ints, time: int, rng: np.random.Genera
 def take_action(sarsa: Sarsa, k: int, windows: Ints, action: int, time: int, before: float) -> None:
     """Learn from learner k's ended option, now that `action` is chosen, and remember the new decision.
 
-    `before` is the value of the ended option (`last_value`), unused before the first decision. The values of the
-    present state have been written to `sarsa.values[k]`. Use this where another agent chooses the action.
+    `before` is the value of the ended option (`last_value`), unused before the first decision. The values of
+    the present state have been written to `sarsa.values[k]`. Use this where another agent chooses the action.
     """
     _learn_from_ended(sarsa, k, sarsa.values[k, action], time, before)
     _begin_option(sarsa, k, windows, action, time)
@@ -200,8 +201,9 @@ def learn_beside(
 ) -> None:
     """`take_action` for a learner that looks on: another one chose `action`, it would have chosen `own`.
 
-    What follows the ended option is worth what its own choice is worth to it, so it learns about its own policy (off-policy, as
-    Watkins' Q-learning 1989). Without traces: those of choices that are not its own would have to be cut.
+    What follows the ended option is worth what its own choice is worth to it, so it learns about its own
+    policy (off-policy, as Watkins' Q-learning 1989). Without traces: those of choices that are not its own
+    would have to be cut.
     """
     _learn_from_ended(sarsa, k, sarsa.values[k, own], time, before)
     _begin_option(sarsa, k, windows, action, time)
@@ -270,7 +272,9 @@ def end_episode(sarsa: Sarsa, time: int) -> None:
 
 @inner_kernel
 def forget_episode(sarsa: Sarsa) -> None:
-    """Forget traces and decisions of an episode that was broken off: nobody knows what came of its last options."""
+    """Forget traces and decisions of an episode that was broken off: nobody knows what came of its last
+    options.
+    """
     sarsa.last_time[:] = NOT_YET
     sarsa.extra[:] = 0.0
     if sarsa.step_size > 0.0:
@@ -279,7 +283,9 @@ def forget_episode(sarsa: Sarsa) -> None:
 
 @inner_kernel
 def last_value(sarsa: Sarsa, k: int) -> float:
-    """Return the value that learner k's last decision has now, in cycles; it must have decided in this episode."""
+    """Return the value that learner k's last decision has now, in cycles; it must have decided in this
+    episode.
+    """
     weights = sarsa.weights[min(k, sarsa.weights.shape[0] - 1)]
     return window_sum(weights[sarsa.last_action[k]], sarsa.windows[k], sarsa.coder.n_tilings)
 

@@ -22,7 +22,8 @@ class SarsaConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     exploration: Annotated[float, number(ge=0, le=1)] = 0.01
     """epsilon: share of decisions taken at random."""
     replacing_traces: bool = True
-    """True: a visited tile's trace becomes 1, those of the other actions there 0. False: traces accumulate."""
+    """True: a visited tile's trace becomes 1, those of the other actions there 0. False: traces
+    accumulate."""
     least_trace: Annotated[float, number(ge=0, le=1)] = 0.01
     """Traces below this are dropped."""
     initial_value: Annotated[float, number("cycles", ge=-1e9, le=1e9, usual=(-1e5, 1e5))] = 0.0

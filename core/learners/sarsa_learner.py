@@ -22,9 +22,10 @@ from core.numerics.tile_coding import TileCoder, runs
 class SarsaLearner:
     """n learners side by side, each learning from its own decisions, from reward and duration.
 
-    What a decision looks like is `Choices.observation`, tiled by the learner; `Choices.actor` says whose decision it is and
-    `Choices.time` when. The reward of an option is the sum of the rewards up to the same learner's next decision, each
-    discounted by the time since the option began (semi-Markov: Sutton, Precup & Singh 1999).
+    What a decision looks like is `Choices.observation`, tiled by the learner; `Choices.actor` says whose
+    decision it is and `Choices.time` when. The reward of an option is the sum of the rewards up to the same
+    learner's next decision, each discounted by the time since the option began (semi-Markov: Sutton, Precup &
+    Singh 1999).
     """
 
     def __init__(
@@ -43,8 +44,8 @@ class SarsaLearner:
             coder: of the observation.
             n_learners: >= 1.
             n_actions: of each decision, >= 1.
-            reward_is_time: the reward of the domain is its own time, unit for unit (Keepaway: each cycle). It is then
-                counted in whole units, and the rewards that `took` is told of are not needed.
+            reward_is_time: the reward of the domain is its own time, unit for unit (Keepaway: each cycle). It
+                is then counted in whole units, and the rewards that `took` is told of are not needed.
         """
         self._coder = coder
         self.sarsa = new_sarsa(config, coder, n_learners, n_actions, reward_is_time=reward_is_time)
@@ -80,8 +81,8 @@ class SarsaLearner:
     ) -> None:
         """Learn from the option that this decision ended; `reward` is part of the options that go on.
 
-        Q augmentation learns the Q for which Q + beta H fits: gamma^t beta H(s', o') - beta H(s, o) is added to the reward
-        of option o.
+        Q augmentation learns the Q for which Q + beta H fits: gamma^t beta H(s', o') - beta H(s, o) is added
+        to the reward of option o.
         """
         sarsa, k = self.sarsa, choices.actor
         if sarsa.last_time[k] != NOT_YET:
@@ -99,7 +100,9 @@ class SarsaLearner:
             sarsa.extra[k] += float(sarsa.discount) ** int(time - sarsa.last_time[k]) * reward
 
     def end_episode(self, time: int, *, terminated: bool) -> None:
-        """Learn from each learner's last option; of an episode that was broken off nothing more is learned."""
+        """Learn from each learner's last option; of an episode that was broken off nothing more is
+        learned.
+        """
         if terminated:
             end_episode(self.sarsa, time)
         else:
@@ -120,7 +123,9 @@ class SarsaLearner:
         return b"".join(np.ascontiguousarray(part).tobytes() for part in parts)
 
     def export(self) -> dict[str, list[float]]:
-        """Return the weights, one learner and action after the other, as runs of equal numbers, and their shape."""
+        """Return the weights, one learner and action after the other, as runs of equal numbers, and their
+        shape.
+        """
         starts, values = runs(self.sarsa.weights.ravel())
         shape = [float(length) for length in self.sarsa.weights.shape]
         return {"sarsa-shape": shape, "sarsa-starts": starts.tolist(), "sarsa-values": values.tolist()}

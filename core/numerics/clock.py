@@ -56,7 +56,8 @@ def wall_time_utc() -> str:
 
 
 def suspended_ns() -> int:
-    """Return how long this machine has been suspended since it started, in nanoseconds; 0 where that is not known.
+    """Return how long this machine has been suspended since it started, in nanoseconds; 0 where that is not
+    known.
 
     Linux's and macOS's monotonic clocks, as Python reads them, stand still meanwhile; another clock does not.
     """

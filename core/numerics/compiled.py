@@ -1,10 +1,11 @@
 """The one place where kernels are decorated, and where the folder of compiled code is chosen.
 
-Every compiled function of the project is decorated with `kernel` or `inner_kernel`, so that all of them release the GIL,
-are kept on disk, and keep IEEE arithmetic (no fast-math: sums are the same on every CPU).
+Every compiled function of the project is decorated with `kernel` or `inner_kernel`, so that all of them
+release the GIL, are kept on disk, and keep IEEE arithmetic (no fast-math: sums are the same on every CPU).
 
-A stale kernel would give results that no source explains. So the folder of compiled code is named after a digest
-of all sources that may hold or feed a kernel: other sources, other kernels. Importing this module creates nothing.
+A stale kernel would give results that no source explains. So the folder of compiled code is named after a
+digest of all sources that may hold or feed a kernel: other sources, other kernels. Importing this module
+creates nothing.
 """
 
 import hashlib
@@ -16,9 +17,11 @@ from typing import Any, TypeVar, cast
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 ALWAYS: dict[str, Any] = {"nopython": True, "nogil": True, "no_cfunc_wrapper": True, "boundscheck": None}
-"""How all kernels are compiled; a wrapper for callers in C, of which there are none, would take it an eighth longer."""
+"""How all kernels are compiled; a wrapper for callers in C, of which there are none, would take it an eighth
+longer."""
 INNER: dict[str, Any] = {"_nrt": False, "forceinline": True, "error_model": "numpy"}
-"""How inner kernels are compiled: without reference counts, into their callers, divisions without exceptions."""
+"""How inner kernels are compiled: without reference counts, into their callers, divisions without
+exceptions."""
 JIT_DISABLED: bool = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
 """True under NUMBA_DISABLE_JIT=1, where kernels run as plain Python."""
 
@@ -26,7 +29,8 @@ JIT_DISABLED: bool = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
 def sources_digest() -> str:
     """Return a digest of every source file that may hold or feed a kernel.
 
-    All of `core`, and of `studies` the files with kernels: those take constants only from `core` and each other.
+    All of `core`, and of `studies` the files with kernels: those take constants only from `core` and each
+    other.
     """
     root = Path(__file__).resolve().parents[2]
     digest = hashlib.sha256()
@@ -41,8 +45,8 @@ def sources_digest() -> str:
 def cache_folder(digest: str) -> tuple[Path, bool]:
     """Return where compiled code of these sources belongs, and whether old folders beside it may be removed.
 
-    `NUMBA_CACHE_DIR` decides where it is set, and nothing beside it is touched; else it is the user's cache. The folder
-    is this user's alone, also where several users share the place.
+    `NUMBA_CACHE_DIR` decides where it is set, and nothing beside it is touched; else it is the user's cache.
+    The folder is this user's alone, also where several users share the place.
     """
     owner = f"-{os.getuid()}" if hasattr(os, "getuid") else ""
     chosen = os.environ.get("NUMBA_CACHE_DIR")
@@ -70,8 +74,8 @@ def kernel(function: Function) -> Function:
 def inner_kernel(function: Function) -> Function:
     """Compile a part of other kernels: it becomes one piece with its callers, and counts no references.
 
-    Several times as fast for small functions that get rows of arrays (`docs/decisions/inner-kernels.md`). In return it
-    allocates no array and returns none, a division by zero gives inf or nan, and Python may call it
+    Several times as fast for small functions that get rows of arrays (`docs/decisions/inner-kernels.md`). In
+    return it allocates no array and returns none, a division by zero gives inf or nan, and Python may call it
     (tests do) unless it takes a Generator, of which every such call would keep a reference for good.
     """
     return _compiled(function, **INNER)

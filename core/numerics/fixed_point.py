@@ -1,9 +1,9 @@
 """Weights on a binary grid, so that a linear value comes out the same however its terms are added up.
 
 A linear policy does not change when its weights are multiplied by a positive number, and hardly when they are
-rounded to 40 bits. With integer features of up to 2**12 in sum, every product and partial sum then is exact in
-an int64 and in a float64: a compiled kernel, NumPy's matrix product and plain Python agree bit for bit, and
-equal values are equal instead of nearly so.
+rounded to 40 bits. With integer features of up to 2**12 in sum, every product and partial sum then is exact
+in an int64 and in a float64: a compiled kernel, NumPy's matrix product and plain Python agree bit for bit,
+and equal values are equal instead of nearly so.
 """
 
 import math
@@ -46,8 +46,8 @@ def fixed_point_shifts(rows: NDArray[np.float64]) -> NDArray[np.int32]:
 def exact_weights(weights: ArrayLike) -> NDArray[np.float64]:
     """Return the weights rounded to multiples of 2**-`fixed_point_shift(weights)`, half to even.
 
-    The factor is a power of two, so integers below 2**40 and sums of few binary fractions stay exact, and with
-    them the ties between actions. A second rounding changes nothing.
+    The factor is a power of two, so integers below 2**40 and sums of few binary fractions stay exact, and
+    with them the ties between actions. A second rounding changes nothing.
 
     Args:
         weights: any shape, finite.

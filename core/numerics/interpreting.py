@@ -1,8 +1,9 @@
 """Kernels as plain Python until they are compiled, and how far the compiling is.
 
-Compiling everything that a session runs takes seconds; its first game can be played by the very same functions, run by
-Python instead. Both give the same bits (tested, on Linux, where both call the C library's functions; elsewhere nothing
-is interpreted). A watched game asks for a decision every few tenths of a second, and Python makes one in milliseconds.
+Compiling everything that a session runs takes seconds; its first game can be played by the very same
+functions, run by Python instead. Both give the same bits (tested, on Linux, where both call the C library's
+functions; elsewhere nothing is interpreted). A watched game asks for a decision every few tenths of a second,
+and Python makes one in milliseconds.
 
 A kernel's twin is its own code object with other globals: there, every kernel is its twin, too.
 """
@@ -28,7 +29,8 @@ OPTIMISED = 0.35
 _twins: dict[str, Callable[..., Any]] = {}
 _globals: dict[int, dict[str, Any]] = {}
 _met: dict[str, tuple["Kernel", tuple[Any, ...]]] = {}
-"""Entries that Python has asked for while kernels were interpreted, and the types of the first call's arguments."""
+"""Entries that Python has asked for while kernels were interpreted, and the types of the first call's
+arguments."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +42,8 @@ class Progress:
     needed: int
     """Kernels that are needed, >= compiled."""
     share: float
-    """Share of the work that is done, in [0, 1]: kernels weighted by their length, and whole pieces by their parts."""
+    """Share of the work that is done, in [0, 1]: kernels weighted by their length, and whole pieces by their
+    parts."""
 
 
 def twin(kernel: "Kernel") -> Callable[..., Any]:
@@ -73,7 +76,9 @@ def _twin_globals(names: dict[str, Any]) -> dict[str, Any]:
 
 @contextmanager
 def interpreting() -> Iterator[None]:
-    """Let Python run kernels in which it finds no compiled code in this process; nothing waits for a compiler."""
+    """Let Python run kernels in which it finds no compiled code in this process; nothing waits for a
+    compiler.
+    """
     start_interpreting()
     try:
         yield
@@ -110,7 +115,7 @@ def load_interpreted() -> None:
         kernel.compile(types)
 
 
-# --- how far compiling is -------------------------------------------------------------------------------------------
+# --- how far compiling is -----------------------------------------------------------------------------------
 
 
 def progress() -> Progress:
@@ -154,11 +159,13 @@ def kernels_at_hand() -> int:
 
 
 def kernel_notes() -> list[str]:
-    """Return why programs are slower than they could be, one line per reason (`core.numerics.kernel_files`)."""
+    """Return why programs are slower than they could be, one line per reason
+    (`core.numerics.kernel_files`).
+    """
     return [] if JIT_DISABLED else list(Kernel.files.notes)
 
 
-# --- what a purpose needs -------------------------------------------------------------------------------------------
+# --- what a purpose needs -----------------------------------------------------------------------------------
 
 
 def entries_at_hand() -> list[str]:

@@ -1,11 +1,12 @@
-"""How kernels are compiled: each once as a part of others, and as a whole piece of code only where Python calls it.
+"""How kernels are compiled: each once as a part of others, and as a whole piece of code only where Python
+calls it.
 
-Numba compiles every function into native code of its own, with a wrapper for Python, although most of ours are only ever
-called by other kernels and become one piece with them. Here a kernel that another one calls becomes a *part*: its types
-are inferred and its LLVM code is written and simplified, no more. A kernel that Python calls becomes an *entry*: all
-parts it reaches are linked into one module, which is optimised and turned into native code once. Parts and entries are
-kept on disk apart (`core.numerics.kernel_files`), so an entry that comes later does not begin anew
-(`docs/decisions/cold-start.md`, with the figures).
+Numba compiles every function into native code of its own, with a wrapper for Python, although most of ours
+are only ever called by other kernels and become one piece with them. Here a kernel that another one calls
+becomes a *part*: its types are inferred and its LLVM code is written and simplified, no more. A kernel that
+Python calls becomes an *entry*: all parts it reaches are linked into one module, which is optimised and
+turned into native code once. Parts and entries are kept on disk apart (`core.numerics.kernel_files`), so an
+entry that comes later does not begin anew (`docs/decisions/cold-start.md`, with the figures).
 """
 
 import gc
@@ -39,7 +40,9 @@ by_name: dict[str, "Kernel"] = {}
 
 
 class _Flags(compiler.Flags):
-    """Numba's, compared by what is set: it compares all 40 options at every look-up of a type, a tenth of all time."""
+    """Numba's, compared by what is set: it compares all 40 options at every look-up of a type, a tenth of all
+    time.
+    """
 
     __slots__ = ()
 
@@ -111,7 +114,7 @@ class Kernel(CPUDispatcher):
         self._source = _source_key(py_func)
         by_name[self.name] = self
 
-    # --- what numba asks for ------------------------------------------------------------------------------------
+    # --- what numba asks for --------------------------------------------------------------------------------
 
     def compile(self, sig: Any) -> Any:
         """Return the entry for these argument types, from memory, disk or the compiler."""
@@ -145,7 +148,7 @@ class Kernel(CPUDispatcher):
                 return stand_in
         return super()._compile_for_args(*args, **kws)
 
-    # --- parts and entries --------------------------------------------------------------------------------------
+    # --- parts and entries ----------------------------------------------------------------------------------
 
     def part(self, args: Types) -> _Part:
         """Return this kernel as a part of others, from memory, disk or the compiler."""
@@ -194,7 +197,7 @@ class Kernel(CPUDispatcher):
             self._save_entry(args, result)
         return result
 
-    # --- files --------------------------------------------------------------------------------------------------
+    # --- files ----------------------------------------------------------------------------------------------
 
     def _key(self, kind: str, args: Types) -> str:
         codegen = self.targetctx.codegen()
@@ -316,13 +319,17 @@ def kernel_named(name: str) -> Kernel:
 
 
 def _plain(args: Types) -> Types:
-    """Return types without constants: the optimiser makes the same of a kernel per constant as of one for all."""
+    """Return types without constants: the optimiser makes the same of a kernel per constant as of one for
+    all.
+    """
     unliteral = cast(Any, types).unliteral
     return tuple(unliteral(argument) for argument in args)
 
 
 def _source_key(function: Callable[..., Any]) -> str | None:
-    """Return what of a function's source is not in the name of the folder; None where its code cannot be kept."""
+    """Return what of a function's source is not in the name of the folder; None where its code cannot be
+    kept.
+    """
     code = cast(Any, function).__code__
     if cast(Any, function).__closure__ is not None:
         return None
@@ -335,13 +342,17 @@ def _source_key(function: Callable[..., Any]) -> str | None:
 
 
 def _forget_types(fndesc: Any) -> None:
-    """Numba does this too before it keeps a description: these cannot be pickled, and nobody needs them any more."""
+    """Numba does this too before it keeps a description: these cannot be pickled, and nobody needs them any
+    more.
+    """
     fndesc.typemap = fndesc.calltypes = None
 
 
 @contextmanager
 def _no_collections() -> Iterator[None]:
-    """Keep Python from looking for garbage: a compiler makes many objects, and most of them stay until it has ended."""
+    """Keep Python from looking for garbage: a compiler makes many objects, and most of them stay until it has
+    ended.
+    """
     was_enabled = gc.isenabled()
     gc.disable()
     try:

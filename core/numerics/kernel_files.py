@@ -1,11 +1,11 @@
 """Compiled code on disk: one file per piece, whose checksum is verified before anything of it is loaded.
 
-Loading native code that was cut or changed can end the process, so a file whose checksum is wrong counts as absent: its
-code is compiled again and the file is replaced. Whatever is wrong with the folder (full, unwritable, another user's),
-programs get slower and go on. `notes` says why, one line per reason.
+Loading native code that was cut or changed can end the process, so a file whose checksum is wrong counts as
+absent: its code is compiled again and the file is replaced. Whatever is wrong with the folder (full,
+unwritable, another user's), programs get slower and go on. `notes` says why, one line per reason.
 
-Numba's own cache has no checksum, one index per kernel that may contradict its data files, and no answer to a full
-disk (numba issues 10434, 9348, 10128, 5566).
+Numba's own cache has no checksum, one index per kernel that may contradict its data files, and no answer to a
+full disk (numba issues 10434, 9348, 10128, 5566).
 """
 
 import atexit
@@ -27,11 +27,13 @@ if sys.platform != "win32":
 MAGIC = b"arl kernel 1\n"
 SUFFIX = ".kernel"
 IN_USE = "in-use"
-"""File that every program with open compiled code holds, shared; whoever removes the folder holds it alone."""
+"""File that every program with open compiled code holds, shared; whoever removes the folder holds it
+alone."""
 KEPT_FOLDERS = 4
 """Folders of compiled code that are kept: those of the sources used last."""
 OLD_FORMAT_S = 86_400.0
-"""A folder of an earlier version has no `IN_USE` file: it is removed when it has not been used for so long, seconds."""
+"""A folder of an earlier version has no `IN_USE` file: it is removed when it has not been used for so long,
+seconds."""
 _DIGEST_BYTES = 32
 _OURS_ONLY = stat.S_IWGRP | stat.S_IWOTH
 
@@ -60,7 +62,7 @@ class KernelFiles:
         self._in_use: object = None
         self._opened = False
 
-    # --- files --------------------------------------------------------------------------------------------------
+    # --- files ----------------------------------------------------------------------------------------------
 
     def path(self, name: str, key: str) -> Path:
         """Return the file of one piece of code.
@@ -119,7 +121,9 @@ class KernelFiles:
 
     @contextmanager
     def turn(self, name: str) -> Iterator[None]:
-        """Wait until no other process holds this name, and hold it; where files cannot be held, go on at once."""
+        """Wait until no other process holds this name, and hold it; where files cannot be held, go on at
+        once.
+        """
         self._open()
         if sys.platform == "win32":  # every process compiles for itself
             yield
@@ -141,7 +145,7 @@ class KernelFiles:
             # Without a place in the source, which tells a user nothing: one line.
             warnings.warn_explicit(line, KernelCacheWarning, "arl", 1)
 
-    # --- the folder ---------------------------------------------------------------------------------------------
+    # --- the folder -----------------------------------------------------------------------------------------
 
     def _open(self) -> None:
         """Make the folder, for its owner alone; a temporary one in its place where that is impossible."""
@@ -231,7 +235,8 @@ def _forget(old: Path, *, now: float) -> bool:
     try:
         with (old / IN_USE).open("ab") as in_use:
             fcntl.flock(in_use, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            # Under another name first: whoever comes now makes a new folder instead of finding half of this one.
+            # Under another name first: whoever comes now makes a new folder instead of finding half of this
+            # one.
             doomed = old.with_name(f".{old.name}-{os.getpid()}")
             old.rename(doomed)
             shutil.rmtree(doomed, ignore_errors=True)

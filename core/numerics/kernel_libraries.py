@@ -1,4 +1,6 @@
-"""What the code of kernels is collected in: of parts, which are linked into others, and of entries, which are run."""
+"""What the code of kernels is collected in: of parts, which are linked into others, and of entries, which are
+run.
+"""
 
 from typing import Any
 

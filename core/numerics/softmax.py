@@ -1,4 +1,6 @@
-"""A softmax that comes out the same everywhere: plain IEEE operations in a fixed order, the exponential, too."""
+"""A softmax that comes out the same everywhere: plain IEEE operations in a fixed order, the exponential,
+too.
+"""
 
 import math
 
@@ -27,7 +29,9 @@ def exponential(x: float) -> float:
 
 @kernel
 def softmax(logits: Floats, ruled_out: Bools, n: int, out: Floats) -> None:
-    """Write the probabilities of n actions, shape (>= n,): 0 where ruled out; if all are, action 0 is certain."""
+    """Write the probabilities of n actions, shape (>= n,): 0 where ruled out; if all are, action 0 is
+    certain.
+    """
     highest = -math.inf
     for action in range(n):
         out[action] = 0.0
@@ -50,7 +54,8 @@ def _exponentials(
 ) -> None:
     """Write `exponential(logit - highest)` of each action that is not ruled out, 0 of the others.
 
-    The same operations as there, but each step for all actions in turn: processors divide several numbers at once.
+    The same operations as there, but each step for all actions in turn: processors divide several numbers at
+    once.
     """
     for action in range(n):
         x = 0.0 if ruled_out[action] else max(logits[action] - highest, -700.0)

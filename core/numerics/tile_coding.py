@@ -1,8 +1,9 @@
-"""One-dimensional tilings with a fixed index: every variable is tiled alone, no hash table, no order of visit.
+"""One-dimensional tilings with a fixed index: every variable is tiled alone, no hash table, no order of
+visit.
 
-A variable is cut into cells of width / n_tilings. Tiling j is shifted by j cells, so of the tiles that cover a
-cell exactly one starts at each of the last n_tilings cells. Stored by the cell they start at, the active tiles
-are one contiguous window: a decision needs one integer per variable.
+A variable is cut into cells of width / n_tilings. Tiling j is shifted by j cells, so of the tiles that cover
+a cell exactly one starts at each of the last n_tilings cells. Stored by the cell they start at, the active
+tiles are one contiguous window: a decision needs one integer per variable.
 """
 
 from collections.abc import Callable
@@ -32,7 +33,9 @@ class TileCoder(NamedTuple):
 
 
 class Tiling(NamedTuple):
-    """How rows of active tiles index one flat weight vector: each entry of a row is the first tile of a window."""
+    """How rows of active tiles index one flat weight vector: each entry of a row is the first tile of a
+    window.
+    """
 
     n_weights: int
     """Length of the weight vector."""
@@ -51,7 +54,8 @@ class Range:
     def __post_init__(self) -> None:
         if not (self.low < self.high and self.tile_width > 0):
             raise ValueError(
-                f"need low < high and tile_width > 0, got [{self.low}, {self.high}] in tiles of {self.tile_width}"
+                f"need low < high and tile_width > 0, got [{self.low}, {self.high}] in tiles of "
+                f"{self.tile_width}"
             )
 
 
@@ -134,9 +138,11 @@ def tile_values(tiling: Tiling) -> Callable[[Any, Floats], Floats]:
 
 
 def runs(weights: Floats) -> tuple[Floats, Floats]:
-    """Return the starts of runs of equal numbers, and these numbers: short, because a window changes all its tiles.
+    """Return the starts of runs of equal numbers, and these numbers: short, because a window changes all its
+    tiles.
 
-    A weight vector is these numbers, each repeated up to the next start; `from_runs` is the way back, exactly.
+    A weight vector is these numbers, each repeated up to the next start; `from_runs` is the way back,
+    exactly.
     """
     starts = np.flatnonzero(np.append(True, np.diff(weights) != 0.0)).astype(np.float64)
     return starts, weights[starts.astype(np.int64)]

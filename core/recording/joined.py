@@ -1,8 +1,8 @@
 """A session in several recordings: it was broken off, and went on in a new file after the last finished game.
 
-The older file is never touched. The new one's header names it, its hash, and how many of its inputs and outputs belong
-to the session (`core.recording.schema.Resumes`). `joined` puts both together, so that replay, what-ifs and summaries see
-one session.
+The older file is never touched. The new one's header names it, its hash, and how many of its inputs and
+outputs belong to the session (`core.recording.schema.Resumes`). `joined` puts both together, so that replay,
+what-ifs and summaries see one session.
 """
 
 from collections.abc import Iterable
@@ -68,7 +68,8 @@ class FinishedPart:
 
 
 def finished_part(recording: Recording, now_ns: int) -> FinishedPart:
-    """Return what a session can go on with: all up to its last finished game, and what followed before the next one.
+    """Return what a session can go on with: all up to its last finished game, and what followed before the
+    next one.
 
     A game that was cut short by the session's end is not part of it; nor are presses made during it.
 
@@ -77,7 +78,8 @@ def finished_part(recording: Recording, now_ns: int) -> FinishedPart:
         now_ns: the present time of the clock by which the session goes on.
 
     Raises:
-        ResumeError: the session is finished, has no finished game, or is not one that a participant can go on with.
+        ResumeError: the session is finished, has no finished game, or is not one that a participant can go on
+            with.
     """
     _check_can_go_on(recording)
     inputs, outputs = recording.inputs, recording.outputs
@@ -151,7 +153,8 @@ def joined(recording: Recording) -> Recording:
     kept = _first(before.events, resumes.inputs, resumes.outputs)
     if len(kept) != resumes.inputs + resumes.outputs:
         raise RecordingError(
-            f"{recording.path}: goes on after {resumes.inputs} inputs and {resumes.outputs} outputs of {before.path}, "
+            f"{recording.path}: goes on after {resumes.inputs} inputs and {resumes.outputs} outputs of "
+            f"{before.path}, "
             f"which holds {len(before.inputs)} and {len(before.outputs)}"
         )
     return replace(
@@ -167,7 +170,8 @@ def read_session(path: Path, *, allow_truncated: bool = True) -> Recording:
 
     Args:
         path: of the newest recording.
-        allow_truncated: as in `core.recording.reader.read_recording`; of older ones, the end is always missing.
+        allow_truncated: as in `core.recording.reader.read_recording`; of older ones, the end is always
+            missing.
 
     Raises:
         RecordingError: a file is damaged, missing or not the one that was recorded.
@@ -230,16 +234,19 @@ def _older(recording: Recording, resumes: Resumes) -> Recording:
         before = read_recording(path)
     except FileNotFoundError as error:
         raise RecordingError(
-            f"{recording.path}: goes on with {resumes.file}, which is not in its folder: keep both files together"
+            f"{recording.path}: goes on with {resumes.file}, which is not in its folder: keep both files "
+            f"together"
         ) from error
     if before.chain != resumes.chain:
         raise RecordingError(
-            f"{path}: not as it was when {recording.path.name} went on with it (its last chain is {before.chain}, "
+            f"{path}: not as it was when {recording.path.name} went on with it (its last chain is "
+            f"{before.chain}, "
             f"and was {resumes.chain}). Take the unchanged file, from a backup or from where it was copied"
         )
     ours, theirs = recording.header, before.header
     if (ours.root_seed, ours.participant) != (theirs.root_seed, theirs.participant):
         raise RecordingError(
-            f"{path}: of another session than {recording.path.name}, which goes on with it: seed or participant differ"
+            f"{path}: of another session than {recording.path.name}, which goes on with it: seed or "
+            f"participant differ"
         )
     return joined(before)

@@ -22,7 +22,7 @@ _LATER_FIELDS: dict[type[msgspec.Struct], tuple[str, ...]] = {KeyPressed: ("read
 _CHAIN = {
     "type": "string",
     "pattern": f"^[0-9a-f]{{{CHAIN_DIGITS}}}$",
-    "description": f"First {CHAIN_DIGITS} hex digits of the SHA-256 over all lines so far, each without its chain.",
+    "description": f"First {CHAIN_DIGITS} hex digits of the SHA-256 over all lines so far, each without its chain.",  # noqa: E501
 }
 
 

@@ -22,7 +22,8 @@ _VERSION_SAID = re.compile(rb'"version":\d+')
 TAKE_THE_ORIGINAL = "Take the unchanged file, from a backup or from where it was copied"
 
 LONGEST_LINE = 1 << 26
-"""Bytes of a line. The longest of a session is the one with all that was learned, some megabytes of weights."""
+"""Bytes of a line. The longest of a session is the one with all that was learned, some megabytes of
+weights."""
 
 _decoder = msgspec.json.Decoder(Line)
 _decoder_1 = msgspec.json.Decoder(version_1.Changed)
@@ -408,4 +409,7 @@ def _looks_like(content: bytes) -> str:
         return f"It is JSON of another program; it begins {content[:40]!r}"
     if b"\0" in content[:400]:
         return f"It holds binary data; it begins {content[:16]!r}"
-    return f"It begins {content[:40]!r}. A log of another program is imported by `arl import`, which lists the kinds it knows"
+    return (
+        f"It begins {content[:40]!r}. A log of another program is imported by `arl import`, which lists the "
+        f"kinds it knows"
+    )

@@ -1,8 +1,8 @@
 """Write a recording, line by line, without ever making the screen wait.
 
-Two things can happen to a line, and they are not the same. *Written*: the operating system has it, so it survives the
-end of this program, however sudden. *Synced*: the disk has confirmed it, so it survives a power cut. A write takes
-microseconds, a sync up to seconds; so each has a thread of its own.
+Two things can happen to a line, and they are not the same. *Written*: the operating system has it, so it
+survives the end of this program, however sudden. *Synced*: the disk has confirmed it, so it survives a power
+cut. A write takes microseconds, a sync up to seconds; so each has a thread of its own.
 """
 
 import errno
@@ -205,10 +205,10 @@ class Kept:
 class Recorder:
     """A `LineWriter` with a thread that writes and a thread that syncs.
 
-    `record` returns at once. `written` and `synced` say how far the threads have come. If the disk fails, `failure`
-    holds the error and the events that could not be written are kept in `unwritten`, so that the session can end with
-    a message and save them elsewhere. Where the file was removed or moved, `failure` says so and the rest is still
-    written to it: `content` then holds the whole recording.
+    `record` returns at once. `written` and `synced` say how far the threads have come. If the disk fails,
+    `failure` holds the error and the events that could not be written are kept in `unwritten`, so that the
+    session can end with a message and save them elsewhere. Where the file was removed or moved, `failure`
+    says so and the rest is still written to it: `content` then holds the whole recording.
     """
 
     def __init__(
@@ -255,7 +255,7 @@ class Recorder:
         self._write_thread.start()
         self._sync_thread.start()
 
-    # --- from the session ---------------------------------------------------------------------------------------
+    # --- from the session -----------------------------------------------------------------------------------
 
     def record(self, event: Event) -> None:
         """Hand over one event; from one thread; never waits for the disk."""
@@ -269,7 +269,9 @@ class Recorder:
         return Kept(self.recorded, self.written, self.synced)
 
     def unsynced_s(self) -> float:
-        """Return for how long the oldest event that should be on the disk has waited for it, seconds; 0.0 if none."""
+        """Return for how long the oldest event that should be on the disk has waited for it, seconds; 0.0 if
+        none.
+        """
         since_ns = self._waiting_since_ns
         return 0.0 if since_ns is None else (self._clock.now_ns() - since_ns) / NS_PER_S
 
@@ -278,8 +280,8 @@ class Recorder:
 
         Raises:
             OSError: the disk failed at some time; `unwritten` holds what is missing from the file.
-            TimeoutError: the disk did not take, or not confirm, the rest within `timeout_s` seconds; `kept` says how
-                much it has, and `unwritten` holds what may be missing from the file.
+            TimeoutError: the disk did not take, or not confirm, the rest within `timeout_s` seconds; `kept`
+                says how much it has, and `unwritten` holds what may be missing from the file.
         """
         self._queue.put(None)
         until_ns = self._clock.now_ns() + round(timeout_s * NS_PER_S)
@@ -299,7 +301,9 @@ class Recorder:
             raise TimeoutError(f"{self.path}: the disk did not confirm the recording within {timeout_s:g} s")
 
     def content(self) -> bytes:
-        """Return what the file holds, also where its name is gone and after a failure that `close` has reported."""
+        """Return what the file holds, also where its name is gone and after a failure that `close` has
+        reported.
+        """
         return self._writer.content() if self._content is None else self._content
 
     def __enter__(self) -> Self:
@@ -310,7 +314,7 @@ class Recorder:
     ) -> None:
         self.close()
 
-    # --- the thread that writes ---------------------------------------------------------------------------------
+    # --- the thread that writes -----------------------------------------------------------------------------
 
     def _write_all(self) -> None:
         while (event := self._queue.get()) is not None:
@@ -353,7 +357,7 @@ class Recorder:
             self.failure = error
             self._on_news()
 
-    # --- the thread that syncs ----------------------------------------------------------------------------------
+    # --- the thread that syncs ------------------------------------------------------------------------------
 
     def _sync_all(self) -> None:
         ended = False

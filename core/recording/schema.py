@@ -27,13 +27,13 @@ class Resumes(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     chain: str
     """Its last chain: 16 hex digits that no other content has."""
     inputs: int
-    """The session's first inputs, so many, are those of the older recording; its later ones belong to a game that
-    was broken off."""
+    """The session's first inputs, so many, are those of the older recording; its later ones belong to a game
+    that was broken off."""
     outputs: int
     """The same of its outputs."""
     shift_ns: int
-    """Added to every time of the older recording, <= 0: so it ends before this one begins, also where the computer was
-    switched off in between and its clock began again."""
+    """Added to every time of the older recording, <= 0: so it ends before this one begins, also where the
+    computer was switched off in between and its clock began again."""
 
 
 class Header(Record, frozen=True, kw_only=True, omit_defaults=False, tag="header"):
@@ -57,14 +57,15 @@ class Header(Record, frozen=True, kw_only=True, omit_defaults=False, tag="header
     software: dict[str, str]
     """Versions of this program, its commit, Python and the libraries that numbers depend on."""
     terminal: dict[str, str] = msgspec.field(default_factory=dict)
-    """Facts about the terminal: TERM, size, multiplexer, connection, and how exactly times are measured in it."""
+    """Facts about the terminal: TERM, size, multiplexer, connection, and how exactly times are measured in
+    it."""
     departures: list[str] = msgspec.field(default_factory=list)
     """Where this configuration departs from the paper, in words."""
     source: dict[str, str] = msgspec.field(default_factory=dict)
     """Where an imported recording comes from; where the credit rule of a live one comes from."""
     study: dict[str, str] = msgspec.field(default_factory=dict)
-    """Where the session belongs in a study: its name, version and hash, place, order, sitting, step, condition. Empty
-    outside of studies."""
+    """Where the session belongs in a study: its name, version and hash, place, order, sitting, step,
+    condition. Empty outside of studies."""
     resumes: Resumes | None = None
     """What a resumed session goes on with (`core.recording.joined`); None: it begins with this file."""
 

@@ -1,7 +1,8 @@
 """Read of a long recording what a listing needs: a million events in less than a second.
 
-The running hash over the whole file is checked at its end: no event was changed, lost or moved. Frames, steps and
-credits are counted and not decoded; `core.recording.reader` does that, and names the line where something is wrong.
+The running hash over the whole file is checked at its end: no event was changed, lost or moved. Frames, steps
+and credits are counted and not decoded; `core.recording.reader` does that, and names the line where something
+is wrong.
 """
 
 import hashlib

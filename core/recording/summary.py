@@ -42,8 +42,8 @@ class Ending:
     """How a recorded session ended."""
 
     kind: EndingKind
-    """`killed`: the process ended without a word. `cut`: the file ends within a line. `closed`: the recording was
-    closed, but the session's end is not in it."""
+    """`killed`: the process ended without a word. `cut`: the file ends within a line. `closed`: the recording
+    was closed, but the session's end is not in it."""
     words: str
     """The same in plain words."""
 

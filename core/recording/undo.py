@@ -112,7 +112,8 @@ def _unpack(
         ) from error
     if len(unpacked) > MOST_UNPACKED:
         raise RecordingError(
-            f"{path}: the file is compressed ({name}) and holds more than {MOST_UNPACKED:,} bytes, more than any "
+            f"{path}: the file is compressed ({name}) and holds more than {MOST_UNPACKED:,} bytes, more than "
+            f"any "
             "session records. If it is one, unpack it, and name the unpacked file"
         )
     if unpacker.eof and unpacker.unused_data.strip(b"\0"):

@@ -1,8 +1,8 @@
 """Recordings of version 1: read into today's events, and held against what a session of today says.
 
-Version 1 called two quantities `w_h`: the weight that the scheme used, in `episode-started`; and what the rule of
-trust said, in `episode-ended` and `unseen-played`. Version 2 has `weight` and `trust`. What version 1 did not record
-is None.
+Version 1 called two quantities `w_h`: the weight that the scheme used, in `episode-started`; and what the
+rule of trust said, in `episode-ended` and `unseen-played`. Version 2 has `weight` and `trust`. What version 1
+did not record is None.
 """
 
 from collections.abc import Mapping
@@ -120,7 +120,9 @@ def with_schedules(settings: Any) -> Any:
 
 
 def as_far_as_recorded(recorded: Output, replayed: Output) -> Output:
-    """Return a replayed output without what the recorded one cannot tell: files of its time did not hold it."""
+    """Return a replayed output without what the recorded one cannot tell: files of its time did not hold
+    it.
+    """
     match recorded, replayed:
         case EpisodeStarted(trust=None), EpisodeStarted():
             return msgspec.structs.replace(replayed, trust=None, shaping=0.0, augmentation=0.0)

@@ -1,8 +1,8 @@
 """In which sessions a setting has an effect: the one place where this is known.
 
 `uses` yields every setting that has an effect in some sessions only; all others have one wherever their table
-is used. What is particular to a game is said by its plugin (`core.plugins`). A setting without effect is refused when a protocol is read, or named before a session starts
-(`Use.refused`).
+is used. What is particular to a game is said by its plugin (`core.plugins`). A setting without effect is
+refused when a protocol is read, or named before a session starts (`Use.refused`).
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -160,7 +160,8 @@ _IN_ANY_GAME: tuple[Use, ...] = (
     ),
     Use(
         ("agent.credit", "agent.human_model"),
-        "on what is done with every scheme but environment-only; there presses are learned from and have no say",
+        "on what is done with every scheme but environment-only; there presses are learned from and have no "
+        "say",
         lambda p, m: not isinstance(p.agent.scheme, EnvironmentOnly),
         refused=False,
     ),
@@ -189,7 +190,7 @@ _IN_ANY_GAME: tuple[Use, ...] = (
     ),
     Use(
         ("agent.bootstrap.window_decisions",),
-        'with others, or a trust that looks back (measured = "window"; a chance-corrected match without chance)',
+        'with others, or a trust that looks back (measured = "window"; a chance-corrected match without chance)',  # noqa: E501
         lambda p, m: _looks_back(p) or bool(p.others),
     ),
     Use(
@@ -290,7 +291,8 @@ def uses_of(path: str) -> Iterator[Use]:
 
 
 def idle(protocol: Protocol, default: Protocol, modes: Sequence[Mode] = MODES) -> list[Idle]:
-    """Return the settings that differ from the defaults, present and former, and have an effect in none of these modes.
+    """Return the settings that differ from the defaults, present and former, and have an effect in none of
+    these modes.
 
     Args:
         protocol: any.
@@ -345,7 +347,7 @@ def contradictions(protocol: Protocol) -> Iterator[Problem]:
     if isinstance(agent.scheme, Coach) and session.watched == "top":
         yield Problem(
             ("session", "watched"),
-            'with the scheme coach set watched = "proposed": a top policy is played as it is, so presses from '
+            'with the scheme coach set watched = "proposed": a top policy is played as it is, so presses from '  # noqa: E501
             "the second watched episode on would be recorded as credited and teach nothing",
             session.watched,
         )

@@ -1,9 +1,10 @@
 """Whether the inputs of a recording can have happened: checked before anything is run again.
 
-A recording's seal finds damage; whoever changes a file can seal it anew. What the screen and the participant did must
-then still fit together. The gate that decided which presses count and the ledger of frames are followed again from the
-protocol (`core.feedback.keys`, `core.feedback.frames`): each press must come out as it was recorded. Times must allow
-cause and effect: a frame follows the step that it shows, and an input precedes the output that took it in.
+A recording's seal finds damage; whoever changes a file can seal it anew. What the screen and the participant
+did must then still fit together. The gate that decided which presses count and the ledger of frames are
+followed again from the protocol (`core.feedback.keys`, `core.feedback.frames`): each press must come out as
+it was recorded. Times must allow cause and effect: a frame follows the step that it shows, and an input
+precedes the output that took it in.
 
 What no file can tell is listed in `SECURITY.md`.
 """
@@ -39,8 +40,8 @@ from core.recording.reader import Recording, RecordingError
 from core.recording.schema import Header
 
 CLOCKS_AGREE_NS = (1_000_000, 50_000_000)
-"""Times that two processes read from one clock may differ by its resolution in the wrong order: at least and at most so
-much is allowed for."""
+"""Times that two processes read from one clock may differ by its resolution in the wrong order: at least and
+at most so much is allowed for."""
 LONGEST_NS = 1 << 62
 """No time of a session is beyond this, or below 0: 146 years."""
 
@@ -68,13 +69,16 @@ def check_inputs(recording: Recording, keys: KeyConfig) -> None:
             screen.take(event)
         except _Impossible as error:
             raise RecordingError(
-                f"{recording.path}:{recording.line_of(index)}: {error}. No session records this: the file was "
+                f"{recording.path}:{recording.line_of(index)}: {error}. No session records this: the file "
+                f"was "
                 "changed after it was recorded, and sealed anew"
             ) from error
 
 
 class _RecordedReader(KeyReader):
-    """Reads each key as the recording did: the participant's language and earlier keys are not in the file."""
+    """Reads each key as the recording did: the participant's language and earlier keys are not in the
+    file.
+    """
 
     def __init__(self) -> None:
         super().__init__()
@@ -144,7 +148,7 @@ class _Screen:
         if asked:
             self._gate_of(0).wrong_asked = True
 
-    # --- inputs -------------------------------------------------------------------------------------------------
+    # --- inputs ---------------------------------------------------------------------------------------------
 
     def _take_input(self, event: Input) -> None:
         if self._stopped and self._strict_covers:
@@ -207,7 +211,8 @@ class _Screen:
         by = (pressed.source, pressed.person)
         if pressed.time_ns < self._last_press_ns.get(by, self._earliest_ns):
             _refuse(
-                f"press {pressed.press} is at {pressed.time_ns} ns, the one before at {self._last_press_ns[by]} ns"
+                f"press {pressed.press} is at {pressed.time_ns} ns, the one before at "
+                f"{self._last_press_ns[by]} ns"
             )
         self._last_press_ns[by] = pressed.time_ns
         self._read(pressed)
@@ -229,7 +234,8 @@ class _Screen:
             self._reader.reading = Reading(pressed.read_as, pressed.layout)
             if self._reader.reading not in possible_readings(pressed.key):
                 _refuse(
-                    f"press {pressed.press}: the key {pressed.key!r} does not stand for {pressed.read_as!r} in the "
+                    f"press {pressed.press}: the key {pressed.key!r} does not stand for {pressed.read_as!r} "
+                    f"in the "
                     f"layout {pressed.layout!r}"
                 )
 
@@ -247,7 +253,8 @@ class _Screen:
         assert isinstance(expected, WrongPressAsked), "looked at before"
         if not isinstance(event, WrongPressAsked) or event.step != expected.step:
             _refuse(
-                f"expected the request for a wrong press at step {expected.step}, which follows from the seed, found "
+                f"expected the request for a wrong press at step {expected.step}, which follows from the "
+                f"seed, found "
                 f"{_told(event)}"
             )
         self._note_time(event)
@@ -258,7 +265,7 @@ class _Screen:
             _refuse(f"{_told(event)} at {time_ns} ns: no clock of a session says so")
         self._waiting.append(time_ns)
 
-    # --- outputs ------------------------------------------------------------------------------------------------
+    # --- outputs --------------------------------------------------------------------------------------------
 
     def _take_output(self, output: Output) -> None:
         if isinstance(output, CreditGiven):
@@ -284,7 +291,8 @@ class _Screen:
             _refuse(f"an output at {time_ns} ns follows one at {self._output_ns} ns")
         if not self._counted <= inputs <= self._counted + len(self._waiting):
             _refuse(
-                f"an output has taken in {inputs} inputs; there are {self._counted + len(self._waiting)} before it, "
+                f"an output has taken in {inputs} inputs; there are {self._counted + len(self._waiting)} "
+                f"before it, "
                 f"and the one before had taken in {self._counted}"
             )
         while self._counted < inputs:
@@ -292,7 +300,8 @@ class _Screen:
             self._counted += 1
             if at_ns > time_ns + self._clocks_agree_ns:
                 _refuse(
-                    f"an output at {time_ns} ns has taken in input {self._counted - 1}, which came at {at_ns} ns: later"
+                    f"an output at {time_ns} ns has taken in input {self._counted - 1}, which came at "
+                    f"{at_ns} ns: later"
                 )
         self._output_ns = time_ns
 
@@ -315,4 +324,7 @@ def _difference(recorded: KeyPressed, follows: KeyPressed | PressRetracted) -> s
     """Say in which field a press is not what follows from protocol, frames and earlier presses."""
     before, now = msgspec.structs.asdict(recorded), msgspec.structs.asdict(follows)
     field = next(name for name in before if before[name] != now[name])
-    return f"its {field} is {before[field]!r}; from the protocol, the frames and the presses before follows {now[field]!r}"
+    return (
+        f"its {field} is {before[field]!r}; from the protocol, the frames and the presses before follows "
+        f"{now[field]!r}"
+    )

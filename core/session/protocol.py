@@ -1,7 +1,8 @@
 """What an experimenter decides about a session, in one TOML file. No compiled code is imported.
 
-Every field has a default for each game, and every default names its source, so an empty file is a protocol. The whole
-protocol is written to each recording's header, and a session is built from that alone (`core.session.session.build_session`).
+Every field has a default for each game, and every default names its source, so an empty file is a protocol.
+The whole protocol is written to each recording's header, and a session is built from that alone
+(`core.session.session.build_session`).
 """
 
 from collections.abc import Iterator, Mapping
@@ -35,8 +36,9 @@ class SessionConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     unseen_between: Annotated[int, number("episodes", ge=0, le=10_000_000)] = 100
     """Unseen episodes between two watched ones; 100 are one iteration of the cross-entropy method."""
     watched: Literal["top", "proposed"] = "top"
-    """What is watched: one of the top policies, drawn by performance and match, or the learner's next proposal, so
-    that watched episodes are the learner's own (`docs/decisions/watched-and-unseen-episodes.md`)."""
+    """What is watched: one of the top policies, drawn by performance and match, or the learner's next
+    proposal, so that watched episodes are the learner's own
+    (`docs/decisions/watched-and-unseen-episodes.md`)."""
     watched_steps: Annotated[int, number("steps", ge=1, le=1_000_000_000, usual=(1, 1_000_000))] = 60
     """A watched episode is truncated after this many steps (a good policy would play for hours)."""
     unseen_steps: Annotated[int, number("steps", ge=1, le=1_000_000_000)] = 5000
@@ -55,21 +57,23 @@ class ScreenConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     """How the session looks and how fast it goes."""
 
     tick_ms: Annotated[int, number("milliseconds", ge=10, le=2000)] = 200
-    """Tetris: time per primitive action and per row of gravity, in milliseconds. At 200 a piece takes 1.6 s, and 92 % of
-    presses reach theirs under the paper's delay (`docs/decisions/pace-of-a-session.md`; TAMER's demo: 150)."""
+    """Tetris: time per primitive action and per row of gravity, in milliseconds. At 200 a piece takes 1.6 s,
+    and 92 % of presses reach theirs under the paper's delay (`docs/decisions/pace-of-a-session.md`; TAMER's
+    demo: 150)."""
     speed: Annotated[float, number("simulated seconds per second", ge=0.05, le=5)] = 1.0
-    """Keepaway: simulated seconds per second; below 1 is slow motion. Times of presses and of what was on screen stay
-    real. A session of Keepaway plays at 0.2 by default, so that 73 % of a press reach the option it was meant for. (The
-    paper plays the simulator at its own speed, 1: there it is 34 %.)"""
+    """Keepaway: simulated seconds per second; below 1 is slow motion. Times of presses and of what was on
+    screen stay real. A session of Keepaway plays at 0.2 by default, so that 73 % of a press reach the option
+    it was meant for. (The paper plays the simulator at its own speed, 1: there it is 34 %.)"""
     pause_between_episodes_s: Annotated[float, number("seconds", ge=0, le=60)] = 2.0
     """How long the final board of an episode stays, in seconds."""
     count_down_s: Annotated[int, number("seconds", ge=0, le=10)] = 3
-    """Count-down before each game, and after a pause, a help page or a window that was too small; 0 leaves it out. No
-    step is on screen meanwhile, and no press counts."""
+    """Count-down before each game, and after a pause, a help page or a window that was too small; 0 leaves it
+    out. No step is on screen meanwhile, and no press counts."""
     mark_presses: bool = True
     """Whether the screen marks, for a moment, what an accepted press was taken for: piece or option."""
     show_weight: bool = False
-    """Whether participants see the weight that their feedback has. Most studies hide it: it tells the condition."""
+    """Whether participants see the weight that their feedback has. Most studies hide it: it tells the
+    condition."""
     palette: Literal["standard", "colour-blind", "high-contrast", "sixteen"] = "standard"
     """Colours of the pieces; each piece has its own texture, too, outside the standard palette."""
 
@@ -89,7 +93,8 @@ class ScreenConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
 DelayIfMissing = Literal["refuse", "pooled", "paper"]
 """What a participant has whose delay was not measured (see `Protocol.delay_if_missing`)."""
 DelayOf = Literal["rule", "feedback-lag", "simple", "pooled", "paper"]
-"""Whose delay gives credit: as written in the protocol, or of whoever takes part (see `Protocol.delay_of`)."""
+"""Whose delay gives credit: as written in the protocol, or of whoever takes part (see
+`Protocol.delay_of`)."""
 
 
 class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -98,17 +103,17 @@ class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     name: str = "default"
     """What the experimenter calls it."""
     domain: DomainConfig = msgspec.field(default_factory=lambda: DEFAULTS[FIRST_GAME].domain)
-    """Which game, its size and rules. Tetris: what is shown must be what the paper's four actions can do, hence
-    "reachable"."""
+    """Which game, its size and rules. Tetris: what is shown must be what the paper's four actions can do,
+    hence "reachable"."""
     learner: LearnerConfig = CrossEntropyConfig()
     """The environment's learner; each game has its own (`core.plugins.GamePlugin.learners`)."""
     agent: AgentConfig = AgentConfig()
     """How the learner and the participant's feedback are combined."""
     delay_of: DelayOf = "rule"
-    """Credit by `agent.credit.delay` ("rule"), by the participant's own measured delay of judging ("feedback-lag"), of
-    reacting ("simple"), of judging pooled with others ("pooled"), or by the paper's density ("paper"). All but "rule"
-    are replaced by "rule" and its numbers when a session starts, so that a recording needs no other file. The
-    rule is the same for every participant, with or without a protocol file
+    """Credit by `agent.credit.delay` ("rule"), by the participant's own measured delay of judging
+    ("feedback-lag"), of reacting ("simple"), of judging pooled with others ("pooled"), or by the paper's
+    density ("paper"). All but "rule" are replaced by "rule" and its numbers when a session starts, so that a
+    recording needs no other file. The rule is the same for every participant, with or without a protocol file
     (`docs/decisions/one-rule-of-credit.md`)."""
     delay_if_missing: DelayIfMissing = "refuse"
     """Where `delay_of` names a measured delay and the participant has none: the session does not start
@@ -123,15 +128,17 @@ class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     trainer: TrainerConfig = TrainerConfig()
     """The simulated participant of demonstrations and of simulated sessions."""
     others: Annotated[tuple[TrainerConfig, ...], msgspec.Meta(max_length=100)] = ()
-    """Further simulated participants of simulated sessions: persons 1, 2, ... The agent has a human model and a weight for
-    each. (Section 3.1: "one or more sources"; the paper's sessions have one, and so have live ones.)"""
+    """Further simulated participants of simulated sessions: persons 1, 2, ... The agent has a human model and
+    a weight for each. (Section 3.1: "one or more sources"; the paper's sessions have one, and so have live
+    ones.)"""
 
     def __post_init__(self) -> None:
         plugin = plugin_of(self)
         known = [tag_of(kind) for kind in plugin.learners]
         if tag_of(self.learner) not in known:
             raise ValueError(
-                f"a session of {self.game} has one of the learners {', '.join(known)}, not {tag_of(self.learner)}: "
+                f"a session of {self.game} has one of the learners {', '.join(known)}, not "
+                f"{tag_of(self.learner)}: "
                 "set [learner] type"
             )
         models = [tag_of(kind) for kind in plugin.human_models]
@@ -151,7 +158,7 @@ class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         if needs.window and self.learner.kind == "stepwise":
             raise ValueError(
                 "a policy that changes at every step cannot be asked again about earlier decisions: set "
-                '[agent.bootstrap.trust] measured = "as-played", and name the chance of a chance-corrected match'
+                '[agent.bootstrap.trust] measured = "as-played", and name the chance of a chance-corrected match'  # noqa: E501
             )
 
     @property
@@ -160,12 +167,20 @@ class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         return str(self.domain.__struct_config__.tag)
 
     def departures(self) -> list[str]:
-        """Return, in plain sentences, where this protocol does otherwise than the paper, or fills its silence."""
+        """Return, in plain sentences, where this protocol does otherwise than the paper, or fills its
+        silence.
+        """
         credit, trust = self.agent.credit, self.agent.bootstrap.trust
         session = self.session
         found = [
-            "R and H are standardised over the actions of each decision (the paper does not say how they are scaled)",
-            f"watched episodes stop after {session.watched_steps} steps, unseen ones after {session.unseen_steps}",
+            (
+                "R and H are standardised over the actions of each decision (the paper does not say how they "
+                "are scaled)"
+            ),
+            (
+                f"watched episodes stop after {session.watched_steps} steps, unseen ones after "
+                f"{session.unseen_steps}"
+            ),
         ]
         if not (isinstance(credit.delay, GammaDelay) and credit.delay == GammaDelay()):
             found.append(f"a press is credited by the rule {describe(credit.delay)}")

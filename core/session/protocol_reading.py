@@ -16,7 +16,8 @@ from core.session.protocol_file import ProtocolError, located, read_toml
 def protocol_from(plain: Mapping[str, Any], *, game: str = FIRST_GAME, to_run: bool = False) -> Protocol:
     """Return the protocol that plain types describe: a recording's header, or a TOML file.
 
-    What is not said has the default of the game. A table with another `type` than the default's stands for itself.
+    What is not said has the default of the game. A table with another `type` than the default's stands for
+    itself.
 
     Args:
         plain: tables as in `arl protocol`; recordings made before there was a second game do not name theirs.

@@ -1,16 +1,17 @@
 """How many presses reach the step they were meant for: a session's pace against a participant's delay.
 
-Model. Step i is on screen from a_i to b_i, and the next step follows at once (b_i = a_{i+1}). A participant who judges
-step i makes up their mind from j_i = a_i + `judged_after_ns` on (Tetris: the piece has landed, j_i = b_i; Keepaway: the
-first cycle of the option is over) and presses at j_i + d, where d has the distribution function F. The credit rule
-gives step i this share of the press, on average over d:
+Model. Step i is on screen from a_i to b_i, and the next step follows at once (b_i = a_{i+1}). A participant
+who judges step i makes up their mind from j_i = a_i + `judged_after_ns` on (Tetris: the piece has landed, j_i
+= b_i; Keepaway: the first cycle of the option is over) and presses at j_i + d, where d has the distribution
+function F. The credit rule gives step i this share of the press, on average over d:
 
 * previous step: F(b_{i+1} - j_i) - F(b_i - j_i), the chance that step i + 1 is on screen at the press.
 * step on screen: F(b_i - j_i).
 * a density with distribution function G: E[G(j_i + d - a_i) - G(j_i + d - b_i)] (section 3.3, Fig. 4).
 
-The share of a session is the mean over its steps, each weighted by how often it is judged (`Watched.attention`).
-The last step of an episode counts as if another one followed. A press that is never made is not counted.
+The share of a session is the mean over its steps, each weighted by how often it is judged
+(`Watched.attention`). The last step of an episode counts as if another one followed. A press that is never
+made is not counted.
 """
 
 import math
@@ -41,7 +42,9 @@ DELAY_STEP_S = 0.002
 
 
 class DelayDistribution(Interface):
-    """How long a participant takes from judging to pressing: a density (`GammaDelay`, ...) or measured delays."""
+    """How long a participant takes from judging to pressing: a density (`GammaDelay`, ...) or measured
+    delays.
+    """
 
     def cdf(self, delay_s: ArrayLike) -> NDArray[np.float64]:
         """Return the probability of a delay of at most `delay_s` seconds, element by element."""
@@ -73,13 +76,13 @@ class Reach:
 def reach_of(protocol: Protocol, delay: DelayDistribution | None = None) -> Reach:
     """Return the share of a press that reaches its step in sessions of a protocol.
 
-    The steps are those of some episodes of the protocol's game (`core.registry.Game.steps_on_screen`), at the protocol's
-    pace. The first call for Keepaway may compile kernels.
+    The steps are those of some episodes of the protocol's game (`core.registry.Game.steps_on_screen`), at the
+    protocol's pace. The first call for Keepaway may compile kernels.
 
     Args:
         protocol: with the game, its pace and the credit rule.
-        delay: of the participant; left out, the delay in force: the density by which the protocol gives credit, or
-            the paper's gamma(2.5, 0.3) where it gives credit by a rule that is no density.
+        delay: of the participant; left out, the delay in force: the density by which the protocol gives
+            credit, or the paper's gamma(2.5, 0.3) where it gives credit by a rule that is no density.
     """
     from core.registry import game_of  # here, not above: games bring compiled code
 
@@ -149,7 +152,9 @@ def _probability(delay: DelayDistribution, delay_s: NDArray[np.float64]) -> NDAr
 def _by_density(
     duration_s: NDArray[np.float64], judged_s: NDArray[np.float64], density: Density, delay: DelayDistribution
 ) -> NDArray[np.float64]:
-    """Return each step's share under a credit density, shape (n,); the delays are averaged in cells of 2 ms."""
+    """Return each step's share under a credit density, shape (n,); the delays are averaged in cells of 2
+    ms.
+    """
     edges_s = np.linspace(0.0, delay.horizon_s, math.ceil(delay.horizon_s / DELAY_STEP_S) + 1)
     masses = np.diff(delay.cdf(edges_s))
     delays_s = (edges_s[:-1] + edges_s[1:]) / 2

@@ -31,7 +31,10 @@ class Difference:
     replayed: object
 
     def __str__(self) -> str:
-        return f"output {self.number}: {self.field} was {self.recorded!r} in the recording and is {self.replayed!r} now"
+        return (
+            f"output {self.number}: {self.field} was {self.recorded!r} in the recording and is "
+            f"{self.replayed!r} now"
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +78,8 @@ def naming_the_input(recording: Recording, source: Recorded) -> Iterator[None]:
         place = next(itertools.islice(places, max(source.given - 1, 0), None), 0)
         raise RecordingError(
             f"{recording.path}:{recording.line_of(place)}: no session can go on from this input: "
-            f"{type(error).__name__}: {error}. The file was changed after it was recorded, or another program wrote it"
+            f"{type(error).__name__}: {error}. The file was changed after it was recorded, or another "
+            f"program wrote it"
         ) from error
 
 
@@ -85,17 +89,19 @@ def replay_exactly(
     """Run `session` with the recording as clock and participant, and compare.
 
     Args:
-        recording: a live or simulated session. One that was cut off, or whose agent died, is replayed up to there.
+        recording: a live or simulated session. One that was cut off, or whose agent died, is replayed up to
+            there.
         session: a new session built from the recording's own protocol and root seed.
         on_progress: called with how many outputs were compared since the last call, about `TOLD_EVERY`.
 
     Raises:
-        RecordingError: the recording was imported, so there is nothing to run again; or an input cannot have happened
-            where it stands (`core.session.inputs`).
+        RecordingError: the recording was imported, so there is nothing to run again; or an input cannot have
+            happened where it stands (`core.session.inputs`).
     """
     if recording.header.origin == "imported":
         raise RecordingError(
-            f"{recording.path}: imported from {recording.header.source.get('format', 'elsewhere')}: its agent cannot be "
+            f"{recording.path}: imported from {recording.header.source.get('format', 'elsewhere')}: its "
+            f"agent cannot be "
             "run again. Ask what other credit rules and schemes would have learned from it: --credit RULE"
         )
     check_inputs(recording, msgspec.convert(recording.header.protocol.get("keys", {}), KeyConfig))
@@ -116,7 +122,8 @@ def replay_exactly(
 def _run_both(recording: Recording, session: Session) -> Iterator[tuple[Output | None, Output | None]]:
     """Yield recorded and replayed outputs side by side; None where one of the two has ended.
 
-    Where the file ends while presses were being credited, it is not known what had been taken in: those are left out.
+    Where the file ends while presses were being credited, it is not known what had been taken in: those are
+    left out.
     """
     # A resumed session's older part may have been shifted to times before zero.
     outputs = (event for event in recording.events if isinstance(event, Output))

@@ -43,7 +43,8 @@ class ResumedSession:
                 now = next(self._outputs, None)
             except (ValueError, LookupError, ArithmeticError) as error:
                 raise ResumeError(
-                    f"{self._kept.path}: no session can go on from what was recorded: {type(error).__name__}: {error}. "
+                    f"{self._kept.path}: no session can go on from what was recorded: "
+                    f"{type(error).__name__}: {error}. "
                     "The file was changed after it was recorded, or another program wrote it"
                 ) from error
             if now is not None:
@@ -52,7 +53,8 @@ class ResumedSession:
                 raise ResumeError(
                     f"{self._kept.path}: the session cannot go on, because it comes out otherwise now: "
                     f"{first_difference(number, before, now)}. Go on with the program that recorded it "
-                    f"({self._kept.header.software.get('commit', 'its header names no commit')}), or begin anew"
+                    f"({self._kept.header.software.get('commit', 'its header names no commit')}), or begin "
+                    f"anew"
                 )
 
     @property

@@ -49,8 +49,8 @@ class Played:
     time: int = 0
     """The domain's own time at the end (`Domain.time`)."""
     agreement: Agreement | None = None
-    """Agreement over the decisions at which there was a human policy; None where there was none. (`agreed` and `agreed_worst`
-    are recorded, and compiled games count them without a human policy, too.)"""
+    """Agreement over the decisions at which there was a human policy; None where there was none. (`agreed`
+    and `agreed_worst` are recorded, and compiled games count them without a human policy, too.)"""
     with_each: tuple[Agreement | None, ...] = ()
     """Agreement with each participant's own model; empty where the player did not count it."""
 
@@ -78,7 +78,9 @@ class Listener(Protocol):
         ...
 
     def interrupted(self, last_ns: int) -> None:
-        """Note that the program stood still from `last_ns` on: no later press speaks of what was on screen before."""
+        """Note that the program stood still from `last_ns` on: no later press speaks of what was on screen
+        before.
+        """
         ...
 
     def learn_from_press(self, press: int, time_ns: int, value: float, participant: int = 0) -> CreditGiven:
@@ -133,7 +135,8 @@ class Agent(Listener, Protocol):
 
 
 class FeedbackIntake:
-    """Brings the inputs to whoever learns from them: which step was on screen when, and what the participant said of it.
+    """Brings the inputs to whoever learns from them: which step was on screen when, and what the participant
+    said of it.
 
     Keeps the feedback features of watched steps from when they are decided until their frame has been shown.
     """
@@ -177,7 +180,8 @@ class FeedbackIntake:
             case StopAsked():
                 self.stop_asked = item
             case _:
-                pass  # a refused press, a cue, the end of a pause, the window's focus: recorded, nothing to learn
+                # a refused press, a cue, the end of a pause, the window's focus: recorded, nothing to learn
+                pass
 
     def _screen_shows(self, step: int, time_ns: int) -> None:
         if step == self._on_screen:
@@ -212,8 +216,8 @@ def play_episode(
 ) -> Iterator[Output]:
     """Play one watched episode; yield its outputs in the order in which they happen.
 
-    When a `StepTaken` has been yielded, whoever consumes this shows the step, and asks for the next output when
-    the step's time on screen is over: then what the participant did meanwhile is taken in.
+    When a `StepTaken` has been yielded, whoever consumes this shows the step, and asks for the next output
+    when the step's time on screen is over: then what the participant did meanwhile is taken in.
     """
     weights = plan.policy.weights
     yield EpisodeStarted(

@@ -1,4 +1,6 @@
-"""What games have in common that are learned by Sarsa, decision by decision, from an observation of the state."""
+"""What games have in common that are learned by Sarsa, decision by decision, from an observation of the
+state.
+"""
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
@@ -104,7 +106,9 @@ class SarsaGame(ABC):
         return HumanLearner(agent.credit, agent.human_model, len(names), tiles=domain.feedback_tiles)
 
     def player(self, protocol: Protocol, agent: ArlAgent) -> Player:
-        """Return what plays unseen episodes: decision by decision, as watched ones, and the learner learns."""
+        """Return what plays unseen episodes: decision by decision, as watched ones, and the learner
+        learns.
+        """
         domain = self.domain(protocol)
 
         def play(policy: EpisodePolicy, episode_seed: int, max_steps: int) -> Played:

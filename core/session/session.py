@@ -1,6 +1,7 @@
 """A session: watched episodes, and unseen ones between them, in one deterministic order.
 
-Everything that is not in its inputs follows from the protocol and the root seed, so a recording replays exactly.
+Everything that is not in its inputs follows from the protocol and the root seed, so a recording replays
+exactly.
 """
 
 from collections.abc import Callable, Iterator
@@ -29,7 +30,8 @@ class Session:
         self._root_seed = root_seed
         self._next_step = 0
         self.before_unseen: Callable[[], None] = lambda: None
-        """Called before each block of unseen episodes: whoever runs the session may wait there for compiled code."""
+        """Called before each block of unseen episodes: whoever runs the session may wait there for compiled
+        code."""
 
     def run(self, feedback: FeedbackSource, clock: Clock) -> Iterator[Output]:
         """Yield the session's outputs.
@@ -108,7 +110,8 @@ def build_session(protocol: Protocol, root_seed: int) -> Session:
     """
     if protocol.delay_of != "rule":
         raise ValueError(
-            f"delay_of is {protocol.delay_of!r}: put the participant's delay into agent.credit.delay and set delay_of to "
+            f"delay_of is {protocol.delay_of!r}: put the participant's delay into agent.credit.delay and set "
+            f"delay_of to "
             "'rule' (`arl play` does both)"
         )
     game = game_of(protocol)

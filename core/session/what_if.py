@@ -1,8 +1,9 @@
 """What-if replay: what an agent would have learned from a recording under another credit rule or scheme.
 
-The watched steps and the presses stay as they were recorded; credit, human model, trust and the unseen episodes are
-worked out anew. This is off-policy: people judged the steps of the agent they saw, and another agent would have
-shown others. What is learned from the recorded steps is exact; what it would have led to on screen is not claimed.
+The watched steps and the presses stay as they were recorded; credit, human model, trust and the unseen
+episodes are worked out anew. This is off-policy: people judged the steps of the agent they saw, and another
+agent would have shown others. What is learned from the recorded steps is exact; what it would have led to on
+screen is not claimed.
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -48,7 +49,8 @@ class WatchedStep:
 
 
 OnDecision = Callable[[ArlAgent, WatchedStep, EpisodePolicy, Decision, int], None]
-"""Is called after each decision of an agent at a watched step; last comes the number of the decision in its episode."""
+"""Is called after each decision of an agent at a watched step; last comes the number of the decision in its
+episode."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,8 +77,8 @@ def watched_steps(recording: Recording, protocol: Protocol) -> dict[int, Watched
     """Return every watched step by its number, with the features that `protocol` asks for.
 
     Raises:
-        RecordingError: the protocol is about another game; a step's state was not recorded, and the game plays
-            otherwise now than it did then; or an input cannot have happened where it stands.
+        RecordingError: the protocol is about another game; a step's state was not recorded, and the game
+            plays otherwise now than it did then; or an input cannot have happened where it stands.
     """
     try:
         own = protocol_from(recording.header.protocol)
@@ -101,8 +103,10 @@ def watched_steps(recording: Recording, protocol: Protocol) -> dict[int, Watched
                 choices = None if domain.terminal(state) else domain.choices(state)
                 if choices is None or not _could_be(output, choices, domain, state):
                     raise RecordingError(
-                        f"{recording.path}: step {output.step} was {output.detail}, and comes out otherwise now: {domain.name} "
-                        "has changed since, and what was on screen was not recorded. Use the program that recorded it: "
+                        f"{recording.path}: step {output.step} was {output.detail}, and comes out otherwise "
+                        f"now: {domain.name} "
+                        "has changed since, and what was on screen was not recorded. Use the program that "
+                        "recorded it: "
                         f"{recording.header.software.get('commit', 'its header does not name the commit')}"
                     )
                 state = domain.transition(state, output.action).next_state
@@ -114,7 +118,8 @@ def watched_steps(recording: Recording, protocol: Protocol) -> dict[int, Watched
                     steps[output.step] = WatchedStep(output.step, *game.recorded(domain, output))
                 except (ValueError, LookupError, ArithmeticError) as error:
                     raise RecordingError(
-                        f"{recording.path}: step {output.step}: {error}: is the protocol's game of another size?"
+                        f"{recording.path}: step {output.step}: {error}: is the protocol's game of another "
+                        f"size?"
                     ) from error
     return steps
 
@@ -136,9 +141,11 @@ def relearn(
 
     Args:
         recording: live, simulated or imported.
-        protocol: the agent's own protocol; its credit, scheme, trust and human model may differ from the recorded.
+        protocol: the agent's own protocol; its credit, scheme, trust and human model may differ from the
+            recorded.
         steps: from `watched_steps` with the same protocol.
-        root_seed: of the agent and of unseen episodes. That of the recording gives a live session's own agent.
+        root_seed: of the agent and of unseen episodes. That of the recording gives a live session's own
+            agent.
         on_decision: is called after each decision at a watched step.
     """
     game = game_of(protocol)
@@ -272,7 +279,9 @@ def _play_unseen(agent: ArlAgent, play: Player, protocol: Protocol, root_seed: i
 
 
 def _attend_rest(intake: FeedbackIntake, source: Recorded, recording: Recording) -> Iterator[CreditGiven]:
-    """Take in what came after the last output of a session that was cut off; a closed one has heard everything."""
+    """Take in what came after the last output of a session that was cut off; a closed one has heard
+    everything.
+    """
     if recording.outputs and isinstance(recording.outputs[-1], SessionEnded):
         return
     source.taken_before_next_output = len(recording.inputs)

@@ -46,12 +46,16 @@ def printable_lines(text: str, *, longest: int | None = LONGEST_LINE) -> str:
 
 
 def in_html(text: str) -> str:
-    """Return a text as it may stand in a page of HTML: `printable`, and without anything that a browser obeys."""
+    """Return a text as it may stand in a page of HTML: `printable`, and without anything that a browser
+    obeys.
+    """
     return escape(printable(text, longest=None))
 
 
 def in_plot(text: str) -> str:
-    r"""Return a text as it may stand in a figure: `printable`, and with `\$` where matplotlib would set formulas."""
+    r"""Return a text as it may stand in a figure: `printable`, and with `\$` where matplotlib would set
+    formulas.
+    """
     return printable(text).replace("$", r"\$")
 
 

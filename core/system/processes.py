@@ -13,15 +13,16 @@ _PR_SET_PDEATHSIG = 1
 
 
 def leave_with(parent: int, *, started_by_main_thread: bool = False) -> None:
-    """End this process when its parent has gone, however the parent ended: a killed parent leaves no processes behind.
+    """End this process when its parent has gone, however the parent ended: a killed parent leaves no
+    processes behind.
 
-    A thread looks once a second. It cannot look while compiled code runs that keeps the interpreter's lock; on Linux
-    the kernel ends the process at once where it is asked to.
+    A thread looks once a second. It cannot look while compiled code runs that keeps the interpreter's lock;
+    on Linux the kernel ends the process at once where it is asked to.
 
     Args:
         parent: process id of the parent, taken before this process was started.
-        started_by_main_thread: the parent's main thread has started this process. Only then is the kernel asked (Linux):
-            it counts the end of the thread that started a process as the end of the parent.
+        started_by_main_thread: the parent's main thread has started this process. Only then is the kernel
+            asked (Linux): it counts the end of the thread that started a process as the end of the parent.
     """
     if started_by_main_thread and sys.platform == "linux":
         ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)

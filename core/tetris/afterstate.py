@@ -153,7 +153,9 @@ class Tetris:
         return np.column_stack([orientations, work[LEFT, allowed]])
 
     def placements_on(self, columns: tuple[int, ...], piece: int) -> NDArray[np.int64]:
-        """Return (orientation, leftmost column) of each action of `choices_on`, shape (n, 2), in its order."""
+        """Return (orientation, leftmost column) of each action of `choices_on`, shape (n, 2), in its
+        order.
+        """
         work, allowed, _ = self._scan_board(columns, piece)
         return np.column_stack([work[SHAPE, allowed] - FIRST_SHAPE[piece], work[LEFT, allowed]])
 
@@ -168,7 +170,9 @@ class Tetris:
         )
 
     def choices(self, state: TetrisState) -> Choices:
-        """Describe the placements of the piece: features of the afterstate, differences for the human model."""
+        """Describe the placements of the piece: features of the afterstate, differences for the human
+        model.
+        """
         return self._describe(*self._scan(state), time=state.k)
 
     def _describe(
@@ -273,7 +277,9 @@ def _fill_choices(
 
 @kernel
 def _step(work: Ints, rules: Ints, action: int, next_piece: int) -> tuple[int, bool]:
-    """Put the piece down; return the lines cleared and whether the game is over, the next piece being known."""
+    """Put the piece down; return the lines cleared and whether the game is over, the next piece being
+    known.
+    """
     lines = place(work, NOW, rules[COLUMNS], action)
     if rules[OVERFLOW] != 0:
         return lines, wall_height(work, NOW, rules[COLUMNS]) > rules[ROWS]

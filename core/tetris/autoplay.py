@@ -1,7 +1,8 @@
-"""Whole games in compiled code, played greedily by linear policies; with a human model: `core.tetris.combined`.
+"""Whole games in compiled code, played greedily by linear policies; with a human model:
+`core.tetris.combined`.
 
-Every game is fixed by its policy, its seed and the rules: pieces come from a counter, values are exact, ties go
-to the first placement. A game is columns, number of pieces and lines, so it can be stopped and continued.
+Every game is fixed by its policy, its seed and the rules: pieces come from a counter, values are exact, ties
+go to the first placement. A game is columns, number of pieces and lines, so it can be stopped and continued.
 """
 
 import numpy as np

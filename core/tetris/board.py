@@ -226,7 +226,9 @@ def _fill_common(work: Ints, n_columns: int) -> None:
 
 @kernel
 def put_down(work: Ints, board: int, action: int) -> int:
-    """Put the piece down on a board (NOW or AFTER) as placement `action` says; return the rows to be removed."""
+    """Put the piece down on a board (NOW or AFTER) as placement `action` says; return the rows to be
+    removed.
+    """
     shape, left, row = work[SHAPE, action], work[LEFT, action], work[ROW, action]
     for offset in range(SHAPE_WIDTHS[shape]):
         column = np.uint64(left + offset)
@@ -262,7 +264,9 @@ def place_on_copy(work: Ints, n_columns: int, action: int) -> int:
 
 @kernel
 def eroded_cells(shape: int, row: int, full: int) -> int:
-    """Return lines cleared times cells of the piece in the cleared rows (Dellacherie's eroded piece cells)."""
+    """Return lines cleared times cells of the piece in the cleared rows (Dellacherie's eroded piece
+    cells).
+    """
     cells = 0
     for offset in range(MAX_SHAPE_SIZE):
         cells += cell_count((SHAPE_COLUMNS[shape, offset] << row) & full)
@@ -273,8 +277,8 @@ def eroded_cells(shape: int, row: int, full: int) -> int:
 def mark_above(work: Ints, rules: Ints, n: int, above: Bools) -> int:
     """Mark the placements that end above the top; return how many there are.
 
-    Where a piece must fit that is before full rows are removed (the placement is not allowed), else after (the
-    game is over).
+    Where a piece must fit that is before full rows are removed (the placement is not allowed), else after
+    (the game is over).
     """
     n_above = 0
     for action in range(n):

@@ -1,4 +1,5 @@
-"""Whole games in which environment and human decide together, in compiled code; they can be stopped and continued.
+"""Whole games in which environment and human decide together, in compiled code; they can be stopped and
+continued.
 
 A game between two changes of the human model is one call.
 """
@@ -163,7 +164,9 @@ def _play_combined(
 
 @kernel
 def place_among_offered(ruled_out: NDArray[np.bool_], action: int) -> int:
-    """Return which of the actions that are not ruled out this one is: where a piece must fit, others are not offered."""
+    """Return which of the actions that are not ruled out this one is: where a piece must fit, others are not
+    offered.
+    """
     place = 0
     for other in range(action):
         place += not ruled_out[other]

@@ -28,22 +28,22 @@ class TetrisConfig(msgspec.Struct, DomainConfig, frozen=True, forbid_unknown_fie
     """Width of the board, 4..16. 10 as in the paper."""
     game_over: GameOverRule = "fit-before-clear"
     """When a game ends. fit-before-clear: a piece must lie fully inside before full rows are removed; a game
-    ends when the next piece fits nowhere. overflow: any placement is allowed, and the game ends when the wall is
-    higher than the board after full rows are removed (MDPTetris, "simplified"). The paper does not say; the
-    default is the rule that leaves no doubt about rows above the board."""
+    ends when the next piece fits nowhere. overflow: any placement is allowed, and the game ends when the wall
+    is higher than the board after full rows are removed (MDPTetris, "simplified"). The paper does not say;
+    the default is the rule that leaves no doubt about rows above the board."""
     clear_on_overflow: bool = False
     """overflow only: whether full rows are removed when the piece sticks out above the board. MDPTetris has
     both; its library's default is False."""
     terminal_value: TerminalValue = "minus-infinity"
     """overflow only: value of a placement that ends the game: minus-infinity (never chosen while another
-    exists) or that of its features. The default because cross-entropy search from N(0, 100) often never starts
-    otherwise (docs/decisions/tetris-rules.md)."""
+    exists) or that of its features. The default because cross-entropy search from N(0, 100) often never
+    starts otherwise (docs/decisions/tetris-rules.md)."""
     pieces: PieceStream = "uniform"
     """uniform: independent, equally likely (Bertsekas & Ioffe 1996 and all since); seven-bag: each seven in
     a row are the seven pieces shuffled (today's commercial games)."""
     placements: Placements = "all"
-    """Which placements are offered: all that a straight drop allows (as in all work on placements), or only those that
-    the paper's primitive actions can steer the falling piece to. Whole games in compiled code
+    """Which placements are offered: all that a straight drop allows (as in all work on placements), or only
+    those that the paper's primitive actions can steer the falling piece to. Whole games in compiled code
     (`core.tetris.autoplay`) always offer all; on boards below the top rows the two are the same."""
     lines_in_value: bool = False
     """Whether the lines a placement clears are added to its value (an option of MDPTetris). Only for given
@@ -51,8 +51,8 @@ class TetrisConfig(msgspec.Struct, DomainConfig, frozen=True, forbid_unknown_fie
     features: Annotated[str, one_of(FEATURE_SETS)] = "bertsekas-21"
     """Feature set of the environment's learner; the paper's "21 features", section 4."""
     feedback_features: Annotated[str, one_of(FEATURE_SETS)] = "bertsekas-21"
-    """Feature set whose differences (afterstate minus board before) the human reward model sees; differences as
-    in TAMER (Knox & Stone 2009)."""
+    """Feature set whose differences (afterstate minus board before) the human reward model sees; differences
+    as in TAMER (Knox & Stone 2009)."""
 
     def __post_init__(self) -> None:
         _check_range("rows", self.rows, MIN_ROWS, MAX_ROWS)

@@ -1,8 +1,8 @@
 """The cross-entropy method on Tetris: populations played in compiled code, and no piece more than needed.
 
 An iteration needs to know which samples are the elite, not how long their games would have gone on. Games are
-played to a cap in pieces that doubles until that is certain: whatever the games still running would come to, the
-elite would be the same. So the search is the one that plays every game to its end (tested), and its worst
+played to a cap in pieces that doubles until that is certain: whatever the games still running would come to,
+the elite would be the same. So the search is the one that plays every game to its end (tested), and its worst
 iteration costs what the best sample outside the elite costs. Budgets are in pieces, never in seconds.
 """
 
@@ -19,8 +19,8 @@ from core.tetris.config import TetrisConfig
 START_CAP = 2_500
 """Pieces of the first round: about 1,000 lines."""
 PIECE_CEILING = 2_000_000
-"""No game of a sample is played further: for rules under which a policy might never lose. Samples that get there
-count with the lines they have."""
+"""No game of a sample is played further: for rules under which a policy might never lose. Samples that get
+there count with the lines they have."""
 N_EVALUATION_GAMES = 30
 """Games of the mean vector after each iteration (Szita & Lorincz 2006)."""
 
@@ -34,7 +34,8 @@ class IterationReport:
     lines: NDArray[np.int64]
     """Lines of each sample, shape (population,); of an unfinished game, lines so far."""
     finished: NDArray[np.bool_]
-    """Whether the sample's game ended, shape (population,); the rest are certain to be elite (or at the ceiling)."""
+    """Whether the sample's game ended, shape (population,); the rest are certain to be elite (or at the
+    ceiling)."""
     pieces: int
     """Pieces placed in all games."""
 
@@ -54,8 +55,8 @@ class Evaluation:
     def mean_lines(self) -> float:
         """Lines per game: the plain mean, or with cut games the estimate for exponential lengths.
 
-        Lengths of a policy's games are close to exponential, for which the maximum-likelihood mean under a cap is
-        all lines over the number of games that ended.
+        Lengths of a policy's games are close to exponential, for which the maximum-likelihood mean under a
+        cap is all lines over the number of games that ended.
 
         Raises:
             ValueError: no game ended; `lines.sum()` is all that is known from below.
@@ -106,8 +107,8 @@ def undecided_games(
 ) -> NDArray[np.bool_]:
     """Return the running games that might still end either inside or outside the elite.
 
-    Lines only grow, and of equal games the first one is better. So a running game is certain to be elite where
-    fewer than `elite_size` others can ever be ahead of what it has already.
+    Lines only grow, and of equal games the first one is better. So a running game is certain to be elite
+    where fewer than `elite_size` others can ever be ahead of what it has already.
 
     Args:
         lines: so far, shape (n,).

@@ -1,8 +1,9 @@
 """Kernels that value every placement of a piece under linear weights.
 
-Values are defined as the sum over features, in their order, of weight times feature, with weights on the binary
-grid of `core.numerics.fixed_point`. For the 21 features that sum is an exact integer times a power of two, however it is
-added up; so a board's unchanged columns are summed once per piece instead of once per placement.
+Values are defined as the sum over features, in their order, of weight times feature, with weights on the
+binary grid of `core.numerics.fixed_point`. For the 21 features that sum is an exact integer times a power of
+two, however it is added up; so a board's unchanged columns are summed once per piece instead of once per
+placement.
 """
 
 from typing import NamedTuple
@@ -54,7 +55,8 @@ from core.tetris.pieces import (
     SHAPE_WIDTHS,
 )
 
-# Rows of a policy's table of integers. For the 21 features, where [shape, c] is a shape with leftmost column c:
+# Rows of a policy's table of integers. For the 21 features, where [shape, c] is a shape with leftmost column
+# c:
 WEIGHTS, EDGES = 0, 1
 """Weights, the cleared line's last; weight of the difference between columns c - 1 and c, 0 at the walls."""
 PER_ROW = 2
@@ -133,7 +135,9 @@ def linear_policy(
 
 @kernel
 def set_weights(code: int, table: Ints, numbers: Floats, rules: Ints, integers: Ints, unit: float) -> None:
-    """Take over weights (in units of the grid, the line's last) and work out the tables for the 21 features."""
+    """Take over weights (in units of the grid, the line's last) and work out the tables for the 21
+    features.
+    """
     n_columns = rules[COLUMNS]
     numbers[UNIT, 0] = unit
     for feature in range(len(integers)):
@@ -221,8 +225,8 @@ def fill_values_any(
 def fill_sums(table: Ints, work: Ints, n_columns: int) -> int:
     """Write the rows VALUE_LEFT, VALUE_RIGHT and NEIGHBOUR; return the value of the board NOW.
 
-    A hole more costs the same everywhere, so the cells a placement would bury are counted in here: those up to
-    its landing row less those up to the heights of the columns it covers.
+    A hole more costs the same everywhere, so the cells a placement would bury are counted in here: those up
+    to its landing row less those up to the heights of the columns it covers.
     """
     heights, per_hole = NOW + 1, table[WEIGHTS, 2 * n_columns]
     left = buried = highest = previous = 0

@@ -1,8 +1,8 @@
 """What a learner sees of a board: four sets of features, computed as integers.
 
-A feature's value is its integer divided by its denominator (1 for nearly all), so that kernels, recordings and
-plain Python agree exactly. All sets describe the afterstate: the board after the placement and the removal of
-full rows. Rows count from the bottom; on a terminal afterstate rows above the board count too.
+A feature's value is its integer divided by its denominator (1 for nearly all), so that kernels, recordings
+and plain Python agree exactly. All sets describe the afterstate: the board after the placement and the
+removal of full rows. Rows count from the bottom; on a terminal afterstate rows above the board count too.
 """
 
 from dataclasses import dataclass
@@ -76,9 +76,10 @@ def feature_set(name: str, columns: int) -> FeatureSet:
     """Return the feature set called `name` for a board of `columns` columns.
 
     bertsekas-21: heights, absolute differences of neighbours, maximum, holes (Bertsekas & Ioffe 1996 without
-    the constant, in the order of Thiery & Scherrer's files). paper-12: maximum, mean height, holes, differences
-    (Sridharan & Aerolla 2011, section 4). dellacherie-thiery: the eight of BCTS (Thiery & Scherrer 2009) and
-    diversity. tamer-46: Knox's 23 and their squares (Knox & Stone 2009); heights as row index from the top.
+    the constant, in the order of Thiery & Scherrer's files). paper-12: maximum, mean height, holes,
+    differences (Sridharan & Aerolla 2011, section 4). dellacherie-thiery: the eight of BCTS (Thiery &
+    Scherrer 2009) and diversity. tamer-46: Knox's 23 and their squares (Knox & Stone 2009); heights as row
+    index from the top.
 
     Raises:
         ValueError: there is no such set.
@@ -249,7 +250,8 @@ def _fill_tamer(work: Ints, board: int, out: int, rules: Ints) -> None:
 def _well_depth(work: Ints, board: int, n_columns: int, column: int) -> int:
     """Return the number of empty cells from the column's highest well cell down to the next filled one.
 
-    A well cell is empty and has both neighbours filled (walls count); one under an overhang is a well cell too.
+    A well cell is empty and has both neighbours filled (walls count); one under an overhang is a well cell
+    too.
     """
     between = -1
     if column > 0:

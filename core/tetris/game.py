@@ -1,14 +1,17 @@
-"""Tetris by the paper's four primitive actions, with gravity: what moves a piece can make, and what they reach.
+"""Tetris by the paper's four primitive actions, with gravity: what moves a piece can make, and what they
+reach.
 
-A board is a tuple of columns from the left; bit r of a column is the cell in row r from the bottom. Positions are
-those of a shape's box: its lowest row and its leftmost column. The rules, where the paper is silent:
+A board is a tuple of columns from the left; bit r of a column is the cell in row r from the bottom. Positions
+are those of a shape's box: its lowest row and its leftmost column. The rules, where the paper is silent:
 
-* A piece enters lying flat, in the middle, with its highest row in the board's highest row. Where the pile is in
-  the way it enters as many rows higher as it takes: there is room above the board, and entering never ends a game.
-* In each tick the agent makes at most one primitive, then the piece falls by one row; a piece that cannot fall
-  stays where it is for good. `DROP` lets it fall all the way at once.
-* A turn is clockwise (one orientation back in `core.tetris.pieces`, which counts counter-clockwise). It keeps the
-  lowest row and the middle of the box; beside a wall the piece is pushed inside. A blocked primitive does nothing.
+* A piece enters lying flat, in the middle, with its highest row in the board's highest row. Where the pile is
+  in the way it enters as many rows higher as it takes: there is room above the board, and entering never ends
+  a game.
+* In each tick the agent makes at most one primitive, then the piece falls by one row; a piece that cannot
+  fall stays where it is for good. `DROP` lets it fall all the way at once.
+* A turn is clockwise (one orientation back in `core.tetris.pieces`, which counts counter-clockwise). It keeps
+  the lowest row and the middle of the box; beside a wall the piece is pushed inside. A blocked primitive does
+  nothing.
 """
 
 from collections.abc import Iterator, Sequence
@@ -199,9 +202,9 @@ def flight(board: Board, falling: FallingPiece, plan: Plan) -> tuple[FallingPiec
 def reachable_placements(board: Board, piece: int, rows: int) -> dict[tuple[int, int], Plan]:
     """Return a shortest plan for each (orientation, leftmost column) that primitives can bring about.
 
-    A placement counts only where the piece ends up in the row it would reach falling straight down from above: the
-    placement that the agent's learner had in mind. Breadth first over ticks; a turn is preferred to a move, a move
-    to waiting. An entry of the plan is made in each tick, then the piece falls by one row.
+    A placement counts only where the piece ends up in the row it would reach falling straight down from
+    above: the placement that the agent's learner had in mind. Breadth first over ticks; a turn is preferred
+    to a move, a move to waiting. An entry of the plan is made in each tick, then the piece falls by one row.
 
     Args:
         board: column bitboards.
@@ -232,7 +235,9 @@ def reachable_placements(board: Board, piece: int, rows: int) -> dict[tuple[int,
 
 
 def _steps(board: Board, falling: FallingPiece) -> Iterator[tuple[Primitive | None, FallingPiece]]:
-    """Yield each primitive but the drop that changes anything, with its result before gravity; then waiting."""
+    """Yield each primitive but the drop that changes anything, with its result before gravity; then
+    waiting.
+    """
     for primitive in (Primitive.ROTATE, Primitive.LEFT, Primitive.RIGHT):
         after = moved(board, falling, primitive)
         if after != falling:
@@ -245,8 +250,8 @@ def reachable_mask(
 ) -> "NDArray[np.bool_]":
     """Return which placements primitives can bring about: those that `reachable_placements` has a plan for.
 
-    About ten times as fast (0.2 ms), for use in every decision: all positions of a tick lie in the same row, so
-    the columns that one orientation has reached are one number, bit c for column c.
+    About ten times as fast (0.2 ms), for use in every decision: all positions of a tick lie in the same row,
+    so the columns that one orientation has reached are one number, bit c for column c.
 
     Args:
         board: column bitboards.
@@ -265,11 +270,14 @@ def reachable_mask(
 
 
 def _reached(board: Board, piece: int, rows: int) -> list[int]:
-    """Return for each orientation the columns from which a piece, dropped, rests where it would from above."""
+    """Return for each orientation the columns from which a piece, dropped, rests where it would from
+    above.
+    """
     start = spawn(board, piece, rows)
     top = max(max(bits.bit_length() for bits in board), start.row + 1)
     free = _free_columns(board, piece, top)
-    # From a position the straight drop is as from above where nothing in between, nor the position, is blocked.
+    # From a position the straight drop is as from above where nothing in between, nor the position, is
+    # blocked.
     open_above = [list(accumulate(reversed(by_row), and_))[::-1] for by_row in free]
     found = [0] * len(free)
     here = [0] * len(free)

@@ -1,7 +1,7 @@
 """A game of Tetris that compiled code plays slice by slice: what can be asked of it between two slices.
 
-A game is columns and counters, so it can be stopped and continued. What a participant needs of the last decisions (board
-and action) is kept in a ring, so that whoever judges them need not have been asked at each.
+A game is columns and counters, so it can be stopped and continued. What a participant needs of the last
+decisions (board and action) is kept in a ring, so that whoever judges them need not have been asked at each.
 """
 
 from abc import ABC, abstractmethod
@@ -43,7 +43,8 @@ class KeptGame(ABC):
         """
         if config.lines_in_value:
             raise ValueError(
-                "lines_in_value is for given policies only (core.tetris.autoplay); here values come from features"
+                "lines_in_value is for given policies only (core.tetris.autoplay); here values come from "
+                "features"
             )
         self._config = config
         self._combination = combination
@@ -53,7 +54,8 @@ class KeptGame(ABC):
         self._ring = np.zeros((window, MAX_COLUMNS + 1), dtype=np.int64)
         self._counters = np.zeros(3, dtype=np.int64)
         self.tally = new_tally()
-        """Agreement of the environment policy with the human policy, decision by decision so far (`core.combination.tally`)."""
+        """Agreement of the environment policy with the human policy, decision by decision so far
+        (`core.combination.tally`)."""
         self.set_human_weights(human_weights)
 
     @property
@@ -82,7 +84,8 @@ class KeptGame(ABC):
     def kept(self, decision: int) -> tuple[tuple[int, ...], int]:
         """Return the board before one of the last decisions, column by column, and the action that was taken.
 
-        The action is an index into the choices of `core.tetris.afterstate.Tetris` with all placements offered.
+        The action is an index into the choices of `core.tetris.afterstate.Tetris` with all placements
+        offered.
         """
         if not max(0, self.pieces - len(self._ring)) <= decision < self.pieces:
             raise ValueError(

@@ -14,14 +14,16 @@ KNOWLEDGE_WEIGHTS: dict[Knowledge, tuple[float, ...]] = {
     "lay": (-1.0, 1.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0),
     "myopic": (-1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
 }
-"""Expert: the controller DT-20 (Gabillon, Ghavamzadeh & Scherrer 2013), about 50 million lines per game on 10 x 20.
-Lay: what meets the eye, a row of height, a cell removed and a hole counting alike. Myopic: how low the piece came to
-lie and what it removed, whatever it buried. (The last two are ours; played greedily they clear about 100 and 27 lines
-per game: means of 100 games.)"""
+"""Expert: the controller DT-20 (Gabillon, Ghavamzadeh & Scherrer 2013), about 50 million lines per game on 10
+x 20. Lay: what meets the eye, a row of height, a cell removed and a hole counting alike. Myopic: how low the
+piece came to lie and what it removed, whatever it buried. (The last two are ours; played greedily they clear
+about 100 and 27 lines per game: means of 100 games.)"""
 
 
 class TetrisOracle:
-    """A participant who values placements: far better than the learner's features can express, or as a lay person."""
+    """A participant who values placements: far better than the learner's features can express, or as a lay
+    person.
+    """
 
     def __init__(self, config: TetrisConfig, knowledge: Knowledge = "expert") -> None:
         """Judge games under these rules.

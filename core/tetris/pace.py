@@ -1,7 +1,8 @@
 """How long pieces are on screen: some games are drawn, piece by piece, and their pictures counted.
 
-The pieces land where they come to rest lowest. On the default board they take 8.0 pictures on average, as those of a
-session do (7.1 where an agent plays at random, 8.5 over the ten games of a default session without feedback).
+The pieces land where they come to rest lowest. On the default board they take 8.0 pictures on average, as
+those of a session do (7.1 where an agent plays at random, 8.5 over the ten games of a default session without
+feedback).
 """
 
 from collections.abc import Iterator
@@ -18,7 +19,8 @@ MOST_PER_GAME = 60
 
 
 def pictures_per_piece(config: TetrisConfig) -> tuple[int, ...]:
-    """Return of how many pictures (ticks) each of 300 pieces consists, in order, over as many games as it takes.
+    """Return of how many pictures (ticks) each of 300 pieces consists, in order, over as many games as it
+    takes.
 
     The result is the same at every call.
     """

@@ -68,7 +68,9 @@ class Wall(msgspec.Struct, frozen=True, array_like=True):
         return Wall(self.rows, self.columns, kept)
 
     def from_top(self) -> bytes:
-        """Return rows x columns codes from the highest row of the board; what sticks out above it is left out."""
+        """Return rows x columns codes from the highest row of the board; what sticks out above it is left
+        out.
+        """
         inside = self.levels[: self.rows]
         return bytes(self.columns) * (self.rows - len(inside)) + b"".join(reversed(inside))
 
@@ -179,7 +181,8 @@ def animate(
         placement: (orientation, leftmost column), used where there is no plan.
         plan: primitives that bring the placement about (`core.tetris.game.reachable_placements`). None for a
             placement that primitives cannot reach: the piece then enters turned and above its columns.
-        counts: the figures while the piece falls; lines and pieces are brought up to date in the last picture.
+        counts: the figures while the piece falls; lines and pieces are brought up to date in the last
+            picture.
         drop_rows_per_tick: a drop is shown as a fall of this many rows per tick, >= 1.
         clear_on_overflow: see `core.tetris.game.settle`.
 

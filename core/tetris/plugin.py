@@ -76,7 +76,8 @@ class TetrisPlugin(GamePlugin):
         """Refuse values that no learner of features could follow."""
         if isinstance(protocol.domain, TetrisConfig) and protocol.domain.lines_in_value:
             raise ValueError(
-                "lines_in_value is for given policies in compiled play only: a session's learner sees features "
+                "lines_in_value is for given policies in compiled play only: a session's learner sees "
+                "features "
                 "alone. Set [domain] lines_in_value = false"
             )
 

@@ -1,8 +1,9 @@
-"""Whole games of Tetris in compiled code in which a policy-gradient learner plays, with a human model, and learns.
+"""Whole games of Tetris in compiled code in which a policy-gradient learner plays, with a human model, and
+learns.
 
 The policy is a softmax over placements (Kakade 2001), of f(R, H) where there is a human model
-(`core.combination.preference`). A game is columns and counters, so it can be stopped and continued: the human model may
-change between two pieces.
+(`core.combination.preference`). A game is columns and counters, so it can be stopped and continued: the human
+model may change between two pieces.
 """
 
 from functools import lru_cache
@@ -57,7 +58,9 @@ TETROMINO_CELLS = 4
 
 
 class PolicyGradientGame(KeptGame):
-    """One episode in which the learner plays and learns; agreement is counted where there is a human policy."""
+    """One episode in which the learner plays and learns; agreement is counted where there is a human
+    policy.
+    """
 
     def __init__(
         self,
@@ -74,9 +77,10 @@ class PolicyGradientGame(KeptGame):
         """Set up a game; the learner begins an episode, and whoever asked for it ends it (`end_episode`).
 
         Args:
-            learner: with one weight per feature of `config.features`; learns in place. The reward of a decision is the
-                number of lines it clears (and `combination.shaping` times H).
-            human_weights: v, under `config.feedback_features`, shape (G,); all 0 while there is no human policy.
+            learner: with one weight per feature of `config.features`; learns in place. The reward of a
+                decision is the number of lines it clears (and `combination.shaping` times H).
+            human_weights: v, under `config.feedback_features`, shape (G,); all 0 while there is no human
+                policy.
             seed: of the piece stream, in [0, 2**63).
             config: board and rules; `lines_in_value` must be off.
             combination: form and weights of the combination in this game.
@@ -145,8 +149,8 @@ def _placement_scales(config: TetrisConfig) -> tuple[float, ...]:
 def placement_scales(config: TetrisConfig) -> NDArray[np.float64]:
     """Return what each feature of `config.features` is divided by for learning by gradient, shape (F,).
 
-    That is its spread among the placements of one decision, the root mean square over games of random placements,
-    rounded to a power of two: then division is exact, and the last bits of a mean decide nothing.
+    That is its spread among the placements of one decision, the root mean square over games of random
+    placements, rounded to a power of two: then division is exact, and the last bits of a mean decide nothing.
     """
     return np.array(_placement_scales(config))
 
@@ -193,7 +197,8 @@ def _write_row(work: Ints, units: Floats, rows: Floats, action: int) -> None:
         rows[action, i] = work[FEATURES, i] / units[i]
 
 
-# One episode step by step: the loop is the algorithm, and splitting it would hand a dozen arrays around (60 lines).
+# One episode step by step: the loop is the algorithm, and splitting it would hand a dozen arrays around (60
+# lines).
 @kernel
 def _play_on(
     memory: Memory,
@@ -216,7 +221,9 @@ def _play_on(
     counters: Ints,
     tally: Tally,
 ) -> None:
-    """Play on to the game's end or to `cap` pieces; memory, board, `ring`, `counters` and `tally` are changed."""
+    """Play on to the game's end or to `cap` pieces; memory, board, `ring`, `counters` and `tally` are
+    changed.
+    """
     n_columns, must_fit = rules[COLUMNS], rules[OVERFLOW] == 0
     human_values, logits, gains = np.zeros(MAX_PLACEMENTS), np.empty(MAX_PLACEMENTS), np.empty(MAX_PLACEMENTS)
     probabilities, ruled_out = np.empty(MAX_PLACEMENTS), np.zeros(MAX_PLACEMENTS, dtype=np.bool_)

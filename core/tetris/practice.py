@@ -14,8 +14,9 @@ PIECE_STREAMS: dict[str, Callable[[int, int], int]] = {"uniform": uniform_piece,
 class Practice:
     """The state of a practice game.
 
-    It knows no clock: whoever runs it says when gravity acts. A piece that gravity cannot move settles; where that
-    fills rows, they are shown full until the next fall. The game is over when the pile is higher than the board.
+    It knows no clock: whoever runs it says when gravity acts. A piece that gravity cannot move settles; where
+    that fills rows, they are shown full until the next fall. The game is over when the pile is higher than
+    the board.
     """
 
     def __init__(

@@ -1,4 +1,6 @@
-"""Tetris as sessions see it (`core.registry.Game`): an agent over cross-entropy or policy gradient, whole games unseen."""
+"""Tetris as sessions see it (`core.registry.Game`): an agent over cross-entropy or policy gradient, whole
+games unseen.
+"""
 
 from collections.abc import Sequence
 
@@ -103,7 +105,9 @@ class TetrisGame:
 
 
 def tetris_player(config: TetrisConfig, agent: ArlAgent) -> Player:
-    """Return what plays unseen games of Tetris: whole games in compiled code, in which the agent's learner may learn."""
+    """Return what plays unseen games of Tetris: whole games in compiled code, in which the agent's learner
+    may learn.
+    """
 
     def play(policy: EpisodePolicy, episode_seed: int, max_steps: int) -> Played:
         game = open_game(agent, policy, episode_seed, config)

@@ -1,8 +1,9 @@
 """The seven tetrominoes as plain numbers, and the streams that say which piece comes k-th.
 
 No numerical library is imported, so the screen may import this. Rows count from the bottom, columns from the
-left; bit 0 is the lowest row or the leftmost column. The order of pieces and orientations is that of MDPTetris
-(Thiery & Scherrer): successive orientations are quarter turns counter-clockwise, and that order breaks ties.
+left; bit 0 is the lowest row or the leftmost column. The order of pieces and orientations is that of
+MDPTetris (Thiery & Scherrer): successive orientations are quarter turns counter-clockwise, and that order
+breaks ties.
 """
 
 PIECE_NAMES: tuple[str, ...] = ("I", "O", "T", "Z", "S", "J", "L")
@@ -71,7 +72,9 @@ def uniform_piece(seed: int, k: int) -> int:
 
 
 def seven_bag_piece(seed: int, k: int) -> int:
-    """Return the k-th piece (k >= 0) where each seven in a row, from 7 b on, are the seven pieces shuffled."""
+    """Return the k-th piece (k >= 0) where each seven in a row, from 7 b on, are the seven pieces
+    shuffled.
+    """
     bag, place = divmod(int(k), N_PIECES)
     order = list(range(N_PIECES))
     # Fisher-Yates; bag b owns the six draws from 6 b on.

@@ -1,9 +1,10 @@
-"""A session in which a participant watches every episode, played in compiled code between the moments that matter.
+"""A session in which a participant watches every episode, played in compiled code between the moments that
+matter.
 
-A simulated participant speaks a few times per game. Whether they feel like it at a step is drawn in advance, so
-everything between is one compiled call; what they say, how it is credited and what is learned from it is done by
-the classes of a live session. The result is that of `core.session.session.Session` with a `SimulatedParticipant`, bit for
-bit (tested), in a hundredth of the time.
+A simulated participant speaks a few times per game. Whether they feel like it at a step is drawn in advance,
+so everything between is one compiled call; what they say, how it is credited and what is learned from it is
+done by the classes of a live session. The result is that of `core.session.session.Session` with a
+`SimulatedParticipant`, bit for bit (tested), in a hundredth of the time.
 """
 
 import heapq
@@ -77,7 +78,8 @@ class WatchedTetris:
         """Sit down.
 
         Args:
-            protocol: of the session; all placements are offered, `session.watched` is "proposed", no episode is unseen.
+            protocol: of the session; all placements are offered, `session.watched` is "proposed", no episode
+                is unseen.
             agent: learns.
             trainer: watches and presses.
             oracle: by which the trainer judges.
@@ -137,7 +139,9 @@ class WatchedTetris:
         self.agent.finish(self._now_ns)
 
     def _play_out(self, showing: _Showing) -> None:
-        """Play to the end of the game or the episode; stop where they feel like speaking, and where a press comes."""
+        """Play to the end of the game or the episode; stop where they feel like speaking, and where a press
+        comes.
+        """
         game, first, cap = showing.game, showing.first_step, self._protocol.session.watched_steps
         while not game.finished and game.pieces < cap:
             inclined = self._trainer.next_inclined(first + game.pieces, first + cap) - first
@@ -161,7 +165,9 @@ class WatchedTetris:
             showing.tally += game.tally - before
 
     def _step_of_next_press(self, showing: _Showing) -> int:
-        """Return the step of this episode that will be on screen at the next press to come; a far one if none will."""
+        """Return the step of this episode that will be on screen at the next press to come; a far one if none
+        will.
+        """
         if not self._due:
             return self._protocol.session.watched_steps
         since_ns = self._due[0][0] - showing.began_ns

@@ -23,5 +23,5 @@ X, y = np.concatenate(features), np.concatenate(feedback)
 predicted = cross_val_predict(Ridge(alpha=1.0), X, y, groups=game, cv=GroupKFold(n_splits=5))
 agreed = np.mean(np.sign(predicted) == np.sign(y))
 print(
-    f"{len(y)} judged placements in {len(set(game))} games; sign of unseen games' feedback predicted: {agreed:.0%}"
+    f"{len(y)} judged placements in {len(set(game))} games; sign of unseen games' feedback predicted: {agreed:.0%}"  # noqa: E501
 )

@@ -94,9 +94,12 @@ def _answer(judged: Delays, sets: Sequence[Delays]) -> str:
     gamma = fit_of(judged.fits_together, GAMMA.name).parameters
     quick = " and ".join(f"{np.median(one.together):.2f} s ({one.name})" for one in sets if one is not judged)
     return (
-        f"**In short.** Judging takes longer than reacting: {np.median(judged.together):.2f} s in the median, against {quick}. "
-        f"A gamma of all evaluations has shape {gamma['shape']:.2f} and scale {gamma['scale_s']:.2f} s; the paper's are 2.5 and "
-        f"0.3 s. The person explains {shares_of_variance(judged)['person']:.0%} of the variance of log delays; most of it is "
+        f"**In short.** Judging takes longer than reacting: {np.median(judged.together):.2f} s in the "
+        f"median, against {quick}. "
+        f"A gamma of all evaluations has shape {gamma['shape']:.2f} and scale {gamma['scale_s']:.2f} s; the "
+        f"paper's are 2.5 and "
+        f"0.3 s. The person explains {shares_of_variance(judged)['person']:.0%} of the variance of log "
+        f"delays; most of it is "
         "from press to press."
     )
 

@@ -1,4 +1,6 @@
-"""What a wrong delay density costs in Keepaway, where feedback is late: the person's own fit, the paper's, uniform, none."""
+"""What a wrong delay density costs in Keepaway, where feedback is late: the person's own fit, the paper's,
+uniform, none.
+"""
 
 from core.feedback.delays import CurrentStep, GammaDelay, PreviousStep, UniformDelay
 from studies.experiments.keepaway_pages import Claim, report_page
@@ -9,8 +11,8 @@ from studies.experiments.results import Results
 from studies.experiments.sweep import Condition, Experiment
 
 SLOW = GammaDelay(shape=4.0, scale_s=0.3, offset_s=0.3)
-"""True delay of the participant: mean 1.5 s, twice the paper's density; nobody presses within 0.3 s. (Judging an event
-takes longer than reacting to one: means from 0.75 to 2.2 s have been reported.)"""
+"""True delay of the participant: mean 1.5 s, twice the paper's density; nobody presses within 0.3 s. (Judging
+an event takes longer than reacting to one: means from 0.75 to 2.2 s have been reported.)"""
 SLOW_PERSON = person(delay=SLOW)
 
 EXPERIMENT = Experiment(
@@ -60,7 +62,7 @@ OTHERS = (
 INTRODUCTION = """A simulated
 person watches every episode, presses at most 2 keys in it, errs in 1 of 10, and presses 1.5 s after an option was chosen on average (gamma
 of shape 4 and scale 0.3 s, 0.3 s at least). Their own fit is a shifted gamma density of 60 reactions drawn beforehand, anew in each trial.
-w_h is 1 throughout: this is about credit, not about trust."""
+w_h is 1 throughout: this is about credit, not about trust."""  # noqa: E501
 
 
 def report(results: Results) -> Page:

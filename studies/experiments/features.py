@@ -1,4 +1,6 @@
-"""Features: does the paper's set of 12 suffice (section 3.2)? Cross-entropy and ARL over it with 21 and with 12 features."""
+"""Features: does the paper's set of 12 suffice (section 3.2)? Cross-entropy and ARL over it with 21 and with
+12 features.
+"""
 
 from core.combination.config import EnvironmentOnly
 from studies.experiments import page
@@ -32,7 +34,7 @@ EXPERIMENT = Experiment(
 FEATURES_TEXT = """\
 21: heights of the 10 columns, their 9 differences, maximum, holes (Bertsekas & Ioffe 1996). 12, which the paper says suffice: maximum and
 mean height, holes, 9 differences.
-"""
+"""  # noqa: E501
 
 
 def report(results: Results) -> Page:

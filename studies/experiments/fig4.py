@@ -1,4 +1,6 @@
-"""Figure 4: the density of the delay, gamma(2.5, 0.3), and how well reaction times of n trials give it back."""
+"""Figure 4: the density of the delay, gamma(2.5, 0.3), and how well reaction times of n trials give it
+back.
+"""
 
 from __future__ import annotations
 
@@ -43,7 +45,8 @@ def trial(settings: Measured, root_seed: int) -> Rows:
     """Measure one participant and fit.
 
     Returns:
-        One row: the fit's shape, scale and offset, its mean and mode, and the share of a press's credit that it puts
+        One row: the fit's shape, scale and offset, its mean and mode, and the share of a press's credit that
+            it puts
         elsewhere than the true density would: half the integral of their absolute difference.
     """
     truth = settings.truth
@@ -126,7 +129,10 @@ def report(results: Results) -> Page:
         ["the paper's statement", "held"],
         [
             [
-                "the delay is gamma(2.5, 0.3) and the mean of the density lies about 0.5 s before the feedback (section 3.3)",
+                (
+                    "the delay is gamma(2.5, 0.3) and the mean of the density lies about 0.5 s before the "
+                    "feedback (section 3.3)"
+                ),
                 f"not both: that gamma has mean {mean_s:.2f} s and mode {mode_s:.2f} s",
             ],
             [
@@ -160,7 +166,7 @@ credit that the fitted density gives to other moments than the true one would.
 {page.table(header, rows)}
 Measured on real people: [reaction times](reaction_time.md), [pooling](reaction_time_pooling.md), [trusting a fit](../trusting-a-fit.md).
 
-{page.how_it_was_made(results)}"""
+{page.how_it_was_made(results)}"""  # noqa: E501
     return Page("fig4", text, {"fig4": _figure(results)})
 
 

@@ -43,6 +43,7 @@ def report(results: Results) -> Page:
         results,
         claims,
         [*verdicts, page.verdict(label("annealed"), label("ce"), whole)],
-        introduction="A block is one iteration of the cross-entropy method. A simulated person watches every episode, "
+        introduction="A block is one iteration of the cross-entropy method. A simulated person watches every "
+        "episode, "
         "presses at most 5 keys in it, 2 on average where it is long enough, and errs in 1 of 10.",
     )

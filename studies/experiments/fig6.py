@@ -22,7 +22,7 @@ GRADIENT = PolicyGradientConfig()
 NOT_TESTED = """\
 The paper's other claim here, that PG clears fewer lines than CE, is not tested on this page: that needs trials of
 [Fig. 5](fig5.md) beside these.
-"""
+"""  # noqa: E501
 PERSON_TEXT = "The person is that of Fig. 5."
 
 
@@ -64,14 +64,19 @@ def report(results: Results) -> Page:
         CLAIM, [*claims, "PG clears fewer lines than CE (ratio: CE / PG)"], [found, tested]
     )
     n_pairs = len(set(results.seeds) & set(against_ce.seeds))
-    compared = f"CE is that of [Fig. 5](fig5.md): the same rules, number of games and person; {n_pairs} trials pair by seed."
+    compared = (
+        f"CE is that of [Fig. 5](fig5.md): the same rules, number of games and person; {n_pairs} trials pair "
+        f"by seed."
+    )
     return report_page(
         results, f"{above}\n{compared}\n", [found, tested], introduction=PERSON_TEXT, others=[against_ce]
     )
 
 
 def _against_ce(results: Results, against: Results) -> Verdict | None:
-    """Compare CE with PG over the seeds that both have; None where there are none, or the games were others."""
+    """Compare CE with PG over the seeds that both have; None where there are none, or the games were
+    others.
+    """
     pg, ce = results.experiment.condition("pg").settings, against.experiment.condition("ce").settings
     both = sorted(set(results.seeds) & set(against.seeds))
     if pg.protocol != ce or not both:

@@ -54,7 +54,7 @@ CLAIMS: tuple[Claim, ...] = (
 OTHERS = (("exponential-gamma-fixed", "sarsa"), ("linear-no-gamma-fixed", "sarsa"))
 INTRODUCTION = """A simulated
 person watches every episode, presses at most 2 keys in it, and errs in 1 of 10. The paper's figure has the first four conditions, whose
-w_h is that of Eq. 4; in the others it is 1, whatever the person does."""
+w_h is that of Eq. 4; in the others it is 1, whatever the person does."""  # noqa: E501
 
 
 def report(results: Results) -> Page:

@@ -29,11 +29,13 @@ SCORE = "seconds per episode, over the whole trial"
 SCORES_TEXT = """\
 The score of a trial is the mean over simulated time of how long episodes lasted: the area under its learning curve (40 equal parts). It
 was chosen before the trials were played. The last tenth of the time is given as well.
-"""
+"""  # noqa: E501
 
 
 def by_time(results: Results, condition: str, column: str, bins: int = BINS) -> Floats:
-    """Return a column's means over equal parts of the shortest trial's simulated time, shape (trials, bins)."""
+    """Return a column's means over equal parts of the shortest trial's simulated time, shape (trials,
+    bins).
+    """
     hours = _hours(results)
     return np.array([mean_by_time(trial, column, hours, bins) for trial in results.trials[condition]])
 
@@ -42,8 +44,8 @@ def by_episode(results: Results, condition: str, column: str, bins: int = BINS) 
     """Return a column's means over equal blocks of episodes, up to the fewest episodes that any trial has.
 
     Returns:
-        The last episode of each block, shape (bins,), and the means, shape (trials, bins); fewer bins than asked for where
-        there are fewer episodes.
+        The last episode of each block, shape (bins,), and the means, shape (trials, bins); fewer bins than
+        asked for where there are fewer episodes.
     """
     fewest = min(len(trial[column]) for trials in results.trials.values() for trial in trials)
     bins = min(bins, fewest)
@@ -55,10 +57,11 @@ def by_episode(results: Results, condition: str, column: str, bins: int = BINS) 
 
 
 def weights_used(results: Results, condition: str, bins: int = 10) -> Floats:
-    """Return the mean w_h that choices were made with over equal parts of simulated time, shape (trials, bins).
+    """Return the mean w_h that choices were made with over equal parts of simulated time, shape (trials,
+    bins).
 
-    Files hold the trust of bootstrap learning, which some schemes do not go by. (Of a scheme that never asks about trust, episodes
-    before the first press count as well, when there was nobody to listen to.)
+    Files hold the trust of bootstrap learning, which some schemes do not go by. (Of a scheme that never asks
+    about trust, episodes before the first press count as well, when there was nobody to listen to.)
     """
     scheme = results.experiment.condition(condition).settings.play.agent.scheme
     hours = _hours(results)
@@ -158,7 +161,7 @@ Last tenth of the time:
 
 {page.HOW_TO_READ}
 {page.verdict_table(verdicts)}
-{page.how_it_was_made(results)}"""
+{page.how_it_was_made(results)}"""  # noqa: E501
     return Page(name, text, {name: curves_figure(results)})
 
 

@@ -24,7 +24,8 @@ HOURS = 2.0
 
 
 PEOPLE = ("lay", "hesitant", "instructed", "bursty", "hasty", "slow", "tiring", "leaves")
-"""Simulated people by name (`core.feedback.simulated_participants`) beside the rates. (There is no *myopic* one: an option has no immediate effect.)"""
+"""Simulated people by name (`core.feedback.simulated_participants`) beside the rates. (There is no *myopic*
+one: an option has no immediate effect.)"""
 OURS = "side"
 """The rule that is for Sarsa (`docs/decisions/side-by-side.md`)."""
 RANDOM_PERCENT = 50
@@ -110,7 +111,7 @@ the others do, and then its agreement with the person has the right sign. Its co
 presses is exploration, no trust. It needs a learner that can learn about one policy from the episodes of another, which is why it is not a rule for the cross-entropy method or
 for on-line policy gradient; there, [signed agreement with a margin](robustness.md) is ours.
 
-"""
+"""  # noqa: E501
 """What the page says of the rules whatever came out; found on pilot seeds."""
 
 
@@ -204,5 +205,5 @@ People of `core.feedback.simulated_participants`, 1 press in 10 wrong unless the
 
 {page.HOW_TO_READ}
 {page.verdict_table(verdicts)}
-{page.how_it_was_made(results)}"""
+{page.how_it_was_made(results)}"""  # noqa: E501
     return Page("robustness-keepaway", text, {"robustness-keepaway": rates_figure(drawn, WRONG_PERCENT)})

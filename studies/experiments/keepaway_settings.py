@@ -1,6 +1,7 @@
 """Settings that experiments in Keepaway share: who plays, who watches, for how long.
 
-The constants were chosen on pilot seeds (`docs/decisions/keepaway-experiments.md`), none of which is reported.
+The constants were chosen on pilot seeds (`docs/decisions/keepaway-experiments.md`), none of which is
+reported.
 """
 
 from core.combination.config import (
@@ -29,10 +30,16 @@ HOURS = 10.0
 """Simulated hours of a trial: where the published curves have risen most of their way."""
 
 DEPARTURES = (
-    "the participants are simulated: they judge by the hand-coded policy of the benchmark, on what the keeper sees",
+    (
+        "the participants are simulated: they judge by the hand-coded policy of the benchmark, on what the "
+        "keeper sees"
+    ),
     "each pass may be judged when it is made, holding now and then",
     "every episode is watched",
-    "the human model is linear over the tiles of the learner, one for all keepers, learned by gradient descent",
+    (
+        "the human model is linear over the tiles of the learner, one for all keepers, learned by gradient "
+        "descent"
+    ),
     "R and H are standardised over the options of each decision",
     "every episode is a policy of its own in Eq. 4: the learner changes all the time",
 )

@@ -28,7 +28,8 @@ class KeepawayTrial(msgspec.Struct, frozen=True, kw_only=True):
             raise ValueError(f"a trial takes more than 0 hours, got {self.hours}")
         if self.calibration_trials and (self.calibration_trials < 10 or self.play.person is None):
             raise ValueError(
-                f"a fit needs a person and at least 10 reactions, got {self.calibration_trials} of {self.play.person}"
+                f"a fit needs a person and at least 10 reactions, got {self.calibration_trials} of "
+                f"{self.play.person}"
             )
 
 
@@ -43,8 +44,10 @@ def run_trial(settings: KeepawayTrial, root_seed: int) -> dict[str, Floats]:
     Trials of one seed meet the same kick-offs, and people with the same draws, under every condition.
 
     Returns:
-        Columns with one number per episode: seconds it lasted, hours of play at its end, presses that counted, w_h
-        (trust during the episode; `keepaway_pages.weights_used` gives the weight in use), whether the ball went out (1) or was taken (0).
+        Columns with one number per episode: seconds it lasted, hours of play at its end, presses that
+            counted, w_h
+        (trust during the episode; `keepaway_pages.weights_used` gives the weight in use), whether the ball
+        went out (1) or was taken (0).
     """
     game = ArlAutoplay(_calibrated(settings, root_seed), root_seed, "keepaway trial")
     limit_s, played_s = settings.hours * S_PER_HOUR, 0.0
@@ -64,17 +67,20 @@ def quick(settings: KeepawayTrial) -> KeepawayTrial:
 
 
 def measured_delay(true: Density, n: int, *, root_seed: int) -> GammaDelay:
-    """Return the shifted gamma density fitted to n reactions of a participant whose delay has the density `true`."""
+    """Return the shifted gamma density fitted to n reactions of a participant whose delay has the density
+    `true`.
+    """
     rng = stream(root_seed, "calibration")
     fit = fit_family(SHIFTED_GAMMA, sample([draw_delay_s(true, rng=rng) for _ in range(n)]))
     return GammaDelay(*SHIFTED_GAMMA.values(fit.parameters))
 
 
 def mean_by_time(rows: dict[str, Floats], column: str, hours: float, bins: int) -> Floats:
-    """Return a column's mean over the episodes that end in each of `bins` equal parts of `hours`, shape (bins,).
+    """Return a column's mean over the episodes that end in each of `bins` equal parts of `hours`, shape
+    (bins,).
 
-    Trials have different numbers of episodes; simulated time is what they share. A part in which no episode ends has
-    the value of the episode that spans it.
+    Trials have different numbers of episodes; simulated time is what they share. A part in which no episode
+    ends has the value of the episode that spans it.
     """
     if bins < 1:
         raise ValueError(f"need at least one bin, got {bins}")

@@ -49,7 +49,7 @@ class Page:
 QUICK = """\
 **A quick run:** its trials were cut short, to see that everything works. Nothing on this page is a result; lengths of trials, and settings
 below, are those of whole ones.
-"""
+"""  # noqa: E501
 
 
 def write_page(page: Page, into: Path, *, quick: bool = False, trials: int | None = None) -> list[Path]:
@@ -59,7 +59,8 @@ def write_page(page: Page, into: Path, *, quick: bool = False, trials: int | Non
         page: the report.
         into: folder.
         quick: the trials were quick ones: the page says so first.
-        trials: how many there are per condition; where they are few, the page says first what that does to intervals.
+        trials: how many there are per condition; where they are few, the page says first what that does to
+            intervals.
     """
     (into / "results").mkdir(parents=True, exist_ok=True)
     (into / "figures").mkdir(parents=True, exist_ok=True)
@@ -160,7 +161,7 @@ Trials pair by seed: the same pieces and the same first samples for every condit
 close to exponential and spread in proportion, so ratios are the fair scale, and tests are on logarithms. *Difference*: of plain means.
 *P(improvement)*: a random trial of one beats a random trial of the other. *p*: two-sided, 20,000 random sign flips; *Holm*: corrected
 for all rows of the table.
-"""
+"""  # noqa: E501
 
 
 def claims_table(title: str, claims: Sequence[str], verdicts: Sequence[Verdict]) -> str:
@@ -189,7 +190,9 @@ def in_short(claims: Sequence[tuple[str, str, str]]) -> str:
 
 
 def held(found: Verdict) -> str:
-    """Say whether a claim "treated is better than control" held: by its interval, and by its test (few trials)."""
+    """Say whether a claim "treated is better than control" held: by its interval, and by its test (few
+    trials).
+    """
     if found.p >= 0.05:
         return "not shown"
     if found.ratio.low > 1.0:
@@ -262,8 +265,8 @@ def shared_settings(settings: Mapping[str, Any]) -> tuple[dict[str, Any], dict[s
     """Split settings by condition into what all share and what is each one's own; nothing is left out.
 
     Args:
-        settings: objects of plain JSON types by condition. Objects below them that have other keys than their likes (rules of
-            another kind) are each one's own as a whole.
+        settings: objects of plain JSON types by condition. Objects below them that have other keys than their
+            likes (rules of another kind) are each one's own as a whole.
     """
     common: dict[str, Any] = {}
     own: dict[str, dict[str, Any]] = {name: {} for name in settings}

@@ -1,4 +1,6 @@
-"""Rules of trust against rates of wrong presses, as tables and as a figure: what both games' pages of robustness share."""
+"""Rules of trust against rates of wrong presses, as tables and as a figure: what both games' pages of
+robustness share.
+"""
 
 from __future__ import annotations
 
@@ -49,7 +51,9 @@ def weights_table(found: ByRule, rates: Sequence[int]) -> str:
 
 
 def summary(found: ByRule) -> str:
-    """Return which rules do no harm at any rate, and which gain from a participant who errs at 80 % or more, by their 95 % intervals."""
+    """Return which rules do no harm at any rate, and which gain from a participant who errs at 80 % or more,
+    by their 95 % intervals.
+    """
     harmless = [rule for rule, cells in found.items() if all(cell.ratio.high >= 1 for cell in cells.values())]
     adversary = [
         rule
@@ -60,7 +64,7 @@ def summary(found: ByRule) -> str:
     return f"""\
 Significantly below the environment alone at no rate: {_listed(harmless)}. Significantly above it wherever {MOSTLY_WRONG} % or more are
 wrong: {_listed(adversary)}.
-"""
+"""  # noqa: E501
 
 
 def in_short(found: ByRule, ours: str, alone: str) -> str:
@@ -79,7 +83,10 @@ def in_short(found: ByRule, ours: str, alone: str) -> str:
         key=lambda pair: pair[1].ratio.estimate,
         default=None,
     )
-    first = f"Listening by the rule *{ours}* does significantly worse than {alone} at {', '.join(harm) or 'no rate'} of wrong presses."
+    first = (
+        f"Listening by the rule *{ours}* does significantly worse than {alone} at "
+        f"{', '.join(harm) or 'no rate'} of wrong presses."
+    )
     second = f"Its ratios are {at}." if at else "It was not played."
     third = (
         f"At 10 % wrong *{best[0]}* does best: {page.interval(best[1].ratio)}."

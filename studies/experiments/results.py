@@ -51,7 +51,8 @@ class Results:
             there = ", ".join(f"{name} ({self.left_out.get(name, 0)} trials)" for name in missing)
             named = " ".join(f"--only {shlex.quote(name)}" for name in conditions)
             raise SweepError(
-                f"the page of {self.experiment.name} compares conditions of which too few trials were played: {there}; "
+                f"the page of {self.experiment.name} compares conditions of which too few trials were "
+                f"played: {there}; "
                 f"play more, or report the trials that all of them have: {named}"
             )
 
@@ -69,8 +70,8 @@ class Results:
 def read_results(experiment: Experiment, folder: Path, only: Sequence[str] = ()) -> Results:
     """Read what a folder holds of an experiment.
 
-    Only trials that all conditions have are taken: comparisons are paired. A condition with less than half the trials
-    of the fullest one is left out, or it would take the others' trials with it.
+    Only trials that all conditions have are taken: comparisons are paired. A condition with less than half
+    the trials of the fullest one is left out, or it would take the others' trials with it.
 
     Args:
         experiment: which.
@@ -78,13 +79,14 @@ def read_results(experiment: Experiment, folder: Path, only: Sequence[str] = ())
         only: conditions to read, all of them; where empty those that have enough trials.
 
     Raises:
-        SweepError: there is nothing, or no trial that all conditions have; a file is damaged; or a condition was
-            played with other settings than the experiment's present ones.
+        SweepError: there is nothing, or no trial that all conditions have; a file is damaged; or a condition
+            was played with other settings than the experiment's present ones.
     """
     record = read_record(folder)
     if record is None:
         raise SweepError(
-            f"{folder} holds no results: `arl experiment run {shlex.quote(experiment.source or experiment.name)}` plays them"
+            f"{folder} holds no results: `arl experiment run "
+            f"{shlex.quote(experiment.source or experiment.name)}` plays them"
         )
     if record.experiment != experiment.name:
         raise SweepError(f"{folder} holds results of {record.experiment}, not of {experiment.name}")
@@ -132,7 +134,9 @@ def read_beside(results: Results, name: str, only: Sequence[str]) -> Results | N
 
 
 def equal_trials(results: Results, condition: str, others: Results, other: str) -> tuple[int, int]:
-    """Return how many trials two conditions have both (by root seed), and in how many of them all rows are equal."""
+    """Return how many trials two conditions have both (by root seed), and in how many of them all rows are
+    equal.
+    """
     by_seed = dict(zip(others.seeds, others.trials[other], strict=True))
     shared = [
         (mine, by_seed[seed])
@@ -156,7 +160,8 @@ def _sound_rows(
     unknown = [name for name in settings if name not in record.conditions]
     if unknown:
         raise SweepError(
-            f"{folder}: {SWEEP_FILE} does not say with what settings {', '.join(unknown)} was played: `arl experiment "
+            f"{folder}: {SWEEP_FILE} does not say with what settings {', '.join(unknown)} was played: `arl "
+            f"experiment "
             f"run {shlex.quote(experiment.source or experiment.name)}` plays it"
         )
     rows: dict[str, dict[int, dict[str, Floats]]] = {name: {} for name in files}
@@ -170,7 +175,8 @@ def _sound_rows(
         quick = " --quick" if record.quick else ""
         raise DamagedSweep(
             f"{len(damaged)} files of {folder} are damaged, and nothing is averaged over the rest:\n{named}\n"
-            f"Play them again: `arl experiment run{quick} {shlex.quote(experiment.source or experiment.name)}`; a file "
+            f"Play them again: `arl experiment run{quick} "
+            f"{shlex.quote(experiment.source or experiment.name)}`; a file "
             "that is no trial's has to be removed"
         )
     return rows

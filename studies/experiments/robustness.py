@@ -1,4 +1,6 @@
-"""Robustness: how wrong may a person be, and when should an agent listen? Trust rules against rates of wrong presses."""
+"""Robustness: how wrong may a person be, and when should an agent listen? Trust rules against rates of wrong
+presses.
+"""
 
 from collections.abc import Iterator
 

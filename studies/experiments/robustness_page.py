@@ -1,4 +1,6 @@
-"""The page of the robustness experiment: the goal and whether it was reached, every rule at every rate, every person."""
+"""The page of the robustness experiment: the goal and whether it was reached, every rule at every rate, every
+person.
+"""
 
 from __future__ import annotations
 
@@ -70,7 +72,7 @@ policies agree by more, it must be larger. (4) Somebody who changes sides is fou
 who judges the immediate effect alone (*myopic*, below) is listened to and gives nothing, and over the policy gradient 30 % wrong are believed without a gain that 20 trials would show.
 
 Another rule, *trust by trial*, tries a person's word out in some episodes and goes by lines cleared ([why, and how](../decisions/tried-trust.md)).
-"""
+"""  # noqa: E501
 """What the page says of the rule whatever came out."""
 
 
@@ -126,7 +128,7 @@ useless and adversary are the rates above. The same people over Sarsa: [Keepaway
 ## How to read this
 
 {page.HOW_TO_READ}
-{page.how_it_was_made(results, others=others)}"""
+{page.how_it_was_made(results, others=others)}"""  # noqa: E501
     return Page("robustness", text, {"robustness": rates_figure(drawn, RATES)})
 
 
@@ -245,6 +247,9 @@ def _gradient_table(results: Results, scores: Mapping[str, Floats]) -> str:
             above += [participant] if found.ratio.low > 1 else []
             weight = results.table(name, "w_h")[:, -100:].mean()
             rows.append([participant, page.interval(found.ratio), page.p_value(found.p), f"{weight:.2f}"])
-    told = f"Significantly below policy gradient alone with: {', '.join(below) or 'nobody'}. Significantly above it with: {', '.join(above) or 'nobody'}."
+    told = (
+        f"Significantly below policy gradient alone with: {', '.join(below) or 'nobody'}. Significantly "
+        f"above it with: {', '.join(above) or 'nobody'}."
+    )
     table = page.table(["person", "ratio to policy gradient alone", "p", "w_h at the end"], rows)
     return f"The same rule, its constants as they are. {told}\n\n{table}"

@@ -7,12 +7,12 @@ from core.combination.config import Equation4, Equation5, RankCorrelation, Signe
 RATES = (0, 10, 30, 50, 80, 100)
 """Wrong presses, per cent."""
 RULE = Signed(margin=0.1)
-"""The rule under test. Its constants were found on root seeds from 900000 on, and written down before any trial that the goal is
-judged by was played (`docs/decisions/margin-of-agreement.md`)."""
+"""The rule under test. Its constants were found on root seeds from 900000 on, and written down before any
+trial that the goal is judged by was played (`docs/decisions/margin-of-agreement.md`)."""
 
 FRESH = 1000
-"""What is added to the root seeds of the trials that the goal is judged by. Their first twenty, 0 to 19, had been looked at
-under other rules when this one was fixed."""
+"""What is added to the root seeds of the trials that the goal is judged by. Their first twenty, 0 to 19, had
+been looked at under other rules when this one was fixed."""
 
 TRUST: dict[str, tuple[str, TrustRule]] = {
     "tried": ("trust by trial", Tried()),
@@ -23,12 +23,14 @@ TRUST: dict[str, tuple[str, TrustRule]] = {
     "rank": ("rank correlation", RankCorrelation()),
     "rank-signed": ("signed rank correlation", RankCorrelation(signed=True)),
 }
-"""Rules of trust by name: (label, rule). 0.15 is the agreement of unrelated policies (`docs/decisions/degree-of-match.md`)."""
+"""Rules of trust by name: (label, rule). 0.15 is the agreement of unrelated policies
+(`docs/decisions/degree-of-match.md`)."""
 MARGIN = "margin"
 """Name of the rule under test in conditions."""
 
 PEOPLE = ("lay", "myopic", "hesitant", "instructed", "bursty", "hasty", "slow", "tiring", "leaves")
-"""Simulated people by name (`core.feedback.simulated_participants`) whom the rule meets beside the rates, which are the other four."""
+"""Simulated people by name (`core.feedback.simulated_participants`) whom the rule meets beside the rates,
+which are the other four."""
 
 ENVIRONMENT = "environment"
 FRESH_ENVIRONMENT = "fresh-environment"

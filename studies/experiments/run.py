@@ -148,7 +148,8 @@ def dask_cluster(address: str, *, timeout_s: float = 10.0) -> Iterator[Executor]
     """Run units on an existing Dask cluster.
 
     Args:
-        address: of its scheduler, as "tcp://10.0.0.1:8786". Its workers need the same version of this program.
+        address: of its scheduler, as "tcp://10.0.0.1:8786". Its workers need the same version of this
+            program.
         timeout_s: how long to wait for its answer.
 
     Raises:

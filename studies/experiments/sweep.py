@@ -1,4 +1,6 @@
-"""What an experiment is: conditions, seeds, and a function from both to rows. Data only; `run` plays, `results` reads."""
+"""What an experiment is: conditions, seeds, and a function from both to rows. Data only; `run` plays,
+`results` reads.
+"""
 
 import shlex
 import sys
@@ -52,7 +54,8 @@ class Experiment:
     departures: tuple[str, ...] = ()
     """Where this differs from the paper, or fills its silence, in sentences for the report."""
     name: str = field(default="", kw_only=True)
-    """Of the folder of its results. Whoever loads it takes it from the module (`load_experiment`); "" until then."""
+    """Of the folder of its results. Whoever loads it takes it from the module (`load_experiment`); "" until
+    then."""
     source: str = field(default="", kw_only=True)
     """What finds its module in any process: one of our names, a module, or the absolute path of a file."""
 
@@ -63,7 +66,9 @@ class Experiment:
 
     @property
     def typed(self) -> str:
-        """What one types for NAME in `arl experiment run NAME`, quoted for a shell; of a file only its own name."""
+        """What one types for NAME in `arl experiment run NAME`, quoted for a shell; of a file only its own
+        name.
+        """
         return shlex.quote(Path(self.source).name if _is_file(self.source) else self.source or self.name)
 
     def condition(self, name: str) -> Condition:
@@ -86,14 +91,16 @@ MODULES: dict[str, str] = {
     "robustness-keepaway": "studies.experiments.keepaway_robustness",
     "credit": "studies.experiments.credit",
 }
-"""Where each experiment is: a module with `EXPERIMENT` and `report(results) -> Page`. Imported when asked for."""
+"""Where each experiment is: a module with `EXPERIMENT` and `report(results) -> Page`. Imported when asked
+for."""
 
 
 def load_experiment(name: str) -> Experiment:
     """Return an experiment, under the name of its module.
 
     Args:
-        name: one of ours ("fig5"), a module ("my_package.my_experiment"), or a file ("my.py", "/home/me/my.py").
+        name: one of ours ("fig5"), a module ("my_package.my_experiment"), or a file ("my.py",
+            "/home/me/my.py").
 
     Raises:
         ValueError: there is none of this name, or its module has no EXPERIMENT.
@@ -121,7 +128,8 @@ def experiment_module(name: str) -> Any:
         module = import_module(MODULES.get(name, name))
     else:
         raise ValueError(
-            f"no experiment {name!r}: there are {', '.join(MODULES)}; one of your own is named by its file (my.py) or "
+            f"no experiment {name!r}: there are {', '.join(MODULES)}; one of your own is named by its file "
+            f"(my.py) or "
             "module (my_package.my)"
         )
     if not hasattr(module, "EXPERIMENT"):

@@ -1,4 +1,6 @@
-"""What the pages of experiments in Tetris share: scores of trials, figures over iterations, how the person came through."""
+"""What the pages of experiments in Tetris share: scores of trials, figures over iterations, how the person
+came through.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,7 @@ SCORE = "lines per episode, over the whole trial"
 SCORES_TEXT = """\
 The score of a trial is the mean of lines cleared over all its episodes: the area under its learning curve. It was chosen before the
 trials were played. The last block is given as well.
-"""
+"""  # noqa: E501
 
 
 def scores(results: Results) -> dict[str, Floats]:
@@ -82,14 +84,15 @@ Last {EPISODES_PER_ITERATION} episodes:
 ## What the person did
 
 {_person_table(results)}
-{page.how_it_was_made(results, others=others)}"""
+{page.how_it_was_made(results, others=others)}"""  # noqa: E501
     return Page(name, text, {name: _curves_figure(results)})
 
 
 def same_trials(
     results: Results, other: str, title: str, pairs: Mapping[str, str]
 ) -> tuple[str, list[Results]]:
-    """Say whether conditions with the settings of another experiment's have its trials, as far as its files tell.
+    """Say whether conditions with the settings of another experiment's have its trials, as far as its files
+    tell.
 
     Args:
         results: what was played, or copied because it had been played before.

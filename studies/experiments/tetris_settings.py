@@ -16,14 +16,17 @@ PIECE_CAP = 20_000
 """A game is stopped there: about 8,000 lines. Fewer than 1 in 50 of all games get so far."""
 
 TICK_MS = 150
-"""Pace of TAMER's demo: a placement is on screen for 2.1 s, as in its public logs (medians of 2.0 to 2.9 s), so that
-nearly every press comes before the next piece lands: the paper's "instantaneous" feedback."""
+"""Pace of TAMER's demo: a placement is on screen for 2.1 s, as in its public logs (medians of 2.0 to 2.9 s),
+so that nearly every press comes before the next piece lands: the paper's "instantaneous" feedback."""
 
 PERSON = TrainerConfig(press_probability=0.05, max_presses=5, mean_presses=2.0, mistake_rate=0.1)
 """The paper's participants (section 4): at most 5 presses per episode, 2 on average; and 1 in 10 wrong."""
 
 DEPARTURES = (
-    "the participants are simulated: they judge a placement by a far better player (DT-20), good if in its best quarter",
+    (
+        "the participants are simulated: they judge a placement by a far better player (DT-20), good if in its "  # noqa: E501
+        "best quarter"
+    ),
     "every episode is watched, and every episode is one sample of the cross-entropy method",
     f"a game is stopped after {PIECE_CAP} pieces and counts with the lines it has",
     "R and H are standardised over the actions of each decision",
@@ -31,8 +34,8 @@ DEPARTURES = (
 
 
 HUMAN_MODEL = RidgeModel(l2=10.0)
-"""Least squares with ten times the default's penalty: with a few hundred unreliable presses it foresees the next ones
-better (found on pilot seeds)."""
+"""Least squares with ten times the default's penalty: with a few hundred unreliable presses it foresees the
+next ones better (found on pilot seeds)."""
 
 
 def tetris_agent(

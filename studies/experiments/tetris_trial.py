@@ -1,4 +1,6 @@
-"""One trial in Tetris: a simulated person watches every episode of a learner, and what came of it, episode by episode."""
+"""One trial in Tetris: a simulated person watches every episode of a learner, and what came of it, episode by
+episode.
+"""
 
 import msgspec
 import numpy as np

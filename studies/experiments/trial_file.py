@@ -1,8 +1,8 @@
 """The file of one trial: whether it is whole, and the trial's own. Damaged ones are named, never averaged in.
 
-Beside each file lies its seal: what the file's SHA-256 is, of which trial it is, and with which settings it was played.
-The seal is written first, so a file without one was written by an earlier version; of such a file only the form can be
-checked, and that it is as long as the others of its condition.
+Beside each file lies its seal: what the file's SHA-256 is, of which trial it is, and with which settings it
+was played. The seal is written first, so a file without one was written by an earlier version; of such a file
+only the form can be checked, and that it is as long as the others of its condition.
 """
 
 import hashlib
@@ -160,7 +160,9 @@ def read_trials(
 
 
 def _unlike_the_others(trials: dict[Path, dict[str, NDArray[np.float64]]]) -> dict[Path, str]:
-    """Return the trials without a seal that have other columns, or fewer rows, than the rest of their condition."""
+    """Return the trials without a seal that have other columns, or fewer rows, than the rest of their
+    condition.
+    """
     sealed = [path for path in trials if seal_path(path).exists()]
     names = Counter(tuple(trials[path]) for path in sealed or trials)
     usual = names.most_common(1)[0][0] if names else ()

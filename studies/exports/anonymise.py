@@ -61,7 +61,8 @@ def read_or_make_key(path: Path, *, apart_from: Iterable[Path]) -> bytes:
     for folder in apart_from:
         if path.resolve().is_relative_to(folder.resolve()):
             raise AnonymiseError(
-                f"{path}: the key would lie in {folder}, beside the data: with it everybody's old code can be found "
+                f"{path}: the key would lie in {folder}, beside the data: with it everybody's old code can "
+                f"be found "
                 "again. Keep it elsewhere, under lock"
             )
     if not path.exists():
@@ -76,7 +77,8 @@ def read_or_make_key(path: Path, *, apart_from: Iterable[Path]) -> bytes:
         key = b""
     if len(key) != KEY_BYTES:
         raise AnonymiseError(
-            f"{path}: expected a key, a line of {2 * KEY_BYTES} hex digits, found something else. Name the file that "
+            f"{path}: expected a key, a line of {2 * KEY_BYTES} hex digits, found something else. Name the "
+            f"file that "
             "`arl anonymise` made, or a new one"
         )
     return key
@@ -154,7 +156,8 @@ def _read(source: Source) -> _Found:
             return _Found(source, sitting.participant, sitting.at_utc)
         case _:
             raise _Other(
-                f"{source.path}: {source.format or 'no format of ours'}: no copy is made; it is no recording, no reaction "
+                f"{source.path}: {source.format or 'no format of ours'}: no copy is made; it is no "
+                f"recording, no reaction "
                 "trials and no sitting"
             )
 

@@ -177,8 +177,14 @@ def _readme(settings: ArchiveSettings, archive: Archive) -> str:
         *(f"| `{name}` | {what} |" for name, what in archive.parts.items()),
         f"| `{CHECKSUMS}` | SHA-256 of every file: `sha256sum -c {CHECKSUMS}` |",
         "",
-        f"{n_files} files of data were anonymised. Each says in its header what was removed, and names the file it was",
-        "made from by a hash. Participants have new codes; the key by which they follow from the old ones is not here.",
+        (
+            f"{n_files} files of data were anonymised. Each says in its header what was removed, and names the "  # noqa: E501
+            f"file it was"
+        ),
+        (
+            "made from by a hash. Participants have new codes; the key by which they follow from the old ones "  # noqa: E501
+            "is not here."
+        ),
         "",
         "A session is replayed exactly by `arl replay data/FILE`, with the versions in `software/`.",
     ]

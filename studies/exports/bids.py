@@ -150,7 +150,8 @@ class _Writer:
         label = re.sub(r"[^A-Za-z0-9]", "", code)
         if not label or self._labels.setdefault(label, code) != code:
             raise ExportError(
-                f"the participants {printable(code)} and {printable(self._labels.get(label, ''))} would both be sub-{label}: "
+                f"the participants {printable(code)} and {printable(self._labels.get(label, ''))} would both "
+                f"be sub-{label}: "
                 "BIDS labels are letters and digits. Give one of them another code (`arl anonymise`)"
             )
         subject = self._subjects.setdefault(label, _Subject())

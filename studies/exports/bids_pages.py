@@ -48,23 +48,23 @@ _TAKEN = [
     "sitting",
 ]
 COLUMNS: tuple[Column, ...] = (
-    Column("onset", "number", "When the event began, since the session began. A step that was never shown: when it was decided.", "s"),
-    Column("duration", "number", "How long it lasted, pauses left out; 0 for a press; n/a where it is not known.", "s"),
+    Column("onset", "number", "When the event began, since the session began. A step that was never shown: when it was decided.", "s"),  # noqa: E501
+    Column("duration", "number", "How long it lasted, pauses left out; 0 for a press; n/a where it is not known.", "s"),  # noqa: E501
     Column("trial_type", "text", "What kind of event it is.", levels=_EVENT_TYPES),
-    Column("response_time", "number", "Of a press: time since the step on screen was first shown; in imported evaluations, since the event judged.", "s"),
+    Column("response_time", "number", "Of a press: time since the step on screen was first shown; in imported evaluations, since the event judged.", "s"),  # noqa: E501
     Column("stim_file", "text", "Of a step: the drawing of its stimulus, below /stimuli."),
     *(_BY_NAME[name] for name in _TAKEN),
 )  # fmt: skip
 """Columns of `_events.tsv`."""
 TASKS = {
-    "tetris": "The participant watches an agent play Tetris in a text terminal and judges its last move by key presses.",
-    "keepaway": "The participant watches agents play Keepaway in a text terminal and judges the last pass by key presses.",
+    "tetris": "The participant watches an agent play Tetris in a text terminal and judges its last move by key presses.",  # noqa: E501
+    "keepaway": "The participant watches agents play Keepaway in a text terminal and judges the last pass by key presses.",  # noqa: E501
     "judging": "The participant judges what an agent does by key presses.",
     "trials": "Reaction-time trials in a text terminal: a foreperiod, a stimulus, and a key.",
 }
 INSTRUCTIONS = {
-    "tetris": "Tell the computer what you think of where the last piece came to rest: one key for good, one for bad.",
-    "keepaway": "Tell the team what you think of its last pass, or of holding the ball too long: one key for good, one for bad.",
+    "tetris": "Tell the computer what you think of where the last piece came to rest: one key for good, one for bad.",  # noqa: E501
+    "keepaway": "Tell the team what you think of its last pass, or of holding the ball too long: one key for good, one for bad.",  # noqa: E501
     "judging": "Not recorded.",
     "trials": "Press the key as fast as you can when the stimulus appears.",
 }
@@ -78,11 +78,11 @@ Times are seconds of a monotonic clock since the session began. A press's time i
 read; a step's onset is when its first frame was handed to the terminal. The delay of the display itself is not in them.
 
 Stimuli are text drawings: `stimuli/` holds them. Dates and texts that people typed are left out unless they were asked for.
-"""
+"""  # noqa: E501
 KEEPAWAY = """Keepaway: a square field drawn in a text terminal. K marks a keeper, T a taker, a dot the ball. The keepers pass the
 ball among themselves; an episode ends when a taker has it or it leaves the square. The whole field is redrawn at most
 30 times a second.
-"""
+"""  # noqa: E501
 
 
 def write_stimuli(folder: Path, tasks: Collection[str]) -> None:
@@ -98,7 +98,9 @@ def write_stimuli(folder: Path, tasks: Collection[str]) -> None:
 
 
 def _drawing(rows: tuple[int, ...]) -> str:
-    """Return a piece drawn with #, top row first; `rows` are bit masks, lowest row first, bit 0 at the left."""
+    """Return a piece drawn with #, top row first; `rows` are bit masks, lowest row first, bit 0 at the
+    left.
+    """
     width = max(rows).bit_length()
     lines = ["".join("#" if row >> column & 1 else "." for column in range(width)) for row in reversed(rows)]
     return "\n".join(lines) + "\n"

@@ -100,9 +100,18 @@ def _page_lines(tables: Sequence[Table]) -> Iterator[str]:
     yield ""
     yield "Made by `arl export codebook`: do not edit. `arl export tidy` writes these tables and this page."
     yield ""
-    yield "An empty cell means: there is no such value; the column says when. TRUE and FALSE are truth values. Times in"
-    yield "`_s` are seconds since the session began, to the nanosecond. Numbers of games and of steps in a game are as people"
-    yield "count, from 1. Columns whose names end in `_index` hold the numbers of the recording, from 0, and join tables."
+    yield (
+        "An empty cell means: there is no such value; the column says when. TRUE and FALSE are truth values. "
+        "Times in"
+    )
+    yield (
+        "`_s` are seconds since the session began, to the nanosecond. Numbers of games and of steps in a "
+        "game are as people"
+    )
+    yield (
+        "count, from 1. Columns whose names end in `_index` hold the numbers of the recording, from 0, and "
+        "join tables."
+    )
     for table in tables:
         yield ""
         yield f"## {table.name}"

@@ -51,7 +51,8 @@ STEPS = Table(
         ),
         text(
             "state_json",
-            "What the decision was taken on, as a JSON list, where it was recorded; in imported logs the boards before and after; else empty.",
+            "What the decision was taken on, as a JSON list, where it was recorded; in imported logs the "
+            "boards before and after; else empty.",
         ),
         integer(
             "presses_credited", "Counted presses of which it got a share; empty in imported logs.", "presses"
@@ -86,7 +87,8 @@ PRESSES = Table(
         seconds("since_shown_s", "Time since the step on screen was first shown; empty between games."),
         seconds(
             "since_frame_s",
-            "Time since the frame on screen was handed to the terminal; in imported evaluations, since the event that "
+            "Time since the frame on screen was handed to the terminal; in imported evaluations, since the "
+            "event that "
             "the press judges. Empty before the first frame.",
         ),
         text("key", "Name of the key."),
@@ -209,7 +211,8 @@ INTERRUPTIONS = Table(
         text("reason", "Why; empty where the event has no reason."),
         seconds(
             "stood_still_s",
-            "Of a time-gap: how long the program did not run, without the time the machine slept; else empty.",
+            "Of a time-gap: how long the program did not run, without the time the machine slept; else "
+            "empty.",
         ),
         seconds("suspended_s", "Of a time-gap: how long the machine slept; else empty."),
     ),

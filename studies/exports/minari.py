@@ -191,10 +191,14 @@ class _Sets:
 
 
 DESCRIPTION = (
-    "Games of an agent that a participant watched and judged by key presses. infos: feedback = sum of value times share of the "
-    "presses credited to a step; n_presses = how many; trust and weight of the participant in this game (NaN where not "
-    "recorded); feedback_features = psi(s, a) of what was done. infos[t + 1] belongs to actions[t]. presses.csv holds "
-    "the raw presses; session, game and step_index in it and in the episodes' metadata say what belongs together."
+    "Games of an agent that a participant watched and judged by key presses. infos: feedback = sum of value "
+    "times share of the "
+    "presses credited to a step; n_presses = how many; trust and weight of the participant in this game (NaN "
+    "where not "
+    "recorded); feedback_features = psi(s, a) of what was done. infos[t + 1] belongs to actions[t]. "
+    "presses.csv holds "
+    "the raw presses; session, game and step_index in it and in the episodes' metadata say what belongs "
+    "together."
 )
 
 
@@ -233,7 +237,8 @@ def _played(
     for taken in steps:
         if domain.detail(state, taken.action) != taken.detail:
             raise NotReplayedError(
-                f"step {taken.step} comes out otherwise than recorded: the game has changed since. Export it with the version "
+                f"step {taken.step} comes out otherwise than recorded: the game has changed since. Export it "
+                f"with the version "
                 f"of this program that is named in its header ({context.session.recording.header.software})"
             )
         features.append(domain.choices(state).feedback_features[taken.action])
@@ -293,7 +298,9 @@ def _spaces(protocol: Protocol) -> tuple[Any, Any]:
 
 
 def _observations(protocol: Protocol, states: list[Any], domain: Any) -> Any:
-    """Return what is seen in each state: a board (row 0 is the lowest), or the deciding keeper's variables."""
+    """Return what is seen in each state: a board (row 0 is the lowest), or the deciding keeper's
+    variables.
+    """
     if isinstance(protocol.domain, TetrisConfig):
         rows = protocol.domain.rows
         boards = [

@@ -130,7 +130,7 @@ class SessionRows:
             now.shown_ns = time_ns if now.shown_ns is None else now.shown_ns
         self._current, self._since_ns = step, time_ns
 
-    # --- what all tables share ----------------------------------------------------------------------------------
+    # --- what all tables share ------------------------------------------------------------------------------
 
     @cached_property
     def first_columns(self) -> Row:
@@ -177,7 +177,7 @@ class SessionRows:
         except ValueError:
             return None
 
-    # --- one row, or few -----------------------------------------------------------------------------------------
+    # --- one row, or few ------------------------------------------------------------------------------------
 
     def session_row(self) -> Row:
         """Return the row of `sessions`."""
@@ -273,7 +273,8 @@ class SessionRows:
 
     def _unseen_rows(self, event: UnseenPlayed) -> Iterator[Row]:
         watched_only = (
-            "game ended started_s ended_s duration_s trust_before environment_weight share shaping augmentation "
+            "game ended started_s ended_s duration_s trust_before environment_weight share shaping "
+            "augmentation "
             "presses_counted presses_good presses_bad"
         )
         for k, policy in enumerate(event.policies):

@@ -44,7 +44,8 @@ WHOSE = (
     text("study", "Name of the study; empty outside one."),
     text(
         "condition",
-        "Condition of the study; of imported evaluations, the columns by which they were divided; else empty.",
+        "Condition of the study; of imported evaluations, the columns by which they were divided; else "
+        "empty.",
     ),
     integer("sitting", "Which visit of the participant, from 1; empty outside a study."),
     integer("place", "The participant's place in the order of assignment, from 1; empty outside a study."),

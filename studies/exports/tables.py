@@ -102,7 +102,8 @@ PLAYED = Table(
         number("environment_weight", "Weight w_r of the environment's values; empty for unseen games."),
         number(
             "share",
-            "Probability of handing the choice to the human policy (control sharing), else 0; empty for unseen games.",
+            "Probability of handing the choice to the human policy (control sharing), else 0; empty for "
+            "unseen games.",
         ),
         number(
             "shaping", "Added to the reward per unit of H (reward shaping), else 0; empty for unseen games."
@@ -136,7 +137,8 @@ ANSWERS = Table(
         text("question", "Its id; the statement of a consent."),
         text(
             "answer",
-            "As it was given; several choices are joined by `; `. Empty: the participant preferred not to answer.",
+            "As it was given; several choices are joined by `; `. Empty: the participant preferred not to "
+            "answer.",
         ),
         number("answer_number", "The same where it is a number; else empty."),
         boolean("passed", "Whether an attention check was passed; empty where the question is none."),
@@ -171,7 +173,8 @@ TRIALS = Table(
         seconds("started_s", "When the foreperiod began, since the first trial of the file began."),
         seconds(
             "onset_s",
-            "When the stimulus's frame was handed to the terminal; in catch trials, when it would have been. Empty "
+            "When the stimulus's frame was handed to the terminal; in catch trials, when it would have been. "
+            "Empty "
             "if it never was.",
         ),
         text("key", "First allowed key at or after the onset; empty without one."),

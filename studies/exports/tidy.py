@@ -51,7 +51,8 @@ class Exported:
     damaged: list[Trouble] = field(default_factory=list)
     """Files that could not be read."""
     twice: list[tuple[str, str]] = field(default_factory=list)
-    """Pairs of sessions that seem to be the same one: copies, or the same session in two versions of the format."""
+    """Pairs of sessions that seem to be the same one: copies, or the same session in two versions of the
+    format."""
 
 
 class TableFile(ABC):

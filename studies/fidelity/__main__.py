@@ -1,4 +1,6 @@
-"""`python -m studies.fidelity PAGE`: the tables of docs/results/keepaway_fidelity.md, from the reference's files."""
+"""`python -m studies.fidelity PAGE`: the tables of docs/results/keepaway_fidelity.md, from the reference's
+files.
+"""
 
 import argparse
 import difflib

@@ -1,8 +1,8 @@
 """Learning curves of the noisy cross-entropy method on Tetris, beside the published ones.
 
-Published: Thiery & Scherrer's reproduction of Szita & Lorincz (10 runs per noise schedule, 21 features, 10x20,
-mean lines of the mean vector over 30 games; files of the MDPTetris repository). Their rules are not stated; see
-docs/decisions/cross-entropy-curves.md for which of ours stand for them and why.
+Published: Thiery & Scherrer's reproduction of Szita & Lorincz (10 runs per noise schedule, 21 features,
+10x20, mean lines of the mean vector over 30 games; files of the MDPTetris repository). Their rules are not
+stated; see docs/decisions/cross-entropy-curves.md for which of ours stand for them and why.
 """
 
 import csv
@@ -200,7 +200,9 @@ def read_csv(path: Path) -> list[CurvePoint]:
 
 
 def draw(ours: Sequence[CurvePoint], published: Sequence[CurvePoint], path: Path) -> None:
-    """Draw one panel per noise schedule: the published range and median, and our median under each rule set."""
+    """Draw one panel per noise schedule: the published range and median, and our median under each rule
+    set.
+    """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 

@@ -1,7 +1,7 @@
 """How closely the Keepaway simulator follows the reference: durations, ends, passes, flights, first kicks.
 
-The reference is the RoboCup server with the UT Austin players; its episodes are tables of durations and ends, and
-for some settings logged trajectories. Both sides go through the same functions.
+The reference is the RoboCup server with the UT Austin players; its episodes are tables of durations and ends,
+and for some settings logged trajectories. Both sides go through the same functions.
 """
 
 import csv
@@ -24,7 +24,8 @@ from core.numerics.compiled import specialised
 RELEASE_SPEED = 0.7
 """Speed, metres per cycle, above which a ball that leaves a keeper's reach counts as passed."""
 TOLERANCE = 0.10
-"""Targets: of means and fine statistics relative, of the K-S distance and the part that ends outside absolute."""
+"""Targets: of means and fine statistics relative, of the K-S distance and the part that ends outside
+absolute."""
 TRACED_EPISODES = 4000
 """So many that what is left of a difference is the reference's own sampling error (300 logged episodes)."""
 FINE_NAMES = ("passes per episode", "release speed", "flight cycles", "first kick cycle")
@@ -59,7 +60,8 @@ class Setting:
 
 _POLICY_FILES = (("random", "rand"), ("hold", "hold"), ("hand", "hand"))
 _LOGGED_PHASES = {"random": (2, 2, 2, 1, 1), "hold": (1, 1, 0, 1, 2), "hand": (0, 0, 0, 0, 0)}
-"""In which cycles each player sees, K1..K3, T1, T2: as the players of the logged matches joined, kept for the whole match.
+"""In which cycles each player sees, K1..K3, T1, T2: as the players of the logged matches joined, kept for the
+whole match.
 
 Read from the logs' commands; an initial condition of those runs, not of the game."""
 SETTINGS = tuple(
@@ -127,7 +129,8 @@ class Comparison:
     def ks_distance(self) -> float:
         """Return the two-sample Kolmogorov-Smirnov distance of the durations.
 
-        Durations are whole cycles: 24 * 0.1 and 2.4 read from a table have to be equal, or each step counts as a distance.
+        Durations are whole cycles: 24 * 0.1 and 2.4 read from a table have to be equal, or each step counts
+        as a distance.
         """
         ours, reference = (np.rint(d.seconds / CYCLE_S) for d in (self.ours, self.reference))
         return float(stats.ks_2samp(ours, reference).statistic)
@@ -198,7 +201,8 @@ def passes_of(trace: Trace) -> list[tuple[float, int]]:
     """Return (release speed in metres per cycle, flight in cycles) of every pass of an episode.
 
     A pass starts with a keeper's kick after which the ball leaves his reach fast; it flies until one of the
-    keepers has it in reach again or the episode ends. A ball that is dropped, and its keepers put back, has no speed.
+    keepers has it in reach again or the episode ends. A ball that is dropped, and its keepers put back, has
+    no speed.
     """
     gaps = np.linalg.norm(trace.keepers - trace.ball[:, None, :2], axis=2)
     speeds = np.linalg.norm(trace.ball[:, 2:], axis=1) / BALL_DECAY

@@ -1,7 +1,8 @@
 """Our players in the reference's logged states, kick by kick.
 
-The server's noise is bounded. So where the ball went after a logged kick tells with certainty, not in the mean, when our player
-would have kicked another way: it lies farther from where our kick would have sent it than noise can take it.
+The server's noise is bounded. So where the ball went after a logged kick tells with certainty, not in the
+mean, when our player would have kicked another way: it lies farther from where our kick would have sent it
+than noise can take it.
 """
 
 from collections.abc import Iterator
@@ -48,7 +49,8 @@ class LoggedKick:
     ours: bool
     """Whether ours does."""
     missed_m: float
-    """From where our kick alone would have sent the ball to where it went; nan unless both kick and nobody else does."""
+    """From where our kick alone would have sent the ball to where it went; nan unless both kick and nobody
+    else does."""
     noise_m: float
     """The farthest that noise can take it there."""
 
@@ -95,7 +97,9 @@ def _touched(episode: LoggedEpisode, row: int) -> bool:
 
 
 def _sent(ball: Floats, me: Floats, command: Floats) -> tuple[Floats, float]:
-    """Return where a kick sends the ball without noise, shape (2,), and how far noise can take it from there, metres."""
+    """Return where a kick sends the ball without noise, shape (2,), and how far noise can take it from there,
+    metres.
+    """
     way = (me[BODY] + command[ANGLE]) * RADIANS
     accel = own_kick_rate(me, ball) * command[POWER]
     velocity = ball[2:4] + accel * np.array([np.cos(way), np.sin(way)])

@@ -1,4 +1,6 @@
-"""Learning curves of keepers that learn by Sarsa over simulated hours, from several seeds, and how alike they are."""
+"""Learning curves of keepers that learn by Sarsa over simulated hours, from several seeds, and how alike they
+are.
+"""
 
 import numpy as np
 from scipy import stats
@@ -8,16 +10,20 @@ from core.numerics.arrays import Floats
 
 
 def table_of(curves: list[LearningCurve], size: int) -> Floats:
-    """Return the block means of all runs, shape (runs, blocks), for the blocks of `size` episodes that all of them have."""
+    """Return the block means of all runs, shape (runs, blocks), for the blocks of `size` episodes that all of
+    them have.
+    """
     means = [curve.block_means(size) for curve in curves]
     n_blocks = min(len(m) for m in means)
     return np.array([m[:n_blocks] for m in means])
 
 
 def prediction_band(table: Floats, coverage: float = 0.95) -> tuple[Floats, Floats]:
-    """Return between which bounds a whole further curve lies, with at least this probability, if it is one of these.
+    """Return between which bounds a whole further curve lies, with at least this probability, if it is one of
+    these.
 
-    Student's prediction interval of each block, with the chance of missing shared out among the blocks (Bonferroni).
+    Student's prediction interval of each block, with the chance of missing shared out among the blocks
+    (Bonferroni).
 
     Args:
         table: block means, shape (runs, blocks), two runs or more.
@@ -36,9 +42,11 @@ def prediction_band(table: Floats, coverage: float = 0.95) -> tuple[Floats, Floa
 
 
 def chance_of(curve: Floats, table: Floats) -> float:
-    """Return the p-value of "this curve is one of those": the share of curves that stand out as far, itself included.
+    """Return the p-value of "this curve is one of those": the share of curves that stand out as far, itself
+    included.
 
-    How far a curve stands out is its largest distance from the others' mean in any block, in their standard deviations.
+    How far a curve stands out is its largest distance from the others' mean in any block, in their standard
+    deviations.
 
     Args:
         curve: block means, shape (blocks,).

@@ -1,8 +1,10 @@
-"""From the reference's logged states onwards: who has the ball so many cycles later, there and in copies of ours.
+"""From the reference's logged states onwards: who has the ball so many cycles later, there and in copies of
+ours.
 
-Means over whole episodes tell that something differs, not where. Here every comparison starts from the same state, so that
-what led to it does not count. Only for a fixed policy with exact state: then the log tells all that a player knows, but for
-where it meant to meet the ball, which our players learn by going through the logged rows one by one.
+Means over whole episodes tell that something differs, not where. Here every comparison starts from the same
+state, so that what led to it does not count. Only for a fixed policy with exact state: then the log tells all
+that a player knows, but for where it meant to meet the ball, which our players learn by going through the
+logged rows one by one.
 """
 
 from collections import defaultdict
@@ -38,7 +40,9 @@ JUMP_M = 1.5
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LoggedEpisode:
-    """One episode of the reference cycle by cycle, T rows: the reset and the state after each cycle but the last."""
+    """One episode of the reference cycle by cycle, T rows: the reset and the state after each cycle but the
+    last.
+    """
 
     ball: Floats
     """x, y, vx, vy, shape (T, 4)."""
@@ -71,7 +75,8 @@ class Rollout:
     expected: float
     """As many in ours."""
     standard_errors: float
-    """The difference in its standard errors, episodes being independent; 0 where all copies did as was logged."""
+    """The difference in its standard errors, episodes being independent; 0 where all copies did as was
+    logged."""
 
 
 def holder(ball: Floats, players: Floats, n_keepers: int) -> int:
@@ -119,8 +124,8 @@ def follow(
 ) -> Iterator[tuple[int, int, Match, Callable[[], bool]]]:
     """Put a match of ours into every logged state but the last of each episode, in order.
 
-    From each it plays one cycle before it gets the next, so that its players remember what they meant to do, and
-    `match.commands` are those of the row before.
+    From each it plays one cycle before it gets the next, so that its players remember what they meant to do,
+    and `match.commands` are those of the row before.
 
     Args:
         setting: a fixed policy with exact state, the one that was logged.
@@ -186,7 +191,9 @@ def roll_out(
 
 
 def _shares(match: Match, horizons: tuple[int, ...], copies: int, play: Callable[[], bool]) -> Floats:
-    """Return the share of copies of the present state in which each has the ball, shape (horizons, holders)."""
+    """Return the share of copies of the present state in which each has the ball, shape (horizons,
+    holders).
+    """
     saved = [part.copy() for part in match]
     shares = np.zeros((len(horizons), len(HOLDERS)))
     for _ in range(copies):

@@ -67,7 +67,9 @@ def fine_rows(data: Path, note: Note) -> list[Row]:
 
 
 def rollout_rows(found: list[Rollout]) -> list[Row]:
-    """Return the rows under ROLLOUT_HEAD: logged starts and, in brackets, ours with the difference in standard errors."""
+    """Return the rows under ROLLOUT_HEAD: logged starts and, in brackets, ours with the difference in
+    standard errors.
+    """
     cells = {(each.start, each.cycles, each.holder): each for each in found}
     n = {each.start: each.n for each in found}
     rows: list[Row] = []

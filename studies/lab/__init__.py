@@ -1,1 +1,3 @@
-"""A study with participants, from one file: its timeline, its conditions, who got which order, and where each one is."""
+"""A study with participants, from one file: its timeline, its conditions, who got which order, and where each
+one is.
+"""

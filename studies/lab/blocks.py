@@ -1,7 +1,7 @@
 """What has been recorded of a block so far: found in the participant's folder by what the headers say.
 
-A sitting that was killed has left no line about its last recording. Each recording's header says which step of which
-study it belongs to, so nothing that was recorded is overlooked.
+A sitting that was killed has left no line about its last recording. Each recording's header says which step
+of which study it belongs to, so nothing that was recorded is overlooked.
 """
 
 from collections.abc import Iterator
@@ -38,7 +38,8 @@ class BlockSoFar:
 
 
 def sessions_in(folder: Path, damaged: list[str] | None = None) -> Iterator[BlockSoFar]:
-    """Yield the sessions in a participant's folder; a recording that another one goes on with is part of that one.
+    """Yield the sessions in a participant's folder; a recording that another one goes on with is part of that
+    one.
 
     Args:
         folder: of the participant.

@@ -1,4 +1,6 @@
-"""What a study will ask of participants before the first one comes: minutes, presses, orders, and what is missing."""
+"""What a study will ask of participants before the first one comes: minutes, presses, orders, and what is
+missing.
+"""
 
 import re
 import tempfile
@@ -146,11 +148,15 @@ def _missing(loaded: LoadedStudy) -> Iterator[str]:
             own = [name for name in names if loaded.protocols[name].delay_of not in ("rule", "paper")]
             if own and (calibrated is None or calibrated > where):
                 yield (
-                    f"step {where[1] + 1} of sitting {where[0] + 1} credits presses by the participant's own delay "
+                    f"step {where[1] + 1} of sitting {where[0] + 1} credits presses by the participant's own "
+                    f"delay "
                     f"({', '.join(own)}), and no calibration comes before it: add a step of type calibration"
                 )
     if not any(isinstance(step, Debriefing) for _, step in kinds):
         yield "no step of type debriefing: participants never learn what the study is about"
     cycle = orders_per_cycle(loaded.study)
     if loaded.study.participants % cycle:
-        yield f"{loaded.study.participants} participants cannot be balanced over {cycle} orders: plan a multiple of {cycle}"
+        yield (
+            f"{loaded.study.participants} participants cannot be balanced over {cycle} orders: plan a "
+            f"multiple of {cycle}"
+        )

@@ -31,7 +31,7 @@ class Table(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     """Base of all tables of a study file: an unknown key is refused."""
 
 
-# --- steps ------------------------------------------------------------------------------------------------------
+# --- steps --------------------------------------------------------------------------------------------------
 
 
 class Consent(Table, frozen=True, kw_only=True, tag="consent"):
@@ -69,7 +69,8 @@ class Calibration(Table, frozen=True, kw_only=True, tag="calibration"):
     """Measures how long the participant takes to react and to judge (`arl calibrate`)."""
 
     tasks: tuple[str, ...] = ("feedback-lag",)
-    """Tasks of `arl calibrate`: simple, choice, go-no-go, memory-search, visual-search, recognition, feedback-lag."""
+    """Tasks of `arl calibrate`: simple, choice, go-no-go, memory-search, visual-search, recognition,
+    feedback-lag."""
     trials: Annotated[int, Meta(ge=1, le=1000)] = 40
     """Scored trials per task."""
     practice: Annotated[int, Meta(ge=0, le=100)] = 8
@@ -132,7 +133,7 @@ def kind_of(step: Step) -> str:
     return str(step.__struct_config__.tag)
 
 
-# --- sittings and assignment --------------------------------------------------------------------------------------
+# --- sittings and assignment --------------------------------------------------------------------------------
 
 
 class Sitting(Table, frozen=True, kw_only=True):
@@ -158,14 +159,16 @@ class Sitting(Table, frozen=True, kw_only=True):
 class LatinSquare(Table, frozen=True, kw_only=True, tag="latin-square"):
     """Every participant meets all conditions, in an order of a balanced Latin square (Williams 1949).
 
-    Each condition comes at each position equally often, and follows each other condition equally often. n conditions
-    need n orders where n is even, else 2 n. Where the timeline has n, 2 n, 3 n ... blocks, a participant goes through the
-    conditions so often, each time in the next order of the square.
+    Each condition comes at each position equally often, and follows each other condition equally often. n
+    conditions need n orders where n is even, else 2 n. Where the timeline has n, 2 n, 3 n ... blocks, a
+    participant goes through the conditions so often, each time in the next order of the square.
     """
 
 
 class PermutedBlocks(Table, frozen=True, kw_only=True, tag="permuted-blocks"):
-    """Every participant meets one condition, in all blocks; in each group of participants every condition comes equally often."""
+    """Every participant meets one condition, in all blocks; in each group of participants every condition
+    comes equally often.
+    """
 
     each: Annotated[int, Meta(ge=1, le=100)] = 1
     """How often each condition comes in one group of participants."""
@@ -200,8 +203,8 @@ class Resuming(Table, frozen=True, kw_only=True):
     """What happens to a sitting that broke off."""
 
     rule: Literal["resume", "restart", "refuse"] = "resume"
-    """resume: go on after the last finished game. restart: the sitting begins anew; what was recorded is kept. refuse:
-    the experimenter decides.
+    """resume: go on after the last finished game. restart: the sitting begins anew; what was recorded is
+    kept. refuse: the experimenter decides.
     """
     within_hours: Hours = 4.0
     """An older sitting is never resumed; it is refused, and the experimenter decides."""
@@ -281,7 +284,8 @@ class Study(Table, frozen=True, kw_only=True):
                 and step.condition not in self.conditions
             ):
                 raise ValueError(
-                    f"step {place + 1} of sitting {sitting + 1}: the condition {step.condition!r} is not among "
+                    f"step {place + 1} of sitting {sitting + 1}: the condition {step.condition!r} is not "
+                    f"among "
                     f"{known}; write one of them, or {ASSIGNED!r}"
                 )
         for order in self.assignment.orders if isinstance(self.assignment, Listed) else ():
@@ -310,6 +314,7 @@ class Study(Table, frozen=True, kw_only=True):
             wanted, fits = " or ".join(map(str, sorted(lengths))), lengths <= {1, blocks}
         if blocks == 0 or not fits:
             raise ValueError(
-                f"the timeline has {blocks} blocks with an assigned condition; this assignment needs {wanted} "
+                f"the timeline has {blocks} blocks with an assigned condition; this assignment needs "
+                f"{wanted} "
                 "(an order of one condition serves any number of blocks)"
             )

@@ -1,4 +1,6 @@
-"""Who gets which place, code and order: decided while the ledger is locked, so that no two participants share one."""
+"""Who gets which place, code and order: decided while the ledger is locked, so that no two participants share
+one.
+"""
 
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
@@ -166,12 +168,15 @@ def _check_interval(study: Study, person: Participant, number: int, now: datetim
     earliest = ended + timedelta(hours=sitting.after_hours)
     if now < earliest:
         raise NotNow(
-            f"{person.code}: the sitting {sitting.name!r} may begin {_when(earliest)}, {sitting.after_hours:g} h after the one before"
+            f"{person.code}: the sitting {sitting.name!r} may begin {_when(earliest)}, "
+            f"{sitting.after_hours:g} h after the one before"
         )
     if sitting.within_hours is not None and now > ended + timedelta(hours=sitting.within_hours):
         raise NotNow(
-            f"{person.code} comes too late: the sitting {sitting.name!r} had to begin within {sitting.within_hours:g} h, by "
-            f"{_when(ended + timedelta(hours=sitting.within_hours))}. `arl study drop {person.code}` gives the place to another participant"
+            f"{person.code} comes too late: the sitting {sitting.name!r} had to begin within "
+            f"{sitting.within_hours:g} h, by "
+            f"{_when(ended + timedelta(hours=sitting.within_hours))}. `arl study drop {person.code}` gives "
+            f"the place to another participant"
         )
 
 
@@ -184,7 +189,8 @@ def _again(study: Study, person: Participant, number: int, before: SittingProgre
         raise NotNow(f'{begun}; [resuming] rule = "refuse" leaves it to you')
     if age > timedelta(hours=rule.within_hours):
         raise NotNow(
-            f"{begun} {age.total_seconds() / 3600:.1f} h ago; [resuming] within_hours allows {rule.within_hours:g} h. "
+            f"{begun} {age.total_seconds() / 3600:.1f} h ago; [resuming] within_hours allows "
+            f"{rule.within_hours:g} h. "
             f"`arl study drop {person.code}` gives the place to another participant"
         )
     anew = rule.rule == "restart"

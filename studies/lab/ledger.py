@@ -1,7 +1,7 @@
 """The ledger of a study: an append-only file that says who has which place, and how far each participant is.
 
-Several computers may share it in one folder. Whoever appends holds a lock on the file, reads what others have written
-meanwhile, and forces the line to the disk. Every line is sealed like those of a recording.
+Several computers may share it in one folder. Whoever appends holds a lock on the file, reads what others have
+written meanwhile, and forces the line to the disk. Every line is sealed like those of a recording.
 
 A place and a code are claimed by creating a file that must not exist yet. So they stay unique on file
 systems whose locks do not work.
@@ -26,7 +26,10 @@ if sys.platform != "win32":
 
 FORMAT: Literal["arl-study-ledger"] = "arl-study-ledger"
 VERSION = 1
-ADVICE = "Nobody but `arl study` may write this file. Take the newest copy from a backup; recordings are not affected"
+ADVICE = (
+    "Nobody but `arl study` may write this file. Take the newest copy from a backup; recordings are not "
+    "affected"
+)
 
 
 class LedgerError(SealedFileError):
@@ -125,8 +128,8 @@ _decoder: msgspec.json.Decoder[Line] = msgspec.json.Decoder(Line)
 def read_ledger(path: Path) -> tuple[Line, ...]:
     """Return the lines of a ledger, checked.
 
-    A last line that was cut off in the middle is left out: whoever wrote it was killed, and the next one to append
-    removes it.
+    A last line that was cut off in the middle is left out: whoever wrote it was killed, and the next one to
+    append removes it.
 
     Raises:
         LedgerError: the file is not a ledger, or a line was changed.
@@ -171,7 +174,8 @@ class Ledger:
             assert isinstance(first, Opened), "checked while reading"
             if (first.study, first.seed) != (study, seed):
                 raise LedgerError(
-                    f"{self.path} belongs to the study {first.study!r} with seed {first.seed}, not to {study!r} with seed {seed}. "
+                    f"{self.path} belongs to the study {first.study!r} with seed {first.seed}, not to "
+                    f"{study!r} with seed {seed}. "
                     "A running study keeps its name and its seed: change them back, or use another folder"
                 )
 

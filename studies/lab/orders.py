@@ -1,4 +1,6 @@
-"""Orders of conditions: which order belongs to which place in a study. They follow from the study's seed alone."""
+"""Orders of conditions: which order belongs to which place in a study. They follow from the study's seed
+alone.
+"""
 
 from typing import assert_never
 
@@ -18,8 +20,8 @@ def williams_square(n: int) -> tuple[tuple[int, ...], ...]:
         n: number of conditions, >= 1.
 
     Returns:
-        Rows of the numbers 0 to n - 1: n rows where n is even (or 1), else 2 n. In every column each number comes equally often;
-        each ordered pair of different numbers stands side by side equally often.
+        Rows of the numbers 0 to n - 1: n rows where n is even (or 1), else 2 n. In every column each number
+        comes equally often; each ordered pair of different numbers stands side by side equally often.
 
     Raises:
         ValueError: n < 1.

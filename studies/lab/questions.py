@@ -144,7 +144,8 @@ def read_questions(name: str, folder: Path) -> QuestionList:
         return _read(folder / name)
     except FileNotFoundError as error:
         raise QuestionsError(
-            f"{folder / name}: there is no such file; name a TOML file beside the study file, or one of {', '.join(READY)}"
+            f"{folder / name}: there is no such file; name a TOML file beside the study file, or one of "
+            f"{', '.join(READY)}"
         ) from error
     except OSError as error:
         raise QuestionsError(f"{folder / name}: {error}") from error
@@ -200,8 +201,8 @@ def passed(question: Question, answer: Answer) -> bool | None:
 def total(questions: QuestionList, answers: dict[str, Answer]) -> float | None:
     """Return the questionnaire's total; None where it has none, or an answer is missing.
 
-    SUS: 0 to 100 (Brooke 1996): odd statements count answer - 1, even ones 5 - answer, times 2.5. Raw NASA-TLX: the
-    mean of the six scales, 0 to 100 (Hart 2006).
+    SUS: 0 to 100 (Brooke 1996): odd statements count answer - 1, even ones 5 - answer, times 2.5. Raw
+    NASA-TLX: the mean of the six scales, 0 to 100 (Hart 2006).
     """
     values = [answers.get(question.id) for question in questions.questions]
     numbers = [float(value) for value in values if isinstance(value, int | float)]

@@ -42,7 +42,9 @@ class LoadedStudy:
     """By condition."""
 
     def block_protocol(self, condition: str, step: Block) -> Protocol:
-        """Return the protocol of a block. Its name is the study's, so that it says nothing about the condition."""
+        """Return the protocol of a block. Its name is the study's, so that it says nothing about the
+        condition.
+        """
         protocol = self.protocols[condition]
         session = protocol.session
         if step.games is not None:
@@ -50,7 +52,9 @@ class LoadedStudy:
         return msgspec.structs.replace(protocol, name=self.study.name, session=session)
 
     def practice_protocol(self, step: Practice) -> Protocol:
-        """Return the protocol of a practice: slow, nothing unseen, no wrong presses; it says nothing about a condition."""
+        """Return the protocol of a practice: slow, nothing unseen, no wrong presses; it says nothing about a
+        condition.
+        """
         protocol = next(iter(self.protocols.values()))
         session, screen = protocol.session, protocol.screen
         session = msgspec.structs.replace(session, episodes=step.games, unseen_before=0, unseen_between=0)
@@ -70,7 +74,9 @@ class LoadedStudy:
         )
 
     def simulated_protocol(self, condition: str, step: Block) -> Protocol:
-        """Return the protocol of a block for a simulated participant, whose own delay is known without a calibration."""
+        """Return the protocol of a block for a simulated participant, whose own delay is known without a
+        calibration.
+        """
         protocol = self.block_protocol(condition, step)
         if protocol.delay_of == "rule":
             return protocol
@@ -132,7 +138,8 @@ def _texts(study: Study, folder: Path, trouble: list[str]) -> dict[str, str]:
                 texts[step.text] = (folder / step.text).read_text(encoding="utf-8-sig")
             except (OSError, ValueError) as error:
                 trouble.append(
-                    f"{folder / step.text}: needed by step {place + 1} of sitting {sitting + 1}: {_reason(error)}"
+                    f"{folder / step.text}: needed by step {place + 1} of sitting {sitting + 1}: "
+                    f"{_reason(error)}"
                 )
     return texts
 

@@ -33,7 +33,8 @@ def only_sitting(folder: Path, code: str) -> Iterator[None]:
                 fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except OSError as error:
                 raise NotNow(
-                    f"a sitting of {code} is running already, in another window or on another computer: end it there first"
+                    f"a sitting of {code} is running already, in another window or on another computer: end "
+                    f"it there first"
                 ) from error
         yield
     finally:

@@ -1,4 +1,6 @@
-"""Files of JSON lines that are sealed like recordings: each line ends with the running hash over all lines so far."""
+"""Files of JSON lines that are sealed like recordings: each line ends with the running hash over all lines so
+far.
+"""
 
 import os
 from pathlib import Path

@@ -32,7 +32,8 @@ from studies.lab.folder import participant_folder
 from studies.lab.progress import Participant, Progress
 
 SILENT_S = 10.0
-"""A session that has written nothing for so long is pointed out: a frame is written several times per second."""
+"""A session that has written nothing for so long is pointed out: a frame is written several times per
+second."""
 NO_PRESS_S = 120.0
 """So long without a press that counts is pointed out."""
 SLOW_MS = 100.0

@@ -1,8 +1,10 @@
-"""Parametric bootstrap of a gamma delay: draw samples from the fit, fit each again, see how the results scatter.
+"""Parametric bootstrap of a gamma delay: draw samples from the fit, fit each again, see how the results
+scatter.
 
-Two uses. Percentiles of the refitted quantities are intervals by themselves: right for mean, median, sd and 95 %
-point, too narrow for shape, scale and offset of the shifted gamma. For those the refits give the critical value of
-the likelihood ratio that the profile intervals then use instead of chi-squared (measured in docs/trusting-a-fit.md).
+Two uses. Percentiles of the refitted quantities are intervals by themselves: right for mean, median, sd and
+95 % point, too narrow for shape, scale and offset of the shifted gamma. For those the refits give the
+critical value of the likelihood ratio that the profile intervals then use instead of chi-squared (measured in
+docs/trusting-a-fit.md).
 """
 
 from collections.abc import Iterable
@@ -42,8 +44,8 @@ def resample(fit: FamilyFit, sample: Sample, n_resamples: int, *, rng: np.random
     """Draw `n_resamples` samples of as many trials from a gamma or shifted gamma fit, and fit each.
 
     Where trials were timed out, simulated trials are too: all at the same limit if all waited equally long,
-    otherwise each at the limit of its own trial. A simulated sample that nobody would fit (fewer than `MIN_RESPONSES`
-    responses, or all alike) is drawn again.
+    otherwise each at the limit of its own trial. A simulated sample that nobody would fit (fewer than
+    `MIN_RESPONSES` responses, or all alike) is drawn again.
 
     Raises:
         FitError: where so many trials are timed out that hardly any simulated sample keeps enough responses.
@@ -62,7 +64,8 @@ def resample(fit: FamilyFit, sample: Sample, n_resamples: int, *, rng: np.random
             break
     else:
         raise FitError(
-            f"too few trials without a time-out ({sample.observed_s.size} of {sample.n}): the fit cannot be simulated; "
+            f"too few trials without a time-out ({sample.observed_s.size} of {sample.n}): the fit cannot be "
+            f"simulated; "
             "lengthen the time-out or run more trials"
         )
     found = np.empty((n_resamples, 3))

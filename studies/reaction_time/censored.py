@@ -1,7 +1,7 @@
 """Maximum likelihood with time-outs: a trial that waited c seconds without a response adds log P(time > c).
 
-No closed forms remain, so two parameters are climbed at each offset and the offset is profiled as in `kernels`.
-Agrees with `scipy.stats.CensoredData` likelihoods (tested), which is exact for right-censoring.
+No closed forms remain, so two parameters are climbed at each offset and the offset is profiled as in
+`kernels`. Agrees with `scipy.stats.CensoredData` likelihoods (tested), which is exact for right-censoring.
 """
 
 from __future__ import annotations

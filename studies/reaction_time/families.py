@@ -1,8 +1,8 @@
 """Densities of reaction times: their likelihoods and maximum-likelihood fits.
 
 Every fit looks for the highest point of the likelihood over a stated region, not for the nearest stop of an
-optimiser: `scipy.stats.gamma.fit` with a free offset ends thousands of log-units too low on real data. The offset
-of a shifted family stays in 0 <= offset < fastest response; see `kernels` for the bounds that keep the
+optimiser: `scipy.stats.gamma.fit` with a free offset ends thousands of log-units too low on real data. The
+offset of a shifted family stays in 0 <= offset < fastest response; see `kernels` for the bounds that keep the
 likelihood finite.
 """
 
@@ -30,7 +30,8 @@ class FamilyFit(msgspec.Struct, frozen=True, kw_only=True):
 
     family: str
     parameters: dict[str, float]
-    """By name; names ending in `_s` are seconds, `mu` of the log-normal is log-seconds, others have no unit."""
+    """By name; names ending in `_s` are seconds, `mu` of the log-normal is log-seconds, others have no
+    unit."""
     log_likelihood: float
     """Natural log, densities per second; time-outs count with their probability."""
     n_observed: int
@@ -197,7 +198,9 @@ def _at_bound(family: Family, values: Floats, low: float) -> tuple[str, ...]:
 
 
 def _fit_ex_gaussian(x: Floats) -> tuple[Floats, float]:
-    """Climb from several shares of the variance in tau; keep the highest top. Unknowns: mu / sd, logs of widths."""
+    """Climb from several shares of the variance in tau; keep the highest top. Unknowns: mu / sd, logs of
+    widths.
+    """
     mean, sd = float(x.mean()), float(x.std())
     low = [-math.inf, math.log(SMALLEST_WIDTH_S), math.log(SMALLEST_WIDTH_S)]
     high = [math.inf, *2 * [math.log(10.0 * float(x[-1] - x[0]) + 1.0)]]

@@ -16,7 +16,8 @@ class Family:
     bound: float
     """Lower bound of a gamma or Weibull shape, upper bound of the log-normal sigma; 0 for none."""
     freeze: Callable[[Sequence[Any]], Any]
-    """Return scipy's frozen distribution(s) for the parameters in order: numbers, or arrays that broadcast."""
+    """Return scipy's frozen distribution(s) for the parameters in order: numbers, or arrays that
+    broadcast."""
 
     @property
     def shifted(self) -> bool:

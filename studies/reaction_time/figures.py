@@ -1,4 +1,6 @@
-"""Figures of reaction-time fits: histogram with densities, Q-Q, and the paper's Fig. 4. Matplotlib loads on use."""
+"""Figures of reaction-time fits: histogram with densities, Q-Q, and the paper's Fig. 4. Matplotlib loads on
+use.
+"""
 
 from __future__ import annotations
 
@@ -101,7 +103,8 @@ def _best_and_gammas(fits: Sequence[FamilyFit]) -> list[FamilyFit]:
 
 def _draw_densities(axes: Axes, sample: Sample, fits: Sequence[FamilyFit]) -> None:
     x = sample.observed_s
-    # Heights are shares of all trials, so that time-outs leave the densities above the bars where they belong.
+    # Heights are shares of all trials, so that time-outs leave the densities above the bars where they
+    # belong.
     edges = np.histogram_bin_edges(x, bins="fd" if x.size >= 30 else 8)
     counts, edges = np.histogram(x, bins=edges)
     heights = counts / (sample.n * np.diff(edges))

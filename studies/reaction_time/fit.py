@@ -31,7 +31,8 @@ class FitSettings(msgspec.Struct, frozen=True, kw_only=True):
     families: tuple[str, ...] = tuple(FAMILIES)
     level: float = 0.95
     n_resamples: int = 200
-    """Parametric-bootstrap samples per gamma family; 0 leaves the bootstrap out (plain chi-squared profiles)."""
+    """Parametric-bootstrap samples per gamma family; 0 leaves the bootstrap out (plain chi-squared
+    profiles)."""
     n_goodness: int = 0
     """Resamples of the goodness-of-fit test per gamma family; 0 leaves it out."""
     root_seed: int = 0

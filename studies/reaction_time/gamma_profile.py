@@ -1,8 +1,9 @@
 """Compiled profile likelihood of the gamma and shifted gamma, with or without time-outs.
 
-The profile of a quantity g at a value v is the highest log-likelihood among all parameters with g = v. For each
-offset the constraint leaves one unknown (or none), which has a closed equation or is found by golden section; the
-offset is searched as in `kernels`. Fitting with time-outs is the same search without a constraint.
+The profile of a quantity g at a value v is the highest log-likelihood among all parameters with g = v. For
+each offset the constraint leaves one unknown (or none), which has a closed equation or is found by golden
+section; the offset is searched as in `kernels`. Fitting with time-outs is the same search without a
+constraint.
 """
 
 import math
@@ -30,7 +31,9 @@ GRID_STEPS = 40
 def _value(
     n: int, mean: float, s: float, waits: NDArray[np.float64], offset: float, k: float, scale: float
 ) -> float:
-    """Log-likelihood from the sufficient statistics of x - offset, plus log survival: waits[j] is (length, how many)."""
+    """Log-likelihood from the sufficient statistics of x - offset, plus log survival: waits[j] is (length,
+    how many).
+    """
     total = n * ((k - 1.0) * (math.log(mean) - s) - mean / scale - k * math.log(scale) - math.lgamma(k))
     for j in range(waits.shape[0]):
         total += waits[j, 1] * log_gamma_survival(k, (waits[j, 0] - offset) / scale)
@@ -39,7 +42,9 @@ def _value(
 
 @kernel
 def _scale_for(which: int, value: float, offset: float, log_k: float, table: NDArray[np.float64]) -> float:
-    """Scale at which the constrained quantity equals `value`, given shape and offset; <= 0 where none does."""
+    """Scale at which the constrained quantity equals `value`, given shape and offset; <= 0 where none
+    does.
+    """
     if which == MEAN:
         return (value - offset) / math.exp(log_k)
     if which == SD:
@@ -120,8 +125,8 @@ def _golden_along(
 ) -> tuple[float, float]:
     """Return (t, log-likelihood) at the top of `_along` between low and high, ends included.
 
-    Along a constant sd there may be more tops than one, and plateaus of -inf; a narrow top may look low on a coarse
-    grid (times that differ little). So every grid point that no neighbour exceeds is looked around.
+    Along a constant sd there may be more tops than one, and plateaus of -inf; a narrow top may look low on a
+    coarse grid (times that differ little). So every grid point that no neighbour exceeds is looked around.
     """
     step = (high - low) / GRID_STEPS
     before, here = -math.inf, _along(low, which, value, n, mean, s, waits, offset, table)
@@ -154,7 +159,8 @@ def _free(
 ) -> float:
     """Best shape >= shape_min and scale above an offset, filled into out[0:2]; return the log-likelihood.
 
-    Without waits in closed form; with waits by Newton steps in (log shape, log scale), halved until they climb.
+    Without waits in closed form; with waits by Newton steps in (log shape, log scale), halved until they
+    climb.
     """
     k = max(gamma_shape(s), shape_min)
     if waits.size == 0:
@@ -256,7 +262,8 @@ def profile(
 ) -> float:
     """Highest log-likelihood with the quantity `which` equal to `value`; fill out = (shape, scale, offset).
 
-    `waits`, shape (m, 2): length and number of equal waits. Waits shorter than an offset tell nothing and must be left out by the caller only where shorter than min(x).
+    `waits`, shape (m, 2): length and number of equal waits. Waits shorter than an offset tell nothing and
+    must be left out by the caller only where shorter than min(x).
     """
     low = x.min()
     if which == OFFSET:

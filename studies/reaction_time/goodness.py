@@ -1,7 +1,7 @@
 """Goodness of fit with estimated parameters: the p-value knows that the parameters came from the same data.
 
-`scipy.stats.goodness_of_fit` draws samples from the fit and fits each again. It would call scipy's own `fit`, which
-is unsafe with a free offset, so it is handed distributions whose `fit` is the one of `families`.
+`scipy.stats.goodness_of_fit` draws samples from the fit and fits each again. It would call scipy's own `fit`,
+which is unsafe with a free offset, so it is handed distributions whose `fit` is the one of `families`.
 """
 
 from functools import cache
@@ -47,7 +47,8 @@ def goodness_of_fit(
     """
     if sample.censored_s.size:
         raise FitError(
-            f"goodness of fit is not defined with {sample.censored_s.size} timed-out trials: compare AIC, look at the Q-Q"
+            f"goodness of fit is not defined with {sample.censored_s.size} timed-out trials: compare AIC, "
+            f"look at the Q-Q"
         )
     found = stats.goodness_of_fit(
         _safe_distribution(fit.family),
@@ -67,8 +68,8 @@ def goodness_of_fit(
 def q_q(sample: Sample, fit: FamilyFit) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return (fitted quantiles, observed times) in seconds, both shape (n,), increasing.
 
-    Plotting positions are (i - 0.5) / n of all trials; time-outs, being longer than what was seen, come last and
-    have no point.
+    Plotting positions are (i - 0.5) / n of all trials; time-outs, being longer than what was seen, come last
+    and have no point.
     """
     positions = (np.arange(sample.observed_s.size) + 0.5) / sample.n
     return np.asarray(distribution(fit).ppf(positions)), sample.observed_s

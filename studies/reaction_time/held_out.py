@@ -1,7 +1,8 @@
 """Does pooling help? Fit a few trials of each person, then ask how well the fit foretells the others.
 
-Two proper scores on trials the fit has not seen, both per trial: the log density (infinitely bad where a response
-comes before a fitted offset) and the mean pinball loss over 19 quantiles (half the CRPS, in milliseconds).
+Two proper scores on trials the fit has not seen, both per trial: the log density (infinitely bad where a
+response comes before a fitted offset) and the mean pinball loss over 19 quantiles (half the CRPS, in
+milliseconds).
 """
 
 from collections.abc import Mapping
@@ -93,7 +94,10 @@ def compare_held_out(
 def markdown_table(scores: tuple[HeldOutScore, ...]) -> str:
     """Return the scores as a table in Markdown."""
     lines = [
-        "| method | log density per trial | people with an impossible trial | pinball loss, ms | gain over alone, ms (se) | people better off |",
+        (
+            "| method | log density per trial | people with an impossible trial | pinball loss, ms | gain over "  # noqa: E501
+            "alone, ms (se) | people better off |"
+        ),
         "|---|---|---|---|---|---|",
     ]
     for s in scores:

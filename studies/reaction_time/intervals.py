@@ -1,7 +1,7 @@
 """How sure a gamma delay is: profile-likelihood intervals of its parameters and of what they mean.
 
-Shape and scale of a gamma trade off against each other, and both against the offset; the mean and the quantiles are
-known far better. Reports therefore lead with mean, mode, sd, 5 %, 50 % and 95 %.
+Shape and scale of a gamma trade off against each other, and both against the offset; the mean and the
+quantiles are known far better. Reports therefore lead with mean, mode, sd, 5 %, 50 % and 95 %.
 """
 
 import math
@@ -90,7 +90,8 @@ def profile_interval(
         fit: the maximum-likelihood fit of a gamma or shifted gamma to them.
         quantity: one of `QUANTITIES` except the mode (which has no smooth profile where the shape is 1).
         level: nominal coverage, in (0, 1).
-        cut: critical value of the likelihood ratio; chi2(level, 1) unless given (see `bootstrap.critical_values`).
+        cut: critical value of the likelihood ratio; chi2(level, 1) unless given (see
+            `bootstrap.critical_values`).
 
     Raises:
         FitError: where the likelihood at the fit itself is not found again.
@@ -106,7 +107,8 @@ def profile_interval(
 
     if not excess(centre) >= 0.0:
         raise FitError(
-            f"the likelihood of these {sample.n} trials has no interval of {quantity} around {centre:.4g}: numerical trouble"
+            f"the likelihood of these {sample.n} trials has no interval of {quantity} around {centre:.4g}: "
+            f"numerical trouble"
         )
     if quantity == "offset_s":
         return _offset_interval(sample, family, centre, excess, level)
@@ -126,7 +128,9 @@ def profile_intervals(
 
 
 def _fall(excess: Callable[[float], float], centre: float, factor: float, limit: float) -> tuple[float, bool]:
-    """Return where `excess` crosses zero going from `centre` towards `limit`; the limit itself if it does not."""
+    """Return where `excess` crosses zero going from `centre` towards `limit`; the limit itself if it does
+    not.
+    """
     inside = centre
     if (centre >= limit) if factor > 1.0 else (centre <= limit):
         return centre, True

@@ -213,7 +213,8 @@ def fit_shifted(x: NDArray[np.float64], family: int, bound: float, out: NDArray[
 def ex_gaussian(x: NDArray[np.float64], mu: float, sigma: float, tau: float) -> float:
     """Log-likelihood of the ex-Gaussian: a normal(mu, sigma) time plus an exponential one of mean tau.
 
-    f(x) = exp(sigma^2 / (2 tau^2) - (x - mu) / tau) erfc(a) / (2 tau), a = (sigma / tau - (x - mu) / sigma) / sqrt 2.
+    f(x) = exp(sigma^2 / (2 tau^2) - (x - mu) / tau) erfc(a) / (2 tau), a = (sigma / tau - (x - mu) / sigma) /
+    sqrt 2.
     """
     total = 0.0
     for value in x:

@@ -1,9 +1,10 @@
 """Few trials: let the participants inform each other (empirical Bayes).
 
-Log mean and log shape (and, for the shifted gamma, the log of the offset's odds below the group's fastest response)
-are taken as normal over people. The group's means and covariance are estimated from all participants together by
-expectation-maximisation with a normal approximation of each person's likelihood at its top (Laplace); a participant's
-pooled estimate is then the top of likelihood times that normal: nobody is pulled far whose own data say much.
+Log mean and log shape (and, for the shifted gamma, the log of the offset's odds below the group's fastest
+response) are taken as normal over people. The group's means and covariance are estimated from all
+participants together by expectation-maximisation with a normal approximation of each person's likelihood at
+its top (Laplace); a participant's pooled estimate is then the top of likelihood times that normal: nobody is
+pulled far whose own data say much.
 """
 
 import math
@@ -33,7 +34,8 @@ class Group(msgspec.Struct, frozen=True, kw_only=True):
     offset_limit_s: float
     """Upper end of offsets: the fastest response of all participants; 0 for the two-parameter gamma."""
     mean: tuple[float, ...]
-    """Means over people of log(mean - offset), log shape and, if shifted, log odds of offset / offset_limit_s."""
+    """Means over people of log(mean - offset), log shape and, if shifted, log odds of offset /
+    offset_limit_s."""
     covariance: tuple[tuple[float, ...], ...]
     n_people: int
     n_iterations: int
@@ -46,7 +48,8 @@ class PooledDelay(msgspec.Struct, frozen=True, kw_only=True):
     scale_s: float
     offset_s: float
     own_share: float
-    """How much of the log mean comes from the participant's own data: 1 - posterior variance / group variance."""
+    """How much of the log mean comes from the participant's own data: 1 - posterior variance / group
+    variance."""
 
     def gamma_delay(self) -> GammaDelay:
         """Return the density that credit assignment takes."""

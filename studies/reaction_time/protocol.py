@@ -1,7 +1,7 @@
 """What a reaction-time session consists of, and what is recorded: plain data, no screen, no clock.
 
-Seven tasks share one schedule: blocks of trials, each a foreperiod, a stimulus and the keys that answer it. All
-fields are written to the recording; a schedule is made from configuration and seed alone (`schedule.py`).
+Seven tasks share one schedule: blocks of trials, each a foreperiod, a stimulus and the keys that answer it.
+All fields are written to the recording; a schedule is made from configuration and seed alone (`schedule.py`).
 """
 
 from typing import Literal
@@ -13,7 +13,8 @@ Task = Literal[
 ]
 Status = Literal["ok", "anticipation", "time-out", "wrong key", "repeat"]
 RESPONSE_KEYS = ("f", "j", "space")
-"""Keys a task may ask for. Escape, arrows, digits and modifiers occur in terminals' own replies or come late."""
+"""Keys a task may ask for. Escape, arrows, digits and modifiers occur in terminals' own replies or come
+late."""
 YES, NO = "j", "f"
 """Present, old, good; absent, new, bad. The right hand says yes."""
 
@@ -35,7 +36,8 @@ class Foreperiod(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     def __post_init__(self) -> None:
         if not 0.0 < self.least_s < self.most_s or not self.mean_extra_s > 0.0:
             raise ValueError(
-                f"foreperiod: need 0 < least_s < most_s and mean_extra_s > 0, got {self.least_s}, {self.most_s} "
+                f"foreperiod: need 0 < least_s < most_s and mean_extra_s > 0, got {self.least_s}, "
+                f"{self.most_s} "
                 f"and {self.mean_extra_s} s"
             )
 
@@ -52,7 +54,8 @@ class TaskConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     """A break is offered after each block."""
     foreperiod: Foreperiod = Foreperiod()
     catch_rate: float = 0.1
-    """Share of trials without a stimulus: whoever presses there does not react but guesses. Not in go/no-go."""
+    """Share of trials without a stimulus: whoever presses there does not react but guesses. Not in
+    go/no-go."""
     time_out_s: float = 2.0
     """Longest wait for a response, seconds; the trial is then right-censored."""
     least_rt_s: float = 0.1
@@ -68,8 +71,8 @@ class TaskConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     game: Literal["tetris", "keepaway"] = "tetris"
     """Game watched in the feedback-lag task."""
     picture_ms: float | None = None
-    """How long a picture of the watched game is on screen, milliseconds: a tick of Tetris, a cycle of Keepaway.
-    None: the default session's pace (in files written before this was a setting: 150 and 100)."""
+    """How long a picture of the watched game is on screen, milliseconds: a tick of Tetris, a cycle of
+    Keepaway. None: the default session's pace (in files written before this was a setting: 150 and 100)."""
 
     def __post_init__(self) -> None:
         problems = [
@@ -94,7 +97,8 @@ class TrialPlan(msgspec.Struct, frozen=True, kw_only=True):
     """Position in the session, from 0."""
     foreperiod_s: float
     stimulus: str
-    """What is shown (lines joined by newlines), or the event waited for in the feedback-lag task; "" in a catch."""
+    """What is shown (lines joined by newlines), or the event waited for in the feedback-lag task; "" in a
+    catch."""
     condition: str
     """What the trial tests, e.g. "go", "absent, set size 4"."""
     expected_keys: tuple[str, ...]

@@ -1,4 +1,6 @@
-"""The result of a reaction-time study as files: JSON for machines, one self-contained page for people, figures."""
+"""The result of a reaction-time study as files: JSON for machines, one self-contained page for people,
+figures.
+"""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -17,7 +19,8 @@ from studies.reaction_time.sample import Sample
 MOST_FIGURES = 12
 """Participants with a figure of their own on the page; all have one as PNG and SVG."""
 NOT_AN_EVALUATION = (
-    "A simple reaction (about 0.3 s) is not an evaluation: judging what an agent did takes 0.5 to 0.75 s and more. "
+    "A simple reaction (about 0.3 s) is not an evaluation: judging what an agent did takes 0.5 to 0.75 s and "
+    "more. "
     "For credit assignment use the feedback-lag task, or know that these delays are shorter than feedback's."
 )
 _STYLE = """
@@ -25,7 +28,7 @@ body{font:16px/1.45 system-ui,sans-serif;max-width:64rem;margin:2rem auto;paddin
 table{border-collapse:collapse;font-size:.9rem}td,th{padding:.2rem .6rem;text-align:right;border-bottom:1px solid #ddd}
 td:first-child,th:first-child{text-align:left}.warn{background:#fff3d6;padding:.6rem 1rem}
 figure{margin:1rem 0}svg{max-width:100%;height:auto}.wide{overflow-x:auto}
-"""
+"""  # noqa: E501
 
 
 class Result(msgspec.Struct, frozen=True, kw_only=True):
@@ -52,7 +55,8 @@ def write_report(
     selection: Selection,
     group: GroupFit,
 ) -> Result:
-    """Write result.json, rows.tsv, report.html and all figures into a new folder; return what result.json holds.
+    """Write result.json, rows.tsv, report.html and all figures into a new folder; return what result.json
+    holds.
 
     Raises:
         FileExistsError: where the folder exists; reports are never overwritten.
@@ -95,7 +99,10 @@ def html_report(result: Result, samples: Mapping[str, Sample]) -> str:
         f"<p>Files: {escape(', '.join(result.files))}.</p>",
         "" if result.task == "feedback lag" else f'<p class="warn">{NOT_AN_EVALUATION}</p>',
         "<h2>Delays</h2>",
-        "<p>Estimate and profile-likelihood interval. Where the shape is not identified, trust mean and quantiles.</p>",
+        (
+            "<p>Estimate and profile-likelihood interval. Where the shape is not identified, trust mean and "
+            "quantiles.</p>"
+        ),
         _delay_table(group),
         *_pooled_part(group),
         "<h2>Which density fits</h2>",
@@ -211,7 +218,10 @@ def _exclusion_table(result: Result) -> str:
     policy = ", ".join(f"{k} = {v}" for k, v in msgspec.structs.asdict(result.selection.policy).items())
     reasons = {**result.selection.unusable, **result.group.failures}
     notes = "".join(f"<p>{escape(name)}: not fitted. {escape(why)}</p>" for name, why in reasons.items())
-    return f"<p>Policy: {escape(policy)}. Every row and its verdict: rows.tsv.</p>{_table(('participant', *verdicts), rows)}{notes}"
+    return (
+        f"<p>Policy: {escape(policy)}. Every row and its verdict: "
+        f"rows.tsv.</p>{_table(('participant', *verdicts), rows)}{notes}"
+    )
 
 
 def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

@@ -1,8 +1,8 @@
 """Makes the pages of results: real reaction times, fitted.
 
-`python -m studies.reaction_time.results DATA DOCS` reads the folder of real data, writes `results/reaction_time.md`,
-`results/reaction_time_pooling.md` and their figures below DOCS, and prints nothing. Every number on the pages is from
-that run. It takes minutes of one core.
+`python -m studies.reaction_time.results DATA DOCS` reads the folder of real data, writes
+`results/reaction_time.md`, `results/reaction_time_pooling.md` and their figures below DOCS, and prints
+nothing. Every number on the pages is from that run. It takes minutes of one core.
 """
 
 import argparse
@@ -137,7 +137,8 @@ def delay_of(one: Fitted) -> GammaDelay:
 def families_page(sets: Sequence[Fitted]) -> str:
     """Return the page that compares families of densities, in Markdown."""
     read = "; ".join(
-        f"{one.data_set.source}: {len(one.samples)} people, {one.together.n:,} trials ({one.data_set.licence})"
+        f"{one.data_set.source}: {len(one.samples)} people, {one.together.n:,} trials "
+        f"({one.data_set.licence})"
         for one in sets
     )
     policy = ExclusionPolicy()
@@ -145,8 +146,10 @@ def families_page(sets: Sequence[Fitted]) -> str:
         "# Real reaction times, fitted",
         _families_answer(sets),
         (
-            f"Data: {read}.\nTimes below {policy.anticipation_below_s:g} s or above {policy.slow_above_s:g} s are left out. "
-            "Made by `python -m studies.reaction_time.results DATA docs`; the tests reproduce\nthe pooled ranking."
+            f"Data: {read}.\nTimes below {policy.anticipation_below_s:g} s or above {policy.slow_above_s:g} "
+            f"s are left out. "
+            "Made by `python -m studies.reaction_time.results DATA docs`; the tests reproduce\nthe pooled "
+            "ranking."
         ),
         "## AIC of pooled times",
         _aic_table(sets),
@@ -183,17 +186,23 @@ def pooling_page(scores: Mapping[tuple[int, str], tuple[HeldOutScore, ...]]) -> 
             [one for some in scores.values() for one in some if one.method == "pooled, shifted gamma"]
         ),
         (
-            "Of each person some trials, drawn at random, are fitted; the score is on all others. Means over people and "
-            f"{N_SPLITS} random splits (root seed {ROOT_SEED}).\nPinball loss: mean over 19 quantiles, lower is better; gain: "
-            "per person against a two-parameter gamma of one's own, with its standard error over\npeople. Made by "
+            "Of each person some trials, drawn at random, are fitted; the score is on all others. Means over "
+            "people and "
+            f"{N_SPLITS} random splits (root seed {ROOT_SEED}).\nPinball loss: mean over 19 quantiles, lower "
+            f"is better; gain: "
+            "per person against a two-parameter gamma of one's own, with its standard error over\npeople. "
+            "Made by "
             "`python -m studies.reaction_time.results DATA docs`."
         ),
         *tables,
         "## How to read this",
         (
-            "A shifted gamma of one's own ends its offset just below the fastest of few responses, and so calls many a later "
-            "response impossible (log density -inf): pooling the\noffset cures this. *Everybody alike* is one gamma for "
-            "all. A gain is small beside the trial-to-trial noise, which no estimate removes; whether it is more than "
+            "A shifted gamma of one's own ends its offset just below the fastest of few responses, and so "
+            "calls many a later "
+            "response impossible (log density -inf): pooling the\noffset cures this. *Everybody alike* is "
+            "one gamma for "
+            "all. A gain is small beside the trial-to-trial noise, which no estimate removes; whether it is "
+            "more than "
             "chance tells its\nstandard error."
         ),
     ]
@@ -206,8 +215,10 @@ def _families_answer(sets: Sequence[Fitted]) -> str:
     places = [[fit.family for fit in one.fits_together].index(GAMMA.name) + 1 for one in sets]
     close = " and ".join(f"{_close(one)} of {len(one.samples)}" for one in sets)
     return (
-        f"**In short.** Of nine families these fit pooled times best: {best}. The paper's two-parameter gamma comes "
-        f"{' and '.join(f'{place}th' for place in places)}. Single people hardly differ so: in {close} people no family beats "
+        f"**In short.** Of nine families these fit pooled times best: {best}. The paper's two-parameter "
+        f"gamma comes "
+        f"{' and '.join(f'{place}th' for place in places)}. Single people hardly differ so: in {close} "
+        f"people no family beats "
         "the shifted gamma by 2 AIC."
     )
 
@@ -217,8 +228,10 @@ def _pooling_answer(pooled: Sequence[HeldOutScore]) -> str:
     clear = [one for one in pooled if one.pinball_gain_ms > 2 * one.pinball_gain_se_ms]
     most = max(pooled, key=lambda one: one.pinball_gain_ms)
     return (
-        f"**In short.** Pooling with others foretells held-out trials better in {len(clear)} of {len(pooled)} comparisons by "
-        f"more than two standard errors. The gain is small: at most {most.pinball_gain_ms:.2f} ms of {most.pinball_ms:.0f} ms. "
+        f"**In short.** Pooling with others foretells held-out trials better in {len(clear)} of "
+        f"{len(pooled)} comparisons by "
+        f"more than two standard errors. The gain is small: at most {most.pinball_gain_ms:.2f} ms of "
+        f"{most.pinball_ms:.0f} ms. "
         "Without pooling a shifted gamma calls later trials of many people impossible; with it, of "
         f"{'nobody' if not any(one.impossible for one in pooled) else 'some'}."
     )
@@ -256,7 +269,10 @@ def _best_table(sets: Sequence[Fitted]) -> str:
 
 def _parameter_words(one: Fitted) -> str:
     p = _fit_of(one, SHIFTED_GAMMA.name).parameters
-    return f"{one.data_set.name} shape {p['shape']:.2f}, scale {p['scale_s']:.3f} s, offset {p['offset_s']:.3f} s"
+    return (
+        f"{one.data_set.name} shape {p['shape']:.2f}, scale {p['scale_s']:.3f} s, offset {p['offset_s']:.3f} "
+        f"s"
+    )
 
 
 def _ranking(one: Fitted) -> list[str]:

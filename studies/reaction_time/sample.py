@@ -10,7 +10,8 @@ MIN_RESPONSES = 5
 
 
 LEAST_SPREAD = 2e-3
-"""Least sd of the responses as a share of their mean. People have 0.1 to 0.5; shapes above its square cannot be told."""
+"""Least sd of the responses as a share of their mean. People have 0.1 to 0.5; shapes above its square cannot
+be told."""
 
 
 class FitError(ValueError):
@@ -26,9 +27,11 @@ class Sample:
     """Reaction times of one participant in one condition."""
 
     observed_s: NDArray[np.float64]
-    """Times of the responses, seconds, shape (n,), n >= 5, > 0, sd at least 0.2 % of the mean; kept sorted."""
+    """Times of the responses, seconds, shape (n,), n >= 5, > 0, sd at least 0.2 % of the mean; kept
+    sorted."""
     censored_s: NDArray[np.float64] = field(default_factory=_empty)
-    """For each trial without a response, how long it waited: the time lies above. Seconds, shape (m,), > 0."""
+    """For each trial without a response, how long it waited: the time lies above. Seconds, shape (m,), >
+    0."""
 
     waits: NDArray[np.float64] = field(init=False)
     """Different values of `censored_s` and how many trials have each: shape (n_different, 2)."""
@@ -54,7 +57,8 @@ class Sample:
         mean, sd = float(self.observed_s.mean()), float(self.observed_s.std())
         if sd < LEAST_SPREAD * mean:
             raise FitError(
-                f"all {self.observed_s.size} times are {mean:.6g} s, sd {sd:.2g} s: nobody reacts so evenly, and a density "
+                f"all {self.observed_s.size} times are {mean:.6g} s, sd {sd:.2g} s: nobody reacts so evenly, "
+                f"and a density "
                 "needs some spread; is this the column of reaction times?"
             )
 

@@ -41,7 +41,9 @@ def make_schedule(config: TaskConfig, root_seed: int) -> Schedule:
 
 
 def draw_foreperiods(foreperiod: Foreperiod, n: int, *, rng: np.random.Generator) -> np.ndarray:
-    """Return n foreperiods in seconds: least_s plus an exponential truncated at most_s (inverse distribution)."""
+    """Return n foreperiods in seconds: least_s plus an exponential truncated at most_s (inverse
+    distribution).
+    """
     room = (foreperiod.most_s - foreperiod.least_s) / foreperiod.mean_extra_s
     share = rng.random(n) * -np.expm1(-room)
     return np.asarray(foreperiod.least_s - foreperiod.mean_extra_s * np.log1p(-share))
@@ -70,7 +72,9 @@ def describe(schedule: Schedule) -> str:
 
 
 def expected_minutes(schedule: Schedule) -> float:
-    """Return the expected length in minutes without breaks: foreperiods, study, half a second per response."""
+    """Return the expected length in minutes without breaks: foreperiods, study, half a second per
+    response.
+    """
     config = schedule.config
     total = 0.0
     for block in schedule.blocks:

@@ -2,9 +2,10 @@
 
     quiet -> foreperiod -> asked -> shown -> (confirming) -> done
 
-The screen calls `poll` often and does what it says, reports the flush of the stimulus's frame (`flushed`) and hands
-over every key with the time in its message (`pressed`). A key is judged by its own time, never by when it arrived:
-keys that come while the flush is not yet known wait for it, and a time-out is final only after late mail had time.
+The screen calls `poll` often and does what it says, reports the flush of the stimulus's frame (`flushed`) and
+hands over every key with the time in its message (`pressed`). A key is judged by its own time, never by when
+it arrived: keys that come while the flush is not yet known wait for it, and a time-out is final only after
+late mail had time.
 """
 
 from typing import Literal

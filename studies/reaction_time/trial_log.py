@@ -1,4 +1,5 @@
-"""The file of a reaction-time session: a header line, then one line per finished trial, each flushed to the disk.
+"""The file of a reaction-time session: a header line, then one line per finished trial, each flushed to the
+disk.
 
 JSON lines, opened for creation only; a session that stopped goes on by appending. Nothing is ever rewritten.
 """
@@ -77,7 +78,8 @@ class TrialWriter:
         """Go on with a session that stopped; return the writer and what was done so far.
 
         Raises:
-            TrialFileError: where the session is complete, or older than `LONGEST_PAUSE_H` without `despite_age`.
+            TrialFileError: where the session is complete, or older than `LONGEST_PAUSE_H` without
+                `despite_age`.
         """
         session = read_trials(path)
         if session.next_trial >= len(session.header.schedule.trials):
@@ -85,7 +87,8 @@ class TrialWriter:
         age_h = _age_h(session.header.created_utc, now_utc or wall_time_utc())
         if age_h > LONGEST_PAUSE_H and not despite_age:
             raise TrialFileError(
-                f"{path}: this session began {age_h:.0f} hours ago (trial {session.next_trial} is next). Start a new "
+                f"{path}: this session began {age_h:.0f} hours ago (trial {session.next_trial} is next). "
+                f"Start a new "
                 "one, or say explicitly that the old one goes on."
             )
         file = path.open("r+b", buffering=0)

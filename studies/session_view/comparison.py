@@ -58,10 +58,11 @@ class SessionFigures:
     taken_back: int
     refused: int
     agreement: float
-    """Share of the presses' credit that says what the learned policy says, in [0, 1]: praise for what the environment's side
-    would have done itself, blame for anything else."""
+    """Share of the presses' credit that says what the learned policy says, in [0, 1]: praise for what the
+    environment's side would have done itself, blame for anything else."""
     consistency: float
-    """Standard errors by which a model foresaw the presses better than chance (`core.learners.consistency`)."""
+    """Standard errors by which a model foresaw the presses better than chance
+    (`core.learners.consistency`)."""
     delay_s: float
     """Median time from when a step came on screen to the press, seconds."""
     own_delay_s: float
@@ -206,13 +207,16 @@ def groups_of(sessions: Sequence[SessionFigures], by: By) -> dict[str, list[Sess
 
 
 def group_interval(sessions: Sequence[SessionFigures], measure: str) -> Interval | None:
-    """Return the mean of a measure over sessions with a 95 % bootstrap interval; None where it is not known."""
+    """Return the mean of a measure over sessions with a 95 % bootstrap interval; None where it is not
+    known.
+    """
     values = [value for session in sessions if not math.isnan(value := session.value(measure))]
     return mean_interval(values, rng=stream(0, "compare", "bootstrap")) if values else None
 
 
 def over_games(sessions: Sequence[SessionFigures], what: str) -> Floats:
-    """Return the mean over sessions of a figure per game, shape (most games,); NaN where no session has that game.
+    """Return the mean over sessions of a figure per game, shape (most games,); NaN where no session has that
+    game.
 
     Args:
         sessions: of a group.
@@ -233,8 +237,8 @@ def over_games(sessions: Sequence[SessionFigures], what: str) -> Floats:
 def differences_of(groups: dict[str, list[SessionFigures]], by: By) -> Iterator[Difference]:
     """Yield how each group differs from the first one, with paired intervals.
 
-    Groups of conditions or protocols are paired by participant: the means of whoever is in both. Participants are paired by
-    game number: the same game of both, for performance, presses, trust, weight and match.
+    Groups of conditions or protocols are paired by participant: the means of whoever is in both. Participants
+    are paired by game number: the same game of both, for performance, presses, trust, weight and match.
     """
     (control, first), *others = groups.items()
     for name, sessions in others:

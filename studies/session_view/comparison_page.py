@@ -35,7 +35,7 @@ table { border-collapse: collapse; margin: 0.6em 0 1.6em; }
 th, td { padding: 0.25em 0.7em; border-bottom: 1px solid #d5dae2; text-align: right; }
 th:first-child, td:first-child, td.word, th.word { text-align: left; }
 img { max-width: 100%; } .note { color: #5a6575; }
-"""
+"""  # noqa: E501
 
 
 def draw_comparison(groups: Groups) -> "Figure":
@@ -81,7 +81,7 @@ def write_page(path: Path, groups: Groups, differences: Sequence[Difference], by
         '<html lang="en"><head><meta charset="utf-8"><title>Sessions compared</title>',
         f"<style>{_STYLE}</style></head><body>",
         f"<h1>Sessions compared, by {by}</h1>",
-        f'<p><img alt="Performance, presses, trust and weight over games" src="data:image/svg+xml;base64,{picture}"></p>',
+        f'<p><img alt="Performance, presses, trust and weight over games" src="data:image/svg+xml;base64,{picture}"></p>',  # noqa: E501
         "<h2>Groups</h2>",
         _table(*group_table(groups)),
         f'<p class="note">{_text(few)}</p>' if few else "",
@@ -97,7 +97,10 @@ def write_page(path: Path, groups: Groups, differences: Sequence[Difference], by
 
 EXPLAINED: Final = (
     "Intervals are 95 % percentile bootstrap intervals of means.",
-    "agreement: share of the presses' credit that praises the environment policy's own choice, or blames another.",
+    (
+        "agreement: share of the presses' credit that praises the environment policy's own choice, or blames "
+        "another."
+    ),
     "match: share of steps at which the environment's and the human policy would have done the same.",
     "consistency: standard errors by which a model foresaw the presses better than chance (2: not random).",
     "delay: median time from a step's appearance to the press; own delay: mean measured by arl calibrate.",
@@ -132,7 +135,7 @@ def difference_table(differences: Iterable[Difference]) -> tuple[list[str], list
 def session_table(sessions: Iterable[SessionFigures]) -> tuple[list[str], list[list[str]]]:
     """Return head and rows: a row per session."""
     head = [
-        "file", "participant", "condition", "protocol", "games", "per game", "good", "bad", "taken back", "refused",
+        "file", "participant", "condition", "protocol", "games", "per game", "good", "bad", "taken back", "refused",  # noqa: E501
         "agreement", "consistency", "delay s", "own delay s", "trust", "weight",
     ]  # fmt: skip
     rows = [

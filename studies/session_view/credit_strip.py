@@ -51,7 +51,8 @@ class CreditStrip:
     """The press that opened the burst of which this one is part."""
 
     def density(self, n: int) -> NDArray[np.float64]:
-        """Return the delay density in `n` cells from `span_s` before the press to the press, as shares of its top.
+        """Return the delay density in `n` cells from `span_s` before the press to the press, as shares of its
+        top.
 
         Zeros for a rule without a density.
         """
@@ -69,8 +70,8 @@ def strip_of(session: SessionView, press: Press, delay: Delay, *, recorded: bool
         session: of the press.
         press: any press that means good or bad.
         delay: the rule.
-        recorded: take the shares that the session itself gave, where it gave any; `delay` is then the rule of the session
-            and says which density is drawn.
+        recorded: take the shares that the session itself gave, where it gave any; `delay` is then the rule of
+            the session and says which density is drawn.
     """
     reach_s = MOST_S if isinstance(delay, PreviousStep | CurrentStep) else max(MOST_S, delay.horizon_s)
     shown, hidden, steps = session.on_screen(press.time_ns - round(reach_s * NS_PER_S), press.time_ns + 1)

@@ -1,7 +1,7 @@
 """The index of a recording: where each game, step, frame and press stands in its file.
 
-It is kept beside the recording (`FILE.jsonl.index`) and made again when the recording's file has changed. Building it
-reads the whole file once and checks its chain. Memory does not grow with the recording.
+It is kept beside the recording (`FILE.jsonl.index`) and made again when the recording's file has changed.
+Building it reads the whole file once and checks its chain. Memory does not grow with the recording.
 """
 
 import hashlib
@@ -95,7 +95,8 @@ class Index:
 
 
 def open_index(path: Path, *, on_progress: OnProgress = lambda share: None) -> Index:
-    """Open the index of a recording; build it where there is none, or where it is of another state of the file.
+    """Open the index of a recording; build it where there is none, or where it is of another state of the
+    file.
 
     Raises:
         RecordingError: the recording is damaged.
@@ -126,7 +127,9 @@ def open_index(path: Path, *, on_progress: OnProgress = lambda share: None) -> I
 
 
 def fingerprint_of(path: Path) -> str:
-    """Return what tells one state of a file from another: size, time of its last change, first and last 4096 bytes."""
+    """Return what tells one state of a file from another: size, time of its last change, first and last 4096
+    bytes.
+    """
     status = path.stat()
     with path.open("rb") as file:
         digest = hashlib.sha256(file.read(4096))
@@ -191,7 +194,8 @@ def _build(
         for table in building.tables.values():
             table.close()
     raise RecordingError(
-        f"{path}: its index can be written neither beside it nor in {tempfile.gettempdir()}: make room on the disk"
+        f"{path}: its index can be written neither beside it nor in {tempfile.gettempdir()}: make room on "
+        f"the disk"
     )
 
 
@@ -252,7 +256,9 @@ class _Building:
         self._n_steps = 0
 
     def facts(self, file: Path | None, notes: tuple[str, ...]) -> dict[str, Any]:
-        """Return what the first line of the index says of the recording as a whole; nothing is taken in afterwards."""
+        """Return what the first line of the index says of the recording as a whole; nothing is taken in
+        afterwards.
+        """
         while self._unshown:
             self._add_step(-1, -1)
         if self.cut_off:
@@ -331,7 +337,7 @@ class _Building:
     def _press(self, record: KeyPressed, offset: int) -> None:
         self._seen(record.time_ns)
         self.tables["presses"].add(
-            offset, record.time_ns, np.nan if record.value is None else record.value, record.press, record.frame,
+            offset, record.time_ns, np.nan if record.value is None else record.value, record.press, record.frame,  # noqa: E501
             record.step, record.person, VERDICTS.index(record.verdict), record.source == "simulated",
             record.asked_wrong, record.key.encode()[:14],
         )  # fmt: skip
@@ -342,7 +348,7 @@ class _Building:
         self._step = -2
         self.tables["episodes"].add(
             offset, record.time_ns, -1, record.episode_seed, record.episode, self._n_steps, -1,
-            record.policy, record.form, -1, record.w_r, trust, record.weight, record.share, np.nan, np.nan, -1, -1,
+            record.policy, record.form, -1, record.w_r, trust, record.weight, record.share, np.nan, np.nan, -1, -1,  # noqa: E501
         )  # fmt: skip
 
     def _finish(self, record: EpisodeEnded) -> None:

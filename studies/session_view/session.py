@@ -91,7 +91,8 @@ class SessionView:
         self.marks: Rows = index.tables["marks"]
         self.unseen: Rows = index.tables["unseen"]
         self.start_ns, self.end_ns = index.start_ns, index.end_ns
-        # Columns that are searched lie in one piece; a search in a table of rows would copy the column every time.
+        # Columns that are searched lie in one piece; a search in a table of rows would copy the column every
+        # time.
         self._frame_times = np.ascontiguousarray(self.frames["time"])
         self._step_numbers = np.ascontiguousarray(self.steps["number"])
         self._game_starts = np.ascontiguousarray(self.games["start"])
@@ -138,7 +139,9 @@ class SessionView:
         return frame
 
     def _cover(self, time_ns: int) -> tuple[str, int]:
-        """Return why the game was covered at a time, and since how long since the newest frame; "" and 0 if it was not."""
+        """Return why the game was covered at a time, and since how long since the newest frame; "" and 0 if
+        it was not.
+        """
         row = int(np.searchsorted(self._mark_times, time_ns, side="right")) - 1
         while row >= 0 and self.marks["kind"][row] not in (COVERED, RESUMED):
             row -= 1
@@ -216,7 +219,9 @@ class SessionView:
         return frozenset(self.index.tables["retractions"]["press"].tolist())
 
     def press_near(self, time_ns: int) -> int:
-        """Return the row of the newest press at or before a time, other keys left out; -1 where there is none."""
+        """Return the row of the newest press at or before a time, other keys left out; -1 where there is
+        none.
+        """
         row = int(np.searchsorted(self._all_press_times, time_ns, side="right")) - 1
         while row >= 0 and np.isnan(self.presses["value"][row]):
             row -= 1
@@ -238,11 +243,12 @@ class SessionView:
     def on_screen(
         self, from_ns: int, to_ns: int
     ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-        """Return when which steps were on screen in a stretch of time, as `core.feedback.credit.credit` takes it.
+        """Return when which steps were on screen in a stretch of time, as `core.feedback.credit.credit` takes
+        it.
 
         Returns:
-            Begin and end of each interval, and the number of its step, shape (n,) each. The first interval begins at or
-            before `from_ns` where there is one.
+            Begin and end of each interval, and the number of its step, shape (n,) each. The first interval
+            begins at or before `from_ns` where there is one.
         """
         first = max(0, int(np.searchsorted(self._frame_times, from_ns, side="right")) - 1)
         while first > 0 and self.frames["nth"][first] != 0:
@@ -337,7 +343,9 @@ class SessionView:
         return np.sort(self.presses["time"][~np.isnan(self.presses["value"])])
 
     def following(self, kind: Kind, time_ns: int, by: int = 1) -> int:
-        """Return the time of the next frame, step, press or game; with `by` < 0 of the one before; else `time_ns`."""
+        """Return the time of the next frame, step, press or game; with `by` < 0 of the one before; else
+        `time_ns`.
+        """
         times = self.times(kind)
         if by > 0:
             row = int(np.searchsorted(times, time_ns, side="right")) + by - 1

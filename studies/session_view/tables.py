@@ -1,7 +1,8 @@
 """Tables of an index: rows of fixed size, written one by one and read from the disk without loading the file.
 
-While an index is built, each table grows in a temporary file of its own, so that memory does not grow with the
-recording. The finished index is one file: a line of JSON that says where each table begins, then the rows.
+While an index is built, each table grows in a temporary file of its own, so that memory does not grow with
+the recording. The finished index is one file: a line of JSON that says where each table begins, then the
+rows.
 """
 
 import os
@@ -21,7 +22,7 @@ Rows = NDArray[Any]
 """A structured array, memory-mapped."""
 
 DTYPES: dict[str, np.dtype[Any]] = {
-    "frames": np.dtype([("time", "<i8"), ("covered", "<i8"), ("step", "<i4"), ("nth", "<i4"), ("number", "<i4")]),
+    "frames": np.dtype([("time", "<i8"), ("covered", "<i8"), ("step", "<i4"), ("nth", "<i4"), ("number", "<i4")]),  # noqa: E501
     "steps": np.dtype(
         [
             ("offset", "<i8"), ("time", "<i8"), ("shown", "<i8"), ("covered", "<i8"), ("number", "<i4"),
@@ -38,20 +39,21 @@ DTYPES: dict[str, np.dtype[Any]] = {
     ),
     "presses": np.dtype(
         [
-            ("offset", "<i8"), ("time", "<i8"), ("value", "<f8"), ("number", "<i4"), ("frame", "<i4"), ("step", "<i4"),
-            ("person", "<i4"), ("verdict", "<i2"), ("simulated", "<i2"), ("asked_wrong", "<i2"), ("key", "S14"),
+            ("offset", "<i8"), ("time", "<i8"), ("value", "<f8"), ("number", "<i4"), ("frame", "<i4"), ("step", "<i4"),  # noqa: E501
+            ("person", "<i4"), ("verdict", "<i2"), ("simulated", "<i2"), ("asked_wrong", "<i2"), ("key", "S14"),  # noqa: E501
         ]
     ),
     "retractions": np.dtype([("time", "<i8"), ("press", "<i4"), ("auto_repeat", "<i4")]),
     "credits": np.dtype([("offset", "<i8"), ("press", "<i4"), ("merged_into", "<i4")]),
     "marks": np.dtype([("time", "<i8"), ("since", "<i8"), ("kind", "<i4"), ("detail", "<i4")]),
-    "unseen": np.dtype([("time", "<i8"), ("mean", "<f8"), ("trust", "<f8"), ("first", "<i4"), ("count", "<i4")]),
+    "unseen": np.dtype([("time", "<i8"), ("mean", "<f8"), ("trust", "<f8"), ("first", "<i4"), ("count", "<i4")]),  # noqa: E501
 }  # fmt: skip
-"""Columns of each table. Times are ns of the recording's clock; an absent one is -1, an absent number NaN or -1.
+"""Columns of each table. Times are ns of the recording's clock; an absent one is -1, an absent number NaN or
+-1.
 
-frames: `covered` is how long the game had been covered before, `nth` counts the new frames of a step from 0 (-1 where
-a frame shows again what a pause had covered). steps: `shown` and `frame` belong to the first frame of the step, `episode`
-is a row. episodes: `first_step` is a row of steps.
+frames: `covered` is how long the game had been covered before, `nth` counts the new frames of a step from 0
+(-1 where a frame shows again what a pause had covered). steps: `shown` and `frame` belong to the first frame
+of the step, `episode` is a row. episodes: `first_step` is a row of steps.
 """
 _CODES = {"<i8": "q", "<i4": "i", "<i2": "h", "<f8": "d", "|S14": "14s"}
 

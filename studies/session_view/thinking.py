@@ -1,8 +1,8 @@
 """What an agent thought at each decision of a recorded session: R, H and f(R, H) of its best actions.
 
-The values of a session's own agent come from the exact replay: the session is run again and every output is compared
-with the recording. Those of a what-if, and of an imported log, come from an agent that learns from the same steps and
-presses again (`core.session.what_if`).
+The values of a session's own agent come from the exact replay: the session is run again and every output is
+compared with the recording. Those of a what-if, and of an imported log, come from an agent that learns from
+the same steps and presses again (`core.session.what_if`).
 """
 
 from pathlib import Path

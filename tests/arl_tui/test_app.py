@@ -1,4 +1,5 @@
-"""The app with a faked worker: what the participant does, what the worker is told, and what is in the file."""
+"""The app with a faked worker: what the participant does, what the worker is told, and what is in the
+file."""
 
 import gc
 from pathlib import Path

@@ -56,7 +56,8 @@ def test_no_commands_help_loads_the_screen_or_arrays() -> None:
     assert ["warm-up"] in asked
     loaded = loaded_after(
         "from click.testing import CliRunner\nfrom arl_tui.cli import main\n"
-        f"for words in {asked!r}:\n    assert CliRunner().invoke(main, [*words, '--help']).exit_code == 0, words"
+        f"for words in {asked!r}:\n    assert CliRunner().invoke(main, [*words, '--help']).exit_code == 0, "
+        f"words"
     )
     assert not loaded & {
         "textual",

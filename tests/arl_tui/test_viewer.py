@@ -78,7 +78,7 @@ def looking(tmp_path: Path) -> Looking:
     return Looking(TETRIS, tmp_path)
 
 
-# --- moving -----------------------------------------------------------------------------------------------------
+# --- moving -------------------------------------------------------------------------------------------------
 
 
 async def test_keys_go_by_step_press_and_game(looking: Looking) -> None:
@@ -148,7 +148,7 @@ async def test_the_timeline_zooms_and_follows(looking: Looking) -> None:
         assert looking.screen.timeline.stretch.length_ns == pytest.approx(46.32e9)
 
 
-# --- what is seen -----------------------------------------------------------------------------------------------
+# --- what is seen -------------------------------------------------------------------------------------------
 
 
 async def test_shares_move_at_once_with_the_rule(looking: Looking) -> None:
@@ -233,7 +233,7 @@ def test_receivers_are_those_that_were_recorded(tmp_path: Path) -> None:
             assert looking.viewing.receivers(row)[taken.action] == taken.detail["target"]
 
 
-# --- tags, pictures, films --------------------------------------------------------------------------------------
+# --- tags, pictures, films ----------------------------------------------------------------------------------
 
 
 async def test_tags_notes_and_their_table(looking: Looking) -> None:
@@ -316,7 +316,7 @@ def test_a_gif_that_is_too_long_says_what_to_do(looking: Looking) -> None:
         film.export_film(looking.viewing, looking.folder / "film.avi")
 
 
-# --- the command ------------------------------------------------------------------------------------------------
+# --- the command --------------------------------------------------------------------------------------------
 
 
 def run(*arguments: str) -> Result:
@@ -363,7 +363,7 @@ def test_times_are_written_as_clocks() -> None:
     ]
 
 
-# --- pictures ---------------------------------------------------------------------------------------------------
+# --- pictures -----------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("size", [(80, 24), (120, 40)])

@@ -71,7 +71,8 @@ def test_each_settled_cell_belongs_to_a_step(tmp_path: Path) -> None:
 
 
 def test_a_live_sessions_frames_are_counted(tmp_path: Path) -> None:
-    """Step 1 was recorded with eight frames; an O from the top to the floor of 20 rows takes seven pictures."""
+    """Step 1 was recorded with eight frames; an O from the top to the floor of 20 rows takes seven
+    pictures."""
     session = open_session(write(tmp_path / "live.jsonl", live_events()))
     pictures = pictures_of(session)
     assert isinstance(pictures, BoardPictures)

@@ -207,5 +207,6 @@ def test_a_setting_leaves_the_marks_out(line: ScriptedLine) -> None:
         200, KeyPressed(press=0, time_ns=200 * MS, key="j", value=1.0, frame=0, step=0, verdict="accepted")
     )
     screen = ScreenConfig(tick_ms=TICK_MS, pause_between_episodes_s=1.0, mark_presses=False)
-    SessionPlayer(line, Protocol(screen=screen), line.clock).run(ScriptedSession(TWO_STEPS))  # type: ignore[arg-type]
+    # type: ignore[arg-type]
+    SessionPlayer(line, Protocol(screen=screen), line.clock).run(ScriptedSession(TWO_STEPS))
     assert not any(isinstance(message, TakenFor) for _, message in line.sent)

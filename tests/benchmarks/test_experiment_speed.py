@@ -7,7 +7,8 @@ import pytest
 from studies.experiments.sweep import load_experiment, run_unit
 
 BUDGET_S = {"fig5": 600.0, "fig6": 600.0}
-"""Seconds in which 20 trials of every condition are to be done on two cores (Fig. 5: asked for; Fig. 6: ours)."""
+"""Seconds in which 20 trials of every condition are to be done on two cores (Fig. 5: asked for; Fig. 6:
+ours)."""
 SEEDS = (900_001, 900_002)
 
 

@@ -1,4 +1,5 @@
-"""Speeds of the reaction-time fits: CPU seconds, medians. Run with `pytest -n 0 -m benchmark_run -s tests/benchmarks/test_fit_speed.py`."""
+"""Speeds of the reaction-time fits: CPU seconds, medians. Run with `pytest -n 0 -m benchmark_run -s
+tests/benchmarks/test_fit_speed.py`."""
 
 import resource
 import statistics

@@ -1,4 +1,5 @@
-"""Cycles per CPU second with a person: `pytest -m benchmark_run tests/benchmarks/test_keepaway_arl_speed.py -s -n 0`."""
+"""Cycles per CPU second with a person: `pytest -m benchmark_run tests/benchmarks/test_keepaway_arl_speed.py
+-s -n 0`."""
 
 import statistics
 import time
@@ -9,8 +10,8 @@ from core.keepaway.arl_autoplay import ArlAutoplay, ArlKeepawayConfig
 
 REPEATS = 5
 LEAST = 8_000
-"""Fig. 7, 4 conditions of 20 trials of 10 hours, are 28.8 million cycles: at this speed it takes 30 minutes on two cores.
-A busy machine halves what an idle one does."""
+"""Fig. 7, 4 conditions of 20 trials of 10 hours, are 28.8 million cycles: at this speed it takes 30 minutes
+on two cores. A busy machine halves what an idle one does."""
 
 
 @pytest.mark.jit

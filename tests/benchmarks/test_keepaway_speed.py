@@ -1,4 +1,5 @@
-"""Cycles per CPU second on one core: `pytest -m benchmark_run tests/benchmarks/test_keepaway_speed.py -s -n 0`."""
+"""Cycles per CPU second on one core: `pytest -m benchmark_run tests/benchmarks/test_keepaway_speed.py -s -n
+0`."""
 
 import statistics
 import time
@@ -28,6 +29,7 @@ def test_learning_keepers_play_fast_enough(exact_state):
         cycles = int(game.learn(sarsa, 200).cycles.sum())
         speeds.append(cycles / (time.process_time() - start))
     print(
-        f"exact state {exact_state}: median {statistics.median(speeds):,.0f}, best {max(speeds):,.0f} cycles/s"
+        f"exact state {exact_state}: median {statistics.median(speeds):,.0f}, best {max(speeds):,.0f} "
+        f"cycles/s"
     )
     assert statistics.median(speeds) > LEAST

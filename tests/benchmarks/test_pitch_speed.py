@@ -1,4 +1,5 @@
-"""CPU time per picture of the pitch: `pytest -m benchmark_run tests/benchmarks/test_pitch_speed.py -s -n 0`."""
+"""CPU time per picture of the pitch: `pytest -m benchmark_run tests/benchmarks/test_pitch_speed.py -s -n
+0`."""
 
 import statistics
 import time
@@ -38,7 +39,8 @@ def test_a_picture_is_drawn_fast_enough(detail: Detail, size: tuple[int, int]):
         draw(frame, shape, detail)
         times.append((time.process_time_ns() - start) / 1e6)
     print(
-        f"{detail} {size}: median {statistics.median(times):.2f} ms, p95 {sorted(times)[int(0.95 * FRAMES)]:.2f} ms"
+        f"{detail} {size}: median {statistics.median(times):.2f} ms, p95 "
+        f"{sorted(times)[int(0.95 * FRAMES)]:.2f} ms"
     )
     assert statistics.median(times) < MOST_MS
 

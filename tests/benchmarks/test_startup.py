@@ -1,7 +1,9 @@
-"""How long it takes until something is seen. Run by name: `pytest -n 0 -s -m benchmark_run tests/benchmarks/test_startup.py`.
+"""How long it takes until something is seen. Run by name: `pytest -n 0 -s -m benchmark_run
+tests/benchmarks/test_startup.py`.
 
-Judged by processor time, as ratios to what a bare Python and a bare Textual program take in the same run: starting is
-computing, and on a machine with nothing else to do it is the time that passes. Wall time is printed beside it.
+Judged by processor time, as ratios to what a bare Python and a bare Textual program take in the same run:
+starting is computing, and on a machine with nothing else to do it is the time that passes. Wall time is
+printed beside it.
 """
 
 import os
@@ -34,7 +36,8 @@ class Spent(NamedTuple):
 
 
 def cpu_s(pid: int) -> float:
-    """Return the processor time of a running process and of all it has started, but for the compiler (to 10 ms)."""
+    """Return the processor time of a running process and of all it has started, but for the compiler (to 10
+    ms)."""
     if COMPILER in Path(f"/proc/{pid}/cmdline").read_text():
         return 0.0
     fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
@@ -59,7 +62,8 @@ def until_seen(
     module: str = "arl_tui.cli",
     moving: str | None = None,
 ) -> Spent:
-    """Return what is spent from the start to a text on the screen, or to the second picture of a game after it.
+    """Return what is spent from the start to a text on the screen, or to the second picture of a game after
+    it.
 
     Args:
         text: of the first page.

@@ -1,8 +1,9 @@
-"""Speeds of Tetris, in CPU time on one core: medians of interleaved runs. Run with `pytest -n 0 -m benchmark_run -s tests/benchmarks/test_tetris_speed.py`.
+"""Speeds of Tetris, in CPU time on one core: medians of interleaved runs. Run with `pytest -n 0 -m
+benchmark_run -s tests/benchmarks/test_tetris_speed.py`.
 
-The slow thing beside it is the naive twin, which anybody can run. The C reference (MDPTetris, gcc -O2) was measured at
-212,592 pieces/s for the same work (greedy, 21 features, the published record weights) on the machine the project was
-begun on; its program is not part of this project.
+The slow thing beside it is the naive twin, which anybody can run. The C reference (MDPTetris, gcc -O2) was
+measured at 212,592 pieces/s for the same work (greedy, 21 features, the published record weights) on the
+machine the project was begun on; its program is not part of this project.
 """
 
 import gzip
@@ -54,7 +55,8 @@ def test_greedy_play_places_two_million_pieces_a_second(record_weights):
         slow.append(pieces_per_s(lambda: naive_game(record_weights, 1, CONFIG, 8)[0]))
     speed, naive = statistics.median(fast), statistics.median(slow)
     print(
-        f"\ngreedy: {speed:,.0f} pieces/s [{min(fast):,.0f} - {max(fast):,.0f}] = {speed / C_REFERENCE_PIECES_PER_S:.1f} x "
+        f"\ngreedy: {speed:,.0f} pieces/s [{min(fast):,.0f} - {max(fast):,.0f}] = "
+        f"{speed / C_REFERENCE_PIECES_PER_S:.1f} x "
         f"the C reference's recorded figure; naive twin {naive:,.0f} pieces/s"
     )
     assert speed > 4 * C_REFERENCE_PIECES_PER_S
@@ -99,7 +101,8 @@ def test_policy_gradient_is_within_ten_times_of_greedy_play(record_weights):
         ratios.append(pieces_per_s(greedy) / speeds[-1])
     ratio = statistics.median(ratios)
     print(
-        f"\npolicy gradient: {statistics.median(speeds):,.0f} pieces/s [{min(speeds):,.0f} - {max(speeds):,.0f}], greedy "
+        f"\npolicy gradient: {statistics.median(speeds):,.0f} pieces/s [{min(speeds):,.0f} - "
+        f"{max(speeds):,.0f}], greedy "
         f"play has {ratio:.1f} times as many"
     )
     assert ratio < 10
@@ -109,7 +112,8 @@ def test_a_warm_start_gives_its_first_result_within_1_2_s():
     code = (
         "import time; import numpy as np; from core.tetris.autoplay import GreedyGames; "
         "from core.tetris.config import TetrisConfig; "
-        "games = GreedyGames(-np.ones(21), [1], TetrisConfig()); games.advance(20); assert games.pieces[0] == 20; print(time.process_time())"
+        "games = GreedyGames(-np.ones(21), [1], TetrisConfig()); games.advance(20); assert games.pieces[0] "
+        "== 20; print(time.process_time())"
     )
     runs = [subprocess.run([sys.executable, "-c", code], check=True, capture_output=True) for _ in range(6)]
     spent = [float(run.stdout) for run in runs[1:]]  # the first one may have to compile

@@ -1,8 +1,9 @@
-"""How exactly reaction times are measured here: `pytest tests/benchmarks/test_timing.py -m benchmark_run -s -n 0`.
+"""How exactly reaction times are measured here: `pytest tests/benchmarks/test_timing.py -m benchmark_run -s
+-n 0`.
 
-Takes four minutes. Targets (on a quiet machine): at rest bias < 0.5 ms and sd < 0.2 ms; beside a 30 fps board with a
-learner in its own process median < 0.5 ms and p95 < 3 ms. Judged by medians, the only figures that other processes
-on the machine leave alone; the rest is printed.
+Takes four minutes. Targets (on a quiet machine): at rest bias < 0.5 ms and sd < 0.2 ms; beside a 30 fps board
+with a learner in its own process median < 0.5 ms and p95 < 3 ms. Judged by medians, the only figures that
+other processes on the machine leave alone; the rest is printed.
 """
 
 import os

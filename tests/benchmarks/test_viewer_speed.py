@@ -1,4 +1,5 @@
-"""How fast a large recording opens and is looked through. `pytest -m benchmark_run -n 0 tests/benchmarks/test_viewer_speed.py`."""
+"""How fast a large recording opens and is looked through. `pytest -m benchmark_run -n 0
+tests/benchmarks/test_viewer_speed.py`."""
 
 import time
 from pathlib import Path

@@ -1,4 +1,5 @@
-"""What `core.numerics.compiled.inner_kernel` takes for granted holds everywhere (`docs/decisions/inner-kernels.md`)."""
+"""What `core.numerics.compiled.inner_kernel` takes for granted holds everywhere
+(`docs/decisions/inner-kernels.md`)."""
 
 import ast
 import sys

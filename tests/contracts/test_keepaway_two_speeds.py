@@ -1,4 +1,5 @@
-"""Compiled Keepaway and the parts of a session, given the same episodes and the same presses, learn the same."""
+"""Compiled Keepaway and the parts of a session, given the same episodes and the same presses, learn the
+same."""
 
 import numpy as np
 import pytest

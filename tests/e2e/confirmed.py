@@ -32,7 +32,8 @@ class Confirmed:
         return count
 
     def missing_from(self, recording: Recording) -> dict[int, int]:
-        """Return game to number of presses that were confirmed and are not in the file; empty where all are."""
+        """Return game to number of presses that were confirmed and are not in the file; empty where all
+        are."""
         written = most_at_once(recording)
         return {
             game: count - written.get(game, 0)
@@ -47,7 +48,8 @@ def accepted(recording: Recording) -> dict[int, int]:
 
 
 def most_at_once(recording: Recording) -> dict[int, int]:
-    """Return game (from 1) to the most presses that counted at any time: one that was taken back did count before."""
+    """Return game (from 1) to the most presses that counted at any time: one that was taken back did count
+    before."""
     return {game: max(counts) for game, counts in _counts(recording).items()}
 
 

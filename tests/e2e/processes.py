@@ -23,7 +23,8 @@ def descendants(pid: int) -> set[int]:
 
 
 def worker_of(pid: int) -> int:
-    """Return the process id of the worker: the child that runs `spawn_main` (another one tracks resources)."""
+    """Return the process id of the worker: the child that runs `spawn_main` (another one tracks
+    resources)."""
     for child in descendants(pid):
         if b"spawn_main" in Path(f"/proc/{child}/cmdline").read_bytes():
             return child

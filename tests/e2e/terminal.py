@@ -1,4 +1,5 @@
-"""The other end of the terminal: starts the real command in a pseudo-terminal, reads its screen, presses keys."""
+"""The other end of the terminal: starts the real command in a pseudo-terminal, reads its screen, presses
+keys."""
 
 import os
 import sys
@@ -14,7 +15,8 @@ COLUMNS, LINES = 80, 24
 TROUBLE = "had to end early"
 """What the last screen says when something failed."""
 PATIENCE_S = 600.0
-"""Compiling everything for the first time takes a minute, and many on a busy machine; nobody waits longer than they must."""
+"""Compiling everything for the first time takes a minute, and many on a busy machine; nobody waits longer
+than they must."""
 REPOSITORY = Path(__file__).resolve().parents[2]
 
 
@@ -123,7 +125,8 @@ class Terminal:
         raise AssertionError(f"the program still runs after {patience_s:.0f} s:\n{self.text}")
 
     def wait_for_exit_only(self, patience_s: float = 60.0) -> int:
-        """Read until the program has ended, and leave the terminal open; return the exit status (minus a signal's)."""
+        """Read until the program has ended, and leave the terminal open; return the exit status (minus a
+        signal's)."""
         end = time.monotonic() + patience_s
         while self.child.isalive():
             assert time.monotonic() < end, f"the program still runs after {patience_s:.0f} s:\n{self.text}"
@@ -139,7 +142,8 @@ class Terminal:
             pass
 
     def blocks_on_board(self) -> int:
-        """Count the blocks in the board's frame: settled ones and those of the falling piece, not the ghost."""
+        """Count the blocks in the board's frame: settled ones and those of the falling piece, not the
+        ghost."""
         inside = [line[3:23] for line in self._screen.display[1:21]]
         return sum(row.count("▕") for row in inside)
 

@@ -19,7 +19,8 @@ CROSS = "  ██  ██  "
 GO_ON, LEAVE = "Enter  to go on", "Enter  to leave"
 DELAYS_S = (0.25, 0.45, 0.35, 0.55)
 IN_TIME_MS = 20.0
-"""One answer of several within this shows that the right thing is timed; how well is asked of a quiet machine, by name."""
+"""One answer of several within this shows that the right thing is timed; how well is asked of a quiet
+machine, by name."""
 
 
 def calibrate(tmp_path: Path, tasks: str, trials: int, *more: str) -> Terminal:
@@ -74,7 +75,8 @@ class Participant:
                 self.terminal.press("\r")
             before, seeing = seeing, GO_ON not in text and self._sees(text)
             if seeing and not before:
-                # Drawing a picture takes the robot some ms: where its bytes can be told, their arrival counts.
+                # Drawing a picture takes the robot some ms: where its bytes can be told, their arrival
+                # counts.
                 seen_ns = self.terminal.mark_ns[0] if self.terminal.mark_ns else seen_ns
                 delay_s = DELAYS_S[len(self.delays_s) % len(DELAYS_S)]
                 time.sleep(delay_s)
@@ -180,7 +182,8 @@ def test_events_of_keepaway_are_timed_from_the_picture_with_the_mark(tmp_path: P
     assert len(records) == len([record for record in the_file(tmp_path).trials if not record.catch])
     assert {(record.condition, record.status) for record in records} == {(KEPT, "ok"), (LOST, "wrong key")}
     errors = errors_ms(records, participant.delays_s)
-    # A picture of more than 8 kB leaves in part before the flush that is stamped, up to two switches of threads (5 ms each).
+    # A picture of more than 8 kB leaves in part before the flush that is stamped, up to two switches of
+    # threads (5 ms each).
     assert min(errors) > -10.0, errors
     assert median(errors) < 15.0, errors
 

@@ -1,4 +1,5 @@
-"""A terminal that goes away, stalls or sends nonsense; and signals: the session ends, and says how, or goes on."""
+"""A terminal that goes away, stalls or sends nonsense; and signals: the session ends, and says how, or goes
+on."""
 
 import os
 import signal

@@ -1,4 +1,5 @@
-"""Simulated people by name at a real keyboard: they read the growing recording, and write keys to the terminal."""
+"""Simulated people by name at a real keyboard: they read the growing recording, and write keys to the
+terminal."""
 
 import time
 from collections.abc import Iterator

@@ -70,8 +70,8 @@ def test_a_scripted_participants_presses_are_recorded_at_the_right_step_and_time
     assert len(written) > 2
     presses = [event for event in recording.events if isinstance(event, KeyPressed)][: len(written)]
     assert [press.key for press in presses] == [key for key, _, _ in written]
-    # On a busy machine a key may be read late, or before the flush it answers is stamped: not always, and the step is
-    # always the one whose flush had been stamped.
+    # On a busy machine a key may be read late, or before the flush it answers is stamped: not always, and the
+    # step is always the one whose flush had been stamped.
     late_ms = [
         (press.time_ns - time_ns) / MS for press, (_, time_ns, _) in zip(presses, written, strict=True)
     ]
@@ -139,7 +139,8 @@ def test_a_worker_that_is_killed_ends_the_session_with_a_message(tmp_path: Path,
 
 
 def worker_of(pid: int) -> int:
-    """Return the process id of the worker: the child that runs `spawn_main` (the other one tracks resources)."""
+    """Return the process id of the worker: the child that runs `spawn_main` (the other one tracks
+    resources)."""
     children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
     for child in children:
         if b"spawn_main" in Path(f"/proc/{child}/cmdline").read_bytes():

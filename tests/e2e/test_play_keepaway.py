@@ -65,7 +65,8 @@ def test_a_person_watches_keepaway_and_is_heard(tmp_path: Path) -> None:
 
 
 def check_intervals(events) -> None:
-    """Hold that steps were seen in order, each after its decision, and that simulated time is not faster than ours."""
+    """Hold that steps were seen in order, each after its decision, and that simulated time is not faster than
+    ours."""
     shown: dict[int, int] = {}
     for event in events:
         if isinstance(event, FrameShown) and event.step >= 0:
@@ -77,7 +78,8 @@ def check_intervals(events) -> None:
         of_episode = [step for step in steps if step.episode == episode]
         first, last = of_episode[0], of_episode[-1]
         cycles = last.detail["cycle"] - first.detail["cycle"]
-        # A busy machine may decide the first step up to a cycle late; what was lost is never made up by hurrying.
+        # A busy machine may decide the first step up to a cycle late; what was lost is never made up by
+        # hurrying.
         assert last.time_ns - first.time_ns >= (cycles - 1) * CYCLE_NS
 
 

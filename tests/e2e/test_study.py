@@ -1,4 +1,5 @@
-"""Whole sittings of a study in a real terminal of 80 x 24: who consents, who does not, whose window closes."""
+"""Whole sittings of a study in a real terminal of 80 x 24: who consents, who does not, whose window
+closes."""
 
 import os
 import signal

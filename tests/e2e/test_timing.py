@@ -34,8 +34,9 @@ MS = 1_000_000
 EMPTY = snapshot(Wall(20, 10), counts=Counts())
 FULL = msgspec.structs.replace(EMPTY, cells=b"\x01" * 200)
 BELOW_A_FRAME_MS = 25.0
-"""A frame takes 33 ms. One key within this does not show where stamps come from (that is `tests/arl_tui/app/test_driver.py`),
-only that they are not all late; the median within it, on a quiet machine, shows more."""
+"""A frame takes 33 ms. One key within this does not show where stamps come from (that is
+`tests/arl_tui/app/test_driver.py`), only that they are not all late; the median within it, on a quiet
+machine, shows more."""
 
 
 def test_the_robot_measures_every_scene_and_the_result_is_kept(tmp_path: Path) -> None:
@@ -67,7 +68,8 @@ def test_the_robot_measures_every_scene_and_the_result_is_kept(tmp_path: Path) -
         for trial in scene.trials:
             assert trial.true_ms >= planned[trial.number]
         errors_ms = [trial.error_ms for trial in scene.trials]
-        # On a busy machine keys are read late, in any program, and flushes stamped after their bytes were read: not always.
+        # On a busy machine keys are read late, in any program, and flushes stamped after their bytes were
+        # read: not always.
         assert max(errors_ms) > 0.0, errors_ms
         assert min(abs(error) for error in errors_ms) < BELOW_A_FRAME_MS, errors_ms
     bare, rest, board = found.scenes
@@ -140,7 +142,7 @@ def test_an_app_that_cannot_start_is_reported_with_its_last_words(
         run_plan(make_plan("at rest", 1, root_seed=1))
 
 
-# --- the app under test ---------------------------------------------------------------------------------------------
+# --- the app under test -------------------------------------------------------------------------------------
 
 
 def app_beside_a_board() -> tuple[SubjectApp, FakeLink]:
@@ -186,7 +188,7 @@ async def test_only_the_first_answer_to_a_stimulus_counts() -> None:
     assert before_ns <= answer.key_ns <= time.monotonic_ns()
 
 
-# --- plan -----------------------------------------------------------------------------------------------------------
+# --- plan ---------------------------------------------------------------------------------------------------
 
 
 def test_a_plan_depends_on_seed_and_scene_only_and_keeps_its_ranges() -> None:
@@ -214,7 +216,7 @@ def test_the_commands_scenes_are_those_there_are() -> None:
     assert tuple(SCENES) == SCENE_NAMES
 
 
-# --- result ---------------------------------------------------------------------------------------------------------
+# --- result -------------------------------------------------------------------------------------------------
 
 
 def by_hand() -> tuple[Plan, list[RobotTrial], Seen]:
@@ -238,7 +240,8 @@ def by_hand() -> tuple[Plan, list[RobotTrial], Seen]:
 
 def test_errors_are_measured_minus_true_and_late_reads_are_apart() -> None:
     scene = compare(*by_hand())
-    # Trial 0: (1302 - 999) - 300 = 3 ms. Trial 1: (2310 - 2000) - 300 = 10 ms, of which 8 ms were spent on the way.
+    # Trial 0: (1302 - 999) - 300 = 3 ms. Trial 1: (2310 - 2000) - 300 = 10 ms, of which 8 ms were spent on
+    # the way.
     assert [(t.error_ms, t.read_late_ms, t.late) for t in scene.trials] == [
         (3.0, 1.0, False),
         (10.0, 8.0, True),
@@ -255,7 +258,8 @@ def test_errors_are_measured_minus_true_and_late_reads_are_apart() -> None:
 def test_a_summary_by_hand() -> None:
     found = summarise([1.0, 2.0, 3.0, 6.0])
     assert found is not None
-    # Mean 3; squares of the distances 4 + 1 + 0 + 9 = 14, over 3; 95 % of the way through 4 values is 0.85 past the third.
+    # Mean 3; squares of the distances 4 + 1 + 0 + 9 = 14, over 3; 95 % of the way through 4 values is 0.85
+    # past the third.
     assert (found.bias, found.median) == (3.0, 2.5)
     assert found.sd == pytest.approx((14 / 3) ** 0.5)
     assert found.p95 == pytest.approx(3.0 + 0.85 * 3.0)

@@ -18,7 +18,8 @@ from tests.e2e.terminal import COLUMNS, LINES, PATIENCE_S, REPOSITORY
 
 
 class TwoEnds:
-    """`arl` with its input at one pseudo-terminal and its output at another; neither is its controlling one."""
+    """`arl` with its input at one pseudo-terminal and its output at another; neither is its controlling
+    one."""
 
     def __init__(self, *arguments: str, cwd: Path) -> None:
         self.keyboard, keys = pty.openpty()
@@ -92,7 +93,8 @@ class TwoEnds:
             self.display = -1
 
     def seconds_to_end(self, patience_s: float = 30.0) -> float:
-        """Return how long the program takes to end, seconds; its display is read meanwhile, where it has one."""
+        """Return how long the program takes to end, seconds; its display is read meanwhile, where it has
+        one."""
         began = time.monotonic()
         while self.process.poll() is None:
             assert time.monotonic() - began < patience_s, "the program does not end"

@@ -1,4 +1,5 @@
-"""Change bytes as damage and ill will do: flipped, cut, doubled, exchanged, and with values that nobody expects."""
+"""Change bytes as damage and ill will do: flipped, cut, doubled, exchanged, and with values that nobody
+expects."""
 
 import json
 import random
@@ -6,9 +7,9 @@ import random
 from core.recording.recorder import Chain
 
 TOKENS = (
-    b"", b"0", b"-1", b"1", b"NaN", b"Infinity", b"1e999", b"-1e308", b"9223372036854775808", b"1" * 400, b"null",
-    b"true", b'""', b"[]", b"{}", b"[" * 2000, b'{"a":' * 2000, b"\x1b]0;t\x07", b"\x1b[2J", b"\xff\xfe", b"\xc2\x9b31m",
-    b"\xe2\x80\xae", b"\x00", b"\r\n", b"\n", b"../../etc/passwd", b"a" * 5000, b'"', b"'''", b",", b";", b"\t", b":", b"=",
+    b"", b"0", b"-1", b"1", b"NaN", b"Infinity", b"1e999", b"-1e308", b"9223372036854775808", b"1" * 400, b"null",  # noqa: E501
+    b"true", b'""', b"[]", b"{}", b"[" * 2000, b'{"a":' * 2000, b"\x1b]0;t\x07", b"\x1b[2J", b"\xff\xfe", b"\xc2\x9b31m",  # noqa: E501
+    b"\xe2\x80\xae", b"\x00", b"\r\n", b"\n", b"../../etc/passwd", b"a" * 5000, b'"', b"'''", b",", b";", b"\t", b":", b"=",  # noqa: E501
 )  # fmt: skip
 NUMBERS = (
     0,
@@ -81,7 +82,8 @@ def resealed(content: bytes) -> bytes:
 
 
 def changed_values(content: bytes, rng: random.Random) -> bytes:
-    """Return a recording of which events are moved, doubled or left out, or hold other values; sealed anew."""
+    """Return a recording of which events are moved, doubled or left out, or hold other values; sealed
+    anew."""
     lines = [json.loads(line) for line in content.splitlines()]
     for _ in range(rng.choice((1, 1, 2, 4))):
         at = rng.randrange(len(lines))

@@ -1,4 +1,5 @@
-"""Run fuzzers: `python -m tests.fuzz.run SECONDS [NAME ...]`; an input that breaks a reader is kept and named."""
+"""Run fuzzers: `python -m tests.fuzz.run SECONDS [NAME ...]`; an input that breaks a reader is kept and
+named."""
 
 import contextlib
 import hashlib
@@ -34,8 +35,10 @@ class Found:
     def __str__(self) -> str:
         broken = "; ".join(f"{count} x {what}" for what, count in self.broken.most_common()) or "none"
         return (
-            f"{self.inputs:,} inputs, {self.refused:,} refused, undocumented: {broken}; slowest {self.slowest_s:.2f} s, "
-            f"memory grew by {self.grown_bytes / 1e6:.0f} MB; kept: {', '.join(map(str, self.kept)) or 'none'}"
+            f"{self.inputs:,} inputs, {self.refused:,} refused, undocumented: {broken}; slowest "
+            f"{self.slowest_s:.2f} s, "
+            f"memory grew by {self.grown_bytes / 1e6:.0f} MB; kept: "
+            f"{', '.join(map(str, self.kept)) or 'none'}"
         )
 
 

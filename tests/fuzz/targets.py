@@ -123,7 +123,7 @@ def _study(path: Path) -> object:
 
 
 TAMER = b"(params)\n" + b"\n".join(
-    b"[%s]:-:[1, 2]:-:%d:%s:true:1259.%d" % (b", ".join([b"0"] * 201 + [b"3"] + [b"0"] * 5), n % 2, presses, n)
+    b"[%s]:-:[1, 2]:-:%d:%s:true:1259.%d" % (b", ".join([b"0"] * 201 + [b"3"] + [b"0"] * 5), n % 2, presses, n)  # noqa: E501
     for n, presses in enumerate([b"[]", b"[{1.0 @ 1259.5}]", b"[{-1.0 @ 1260.25}, {1.0 @ 1260.5}]", b"[]"])
 ) + b"\n[]:-:[]:-:0:[]:true:1263.5\nfinished\n"  # fmt: skip
 
@@ -166,7 +166,7 @@ def policies() -> list[bytes]:
     made = []
     for tilings in (1, 2):
         header = policy_file.PolicyHeader(
-            task=KeepawayConfig(), learner=SarsaConfig(), n_tilings=tilings, root_seed=1, hours=0.1, episodes=3,
+            task=KeepawayConfig(), learner=SarsaConfig(), n_tilings=tilings, root_seed=1, hours=0.1, episodes=3,  # noqa: E501
             duration_s=5.0, created_utc="2026-01-01T00:00:00+00:00", software={},
         )  # fmt: skip
         out = io.BytesIO()
@@ -206,8 +206,8 @@ def _delays() -> list[bytes]:
     quantity = [0.5, 0.4, 0.6]
     fit = {
         "task": "simple", "fitted_utc": "2026-01-01T00:00:00+00:00", "files": ["a.jsonl"], "family": "gamma",
-        "delay": msgspec.to_builtins(GammaDelay()), "mean_s": quantity, "median_s": quantity, "n_observed": 40,
-        "n_censored": 0, "left_out": {}, "policy": {}, "shape_identified": True, "shape_reason": "", "verdict": "",
+        "delay": msgspec.to_builtins(GammaDelay()), "mean_s": quantity, "median_s": quantity, "n_observed": 40,  # noqa: E501
+        "n_censored": 0, "left_out": {}, "policy": {}, "shape_identified": True, "shape_reason": "", "verdict": "",  # noqa: E501
     }  # fmt: skip
     known = ParticipantDelays(participant="P01", tasks={"simple": msgspec.convert(fit, TaskDelay)})
     return [msgspec.json.encode(known)]

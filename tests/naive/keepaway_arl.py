@@ -1,7 +1,7 @@
 """Keepers that hear a person, written for reading: every cycle in Python, every part that of a session.
 
-Presses go through `PressGate`, credit through `CreditAssigner`, the human model is the dense `HumanRewardModel`, the
-participant a `SimulatedTrainer` of which only the stream of delays is replaced.
+Presses go through `PressGate`, credit through `CreditAssigner`, the human model is the dense
+`HumanRewardModel`, the participant a `SimulatedTrainer` of which only the stream of delays is replaced.
 """
 
 from __future__ import annotations

@@ -1,4 +1,5 @@
-"""Skills of the naive Keepaway's players: what one does with the ball, how one moves, and who goes to the ball."""
+"""Skills of the naive Keepaway's players: what one does with the ball, how one moves, and who goes to the
+ball."""
 
 from __future__ import annotations
 

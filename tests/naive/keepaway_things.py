@@ -1,4 +1,5 @@
-"""Vectors, things and commands of the naive Keepaway; vectors are complex numbers (x + iy), angles degrees."""
+"""Vectors, things and commands of the naive Keepaway; vectors are complex numbers (x + iy), angles
+degrees."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """What the fits of `studies.reaction_time` mean: scipy's densities, and a search so fine that it cannot miss.
 
-Nothing here is shared with the code under test: parameters at a fixed offset come from the textbook equations solved
-for a whole grid of offsets at once, the ex-Gaussian from a grid of (sigma, tau) with a polish.
+Nothing here is shared with the code under test: parameters at a fixed offset come from the textbook equations
+solved for a whole grid of offsets at once, the ex-Gaussian from a grid of (sigma, tau) with a polish.
 """
 
 import numpy as np
@@ -19,7 +19,8 @@ def offsets_below(low: float, n: int = 400) -> Array:
 
 
 def finest(profile, low: float) -> tuple[float, float]:
-    """Return (offset, value) at the top of `profile` (array in, array out): a grid, then five grids inside it."""
+    """Return (offset, value) at the top of `profile` (array in, array out): a grid, then five grids inside
+    it."""
     grid = offsets_below(low)
     for _ in range(6):
         values = profile(grid)

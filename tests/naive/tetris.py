@@ -1,4 +1,5 @@
-"""Tetris as we mean it: boards as arrays of booleans, row 0 at the bottom, one obvious step after the other."""
+"""Tetris as we mean it: boards as arrays of booleans, row 0 at the bottom, one obvious step after the
+other."""
 
 import itertools
 from dataclasses import dataclass

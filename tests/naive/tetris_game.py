@@ -1,4 +1,5 @@
-"""Slow twin of core.tetris.game: a board is a set of (row, column), a piece a set of cells; nothing is looked up."""
+"""Slow twin of core.tetris.game: a board is a set of (row, column), a piece a set of cells; nothing is looked
+up."""
 
 Cells = frozenset[tuple[int, int]]
 
@@ -84,7 +85,8 @@ def acted(wall: Cells, piece: Cells, primitive: str | None, columns: int) -> Cel
 
 
 def ticks_to_reach(wall: Cells, name: str, rows: int, columns: int) -> dict[Cells, int]:
-    """Fewest ticks after which the piece can have come to rest as each set of cells: all plans, tick by tick."""
+    """Fewest ticks after which the piece can have come to rest as each set of cells: all plans, tick by
+    tick."""
     rests: dict[Cells, int] = {}
     air = {enters(wall, name, rows, columns)}
     for tick in range(1, 3 * rows + 20):

@@ -41,7 +41,8 @@ def test_the_interval_covers_the_mean_of_exponential_scores_about_as_often_as_it
         values = stream(5, "scores", trial).exponential(3.0, size=60)
         interval = mean_interval(values, rng=stream(5, "b", trial), resamples=500)
         covered += interval.low <= 3.0 <= interval.high
-    # Percentile intervals of 60 skewed scores cover a little less than 95 %: about 93 %. Standard error 1.5 %.
+    # Percentile intervals of 60 skewed scores cover a little less than 95 %: about 93 %. Standard error 1.5
+    # %.
     assert 0.87 <= covered / 300 <= 0.98
 
 

@@ -116,7 +116,8 @@ def test_presses_of_one_kind_give_no_log_loss_and_the_reason(tmp_path):
 RULES = [PreviousStep(), CurrentStep(), GammaDelay()]
 
 KNOWN_LINES = {"130": (0.0, 2.0), "137": (100.0, 600.0)}
-"""Lines per game under previous-placement credit that an independent replay of these logs found, with room."""
+"""Lines per game under previous-placement credit that an independent replay of these logs found, with
+room."""
 
 
 @pytest.mark.jit

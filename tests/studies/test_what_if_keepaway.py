@@ -58,7 +58,8 @@ def test_the_density_reaches_back_and_the_rule_does_not(rows):
 
 
 def changed(folder: Path, *, seeds: bool, states: bool) -> Path:
-    """Write the golden recording without states, or with other episode seeds: as if the simulator had changed since."""
+    """Write the golden recording without states, or with other episode seeds: as if the simulator had changed
+    since."""
     recording = read_recording(GOLDEN)
     writer = LineWriter(folder / "changed.jsonl", recording.header)
     for event in recording.events:

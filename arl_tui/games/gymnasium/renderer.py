@@ -10,7 +10,8 @@ from core.interop.gymnasium.picture import EnvPicture
 from core.plugins import GameError
 
 WIDEST, HIGHEST = 42, 40
-"""Pixels of a picture: the smallest terminal of 80 x 24 cells has room for it, two rows of pixels in a line."""
+"""Pixels of a picture: the smallest terminal of 80 x 24 cells has room for it, two rows of pixels in a
+line."""
 
 
 class EnvRenderer:
@@ -71,7 +72,9 @@ class EnvRenderer:
 
 
 def smaller(picture: Any) -> Any:
-    """Return a picture of at most `WIDEST` x `HIGHEST` pixels: means of blocks, shape (height, width, 3), bytes."""
+    """Return a picture of at most `WIDEST` x `HIGHEST` pixels: means of blocks, shape (height, width, 3),
+    bytes.
+    """
     height, width = picture.shape[:2]
     scale = max(1.0, width / WIDEST, height / HIGHEST)
     rows = np.linspace(0, height, max(2, round(height / scale)) + 1).astype(int)

@@ -15,11 +15,13 @@ if TYPE_CHECKING:
 WORDS = Words(
     heading="Teach a computer a task",
     welcome=(
-        "You will watch a computer try a task, {games}. It does not know yet how to do it well. {practises}You can help it: "
+        "You will watch a computer try a task, {games}. It does not know yet how to do it well. "
+        "{practises}You can help it: "
         "tell it what you think of what it has just done."
     ),
     rules=(
-        "The computer does one thing after another, and the task is scored as you see beside it: the more, the better."
+        "The computer does one thing after another, and the task is scored as you see beside it: the more, "
+        "the better."
         "\n\nTell it what you think of what it has just done:\n"
     ),
     practises="It practises on its own between games. ",

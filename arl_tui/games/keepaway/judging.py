@@ -1,9 +1,9 @@
 """Keepaway as it is watched in the feedback-lag task: a possession per trial that ends in a marked event.
 
-Keepers with the hand-coded policy play. A trial shows the cycles before an event as they were played, then the event
-itself within one picture: a pass reaches the keeper it was meant for (the ball is kept), or the episode ends because
-a taker has the ball or it is out (lost). The mark tells that now is to be judged, not what. Runs in a process of its
-own, because the match needs compiled code.
+Keepers with the hand-coded policy play. A trial shows the cycles before an event as they were played, then
+the event itself within one picture: a pass reaches the keeper it was meant for (the ball is kept), or the
+episode ends because a taker has the ball or it is out (lost). The mark tells that now is to be judged, not
+what. Runs in a process of its own, because the match needs compiled code.
 """
 
 import sys
@@ -57,8 +57,8 @@ def judged(before: PitchFrame, now: PitchFrame) -> str | None:
 def make_clips(schedule: Schedule) -> list[Clip]:
     """Return the clip of each trial, in order: they follow from the schedule alone.
 
-    Trials take the first possession that is long enough for their foreperiod, each possession once. A trial in which
-    nothing comes shows play without a mark, which outlasts the time-out.
+    Trials take the first possession that is long enough for their foreperiod, each possession once. A trial
+    in which nothing comes shows play without a mark, which outlasts the time-out.
 
     Raises:
         ValueError: no possession is as long as a trial needs.

@@ -74,7 +74,9 @@ class PitchPanel:
         self._written = ""
 
     def take_drawn(self) -> bool:
-        """Return whether a picture has been drawn of which this has not been said; what lies between is none."""
+        """Return whether a picture has been drawn of which this has not been said; what lies between is
+        none.
+        """
         drawn = self.pitch.drawn_frame
         fresh = drawn != self.pitch.taken and drawn >= 0
         self.pitch.taken = drawn

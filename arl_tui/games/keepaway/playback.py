@@ -36,7 +36,9 @@ class Source(Protocol):
 
 
 class Playback:
-    """Plays a source cycle by cycle, one cycle ahead of what is shown, so that it can show what lies between."""
+    """Plays a source cycle by cycle, one cycle ahead of what is shown, so that it can show what lies
+    between.
+    """
 
     def __init__(self, source: Source, clock: Clock, *, speed: float = 1.0, rest_s: float = REST_S) -> None:
         """Stand at the first picture.
@@ -63,7 +65,7 @@ class Playback:
         """Simulated time since the picture shown, at most a cycle; in the last picture, time of the clock."""
         self._prepare()
 
-    # --- what is shown --------------------------------------------------------------------------------------------
+    # --- what is shown --------------------------------------------------------------------------------------
 
     def picture(self) -> PitchFrame:
         """Return the picture that is due now."""
@@ -99,7 +101,7 @@ class Playback:
         self._next = self._source.step()
         self._next_values = self._source.values()
 
-    # --- what is asked for ----------------------------------------------------------------------------------------
+    # --- what is asked for ----------------------------------------------------------------------------------
 
     @property
     def paused(self) -> bool:

@@ -1,7 +1,8 @@
 """From a session's outputs to pictures of the pitch: the match is played again, decision by decision.
 
-A decision's first picture shows the cycle in which it is made; the last picture before the next decision, or before the
-end, is the one a cycle earlier. So a hold has one picture and a pass in flight belongs to the passer's step.
+A decision's first picture shows the cycle in which it is made; the last picture before the next decision, or
+before the end, is the one a cycle earlier. So a hold has one picture and a pass in flight belongs to the
+passer's step.
 """
 
 import functools
@@ -55,7 +56,9 @@ class PitchRenderer:
 
     @property
     def receivers(self) -> tuple[int, ...]:
-        """Keepers to whom the one who decides can pass, nearest first as it sees them: those of options 1, 2, ..."""
+        """Keepers to whom the one who decides can pass, nearest first as it sees them: those of options 1, 2,
+        ...
+        """
         order = self._play.match.order[max(self._play.keeper, 0)]
         return tuple(int(keeper) for keeper in order[1:])
 

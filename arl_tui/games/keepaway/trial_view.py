@@ -18,8 +18,9 @@ PICTURES_PER_S = 30
 class PitchTrialView:
     """The real pitch: a possession is played, smooth between cycles, then one picture is marked.
 
-    The play reaches the last cycle before the event just when the foreperiod ends: it does not stop before the event,
-    which would announce it, and nothing of the event slides in. The event is one whole picture of a cycle.
+    The play reaches the last cycle before the event just when the foreperiod ends: it does not stop before
+    the event, which would announce it, and nothing of the event slides in. The event is one whole picture of
+    a cycle.
     """
 
     def __init__(self, clips: Sequence[Clip], palette: Palette, cycle_ms: float) -> None:

@@ -70,7 +70,10 @@ def make_positions(schedule: Schedule) -> list[TrialPosition]:
             rank = len(order) - int(np.flatnonzero(order == action)[0])
             place = domain.placement(state, action)
             counts = Counts(lines=state.lines, pieces=state.pieces, next_piece=domain.piece(state, ahead=1))
-            note = f"piece {place.piece}, orientation {place.orientation}, column {place.column}, rank {rank} of {len(order)}"
+            note = (
+                f"piece {place.piece}, orientation {place.orientation}, column {place.column}, rank {rank} "
+                f"of {len(order)}"
+            )
             positions.append(position_of(wall, place.piece, (place.orientation, place.column), counts, note))
         place = domain.placement(state, best)
         filled = wall.with_piece(_resting(wall, place.piece, place.orientation, place.column))

@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 WORDS = Words(
     heading="Teach a computer to play Tetris",
     welcome=(
-        "You will watch a computer play {games} of Tetris. It does not know yet how to play well. {practises}You can "
+        "You will watch a computer play {games} of Tetris. It does not know yet how to play well. "
+        "{practises}You can "
         "help it: tell it what you think of where it has just put a piece."
     ),
     rules=(
@@ -36,10 +37,12 @@ WORDS = Words(
 )
 JUDGING = JudgingWords(
     instruction=(
-        "You watch a computer play Tetris. A piece enters and is moved, then it [b]drops[/]; its shadow shows "
+        "You watch a computer play Tetris. A piece enters and is moved, then it [b]drops[/]; its shadow "
+        "shows "
         "where. Full rows disappear, so a piece should leave no holes and not stand out.\n\n"
         f"It goes to a good place: press {cap(YES)}\nIt goes to a bad place:  press {cap(NO)}\n\n"
-        "Press as soon as you have made up your mind. The computer's mistakes are put right before the next piece."
+        "Press as soon as you have made up your mind. The computer's mistakes are put right before the next "
+        "piece."
     ),
     reminder=f"{cap(NO)} bad place\n{cap(YES)} good place",
 )

@@ -1,8 +1,9 @@
-"""Rules of trust: how w_h follows from performance and match (section 3.1, Eqs. 4 and 5, and rules of our own).
+"""Rules of trust: how w_h follows from performance and match (section 3.1, Eqs. 4 and 5, and rules of our
+own).
 
-Each rule is one file: its settings, its state, how an episode revises it, its part of the fingerprint and what it needs.
-A new rule is a file and one line in `TrustRule` (`docs/extending.md`); what the rule forgets of `core.combination.trust.
-contract` is then a type error where it is used.
+Each rule is one file: its settings, its state, how an episode revises it, its part of the fingerprint and
+what it needs. A new rule is a file and one line in `TrustRule` (`docs/extending.md`); what the rule forgets
+of `core.combination.trust. contract` is then a type error where it is used.
 """
 
 from core.combination.trust.contract import Needs, Rule, Trust

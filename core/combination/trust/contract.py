@@ -1,6 +1,7 @@
 """What a rule of trust is: settings that say what the rule needs, and a state that follows the episodes.
 
-`docs/extending.md` adds a rule step by step. No compiled code is imported here, so a protocol can be read without it.
+`docs/extending.md` adds a rule step by step. No compiled code is imported here, so a protocol can be read
+without it.
 """
 
 import math
@@ -26,11 +27,14 @@ class Needs:
     """What a rule needs beside performance and agreement. A player that cannot give it refuses the rule."""
 
     window: bool = False
-    """Compares policies anew in recent decisions: these must be kept, and a policy must stay as it was played."""
+    """Compares policies anew in recent decisions: these must be kept, and a policy must stay as it was
+    played."""
     consistency: bool = False
-    """Asks how well presses are foreseen (`EpisodeReport.consistency`), which is then part of the fingerprint."""
+    """Asks how well presses are foreseen (`EpisodeReport.consistency`), which is then part of the
+    fingerprint."""
     side_by_side: tuple[float, ...] = ()
-    """w_h of each of several learners that learn side by side, the one without the human first; empty: one learner."""
+    """w_h of each of several learners that learn side by side, the one without the human first; empty: one
+    learner."""
 
 
 class Window(Protocol):
@@ -41,7 +45,9 @@ class Window(Protocol):
         ...
 
     def compare(self, theta: "Floats", human_weights: "Floats") -> Agreement:
-        """Return the agreement of an environment policy with a human policy in all decisions kept, at least one."""
+        """Return the agreement of an environment policy with a human policy in all decisions kept, at least
+        one.
+        """
         ...
 
     def chance(self, human_weights: "Floats", *, rng: "np.random.Generator") -> float:
@@ -72,7 +78,9 @@ class Trust(ABC):
         """Follow an episode, which has been ranked."""
 
     def match(self, agreement: Agreement) -> float:
-        """Return the rule's degree of match m_i of a policy; the fraction of equal choices unless it says otherwise."""
+        """Return the rule's degree of match m_i of a policy; the fraction of equal choices unless it says
+        otherwise.
+        """
         return agreement.rate
 
     def matches(self, evidence: Evidence) -> list[float | None]:
@@ -82,7 +90,9 @@ class Trust(ABC):
         ]
 
     def state_bytes(self) -> bytes:
-        """Return all that decides about later weights, for fingerprints; `weight_bytes` and what the rule has beside it."""
+        """Return all that decides about later weights, for fingerprints; `weight_bytes` and what the rule has
+        beside it.
+        """
         return weight_bytes(self.w_h)
 
 
@@ -95,7 +105,9 @@ class Rule(Protocol):
         ...
 
     def begin(self, *, root_seed: int) -> Trust:
-        """Return the rule's state before the first episode; its random choices follow from the session's root seed."""
+        """Return the rule's state before the first episode; its random choices follow from the session's root
+        seed.
+        """
         ...
 
 

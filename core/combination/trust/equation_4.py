@@ -60,7 +60,9 @@ class _Equation4(Trust):
         self.w_h = human_weight([pm for pm, _ in known], [m for _, m in known])
 
     def matches(self, evidence: Evidence) -> list[float | None]:
-        """Return m_i of each ranked policy; None for all while there is no human policy, or nothing to measure by."""
+        """Return m_i of each ranked policy; None for all while there is no human policy, or nothing to
+        measure by.
+        """
         rule, human = self._rule, evidence.human_weights
         unknown: list[float | None] = [None] * len(evidence.ranked)
         if human is None:

@@ -1,4 +1,5 @@
-"""What rules of trust are made of: w_h and probabilities of policies (section 3.1, Eqs. 4 and 5), as pure functions.
+"""What rules of trust are made of: w_h and probabilities of policies (section 3.1, Eqs. 4 and 5), as pure
+functions.
 
 All sums are rounded once (`math.fsum`), so they do not depend on the order of policies or episodes.
 """
@@ -15,9 +16,10 @@ if TYPE_CHECKING:
 def as_weights(performance: Sequence[float]) -> Sequence[float]:
     """Return by how much each episode or policy counts in a performance-weighted mean, >= 0.
 
-    Performances that are all >= 0 count as they are (Eqs. 4 and 5). Where any is negative (a sum of costs), each counts by
-    how far it lies above the lowest of them: the paper does not say, and a negative weight would turn a match into
-    its opposite. The lowest then counts nothing; where all are equal, all weights are 0, and all count alike.
+    Performances that are all >= 0 count as they are (Eqs. 4 and 5). Where any is negative (a sum of costs),
+    each counts by how far it lies above the lowest of them: the paper does not say, and a negative weight
+    would turn a match into its opposite. The lowest then counts nothing; where all are equal, all weights are
+    0, and all count alike.
     """
     lowest = min(performance, default=0.0)
     return performance if lowest >= 0 else [pm - lowest for pm in performance]
@@ -31,7 +33,8 @@ def human_weight(performance: Sequence[float], match: Sequence[float]) -> float:
         match: m_i of the same policies.
 
     Returns:
-        w_h within the range of the m_i; their plain mean until some pm_i > 0 (0/0 in Eq. 4); 0 without any policy.
+        w_h within the range of the m_i; their plain mean until some pm_i > 0 (0/0 in Eq. 4); 0 without any
+        policy.
     """
     _check_performance(performance, match)
     if not match:
@@ -55,8 +58,9 @@ def next_human_weight(pm_before: float, w_before: float, pm_now: float, match_no
         match_now: degree of match of this episode's policy.
 
     Returns:
-        A value between `w_before` and `match_now`; their plain mean where both performances are 0, or one is negative:
-        of two episodes the worse would then count nothing (`as_weights`), however little it is worse.
+        A value between `w_before` and `match_now`; their plain mean where both performances are 0, or one is
+        negative: of two episodes the worse would then count nothing (`as_weights`), however little it is
+            worse.
     """
     if min(pm_before, pm_now) < 0:
         return (w_before + match_now) / 2
@@ -73,15 +77,16 @@ def signed_human_weight(
 ) -> float:
     """Return gain * sign(w) * max(0, |w| - standard_errors * se - margin), w being Eq. 4 over episodes.
 
-    se = sd(a) sqrt(sum pm_i^2) / sum pm_i is the standard error of w for independent a_i. Episodes count alike
-    until some performance is > 0.
+    se = sd(a) sqrt(sum pm_i^2) / sum pm_i is the standard error of w for independent a_i. Episodes count
+    alike until some performance is > 0.
 
     Args:
         performance: pm_i of recent episodes, at least 2 of them.
         agreement: signed match a_i of the same episodes, in [-1, 1].
         gain: > 0.
         standard_errors: >= 0.
-        margin: agreement that a human model learned from noise may have, >= 0: se knows the chance of episodes only.
+        margin: agreement that a human model learned from noise may have, >= 0: se knows the chance of
+            episodes only.
 
     Returns:
         w_h in [-gain, gain]; negative for a participant who means the opposite.
@@ -108,7 +113,8 @@ def rank_human_weight(
     standard_errors: float,
     signed: bool,
 ) -> float:
-    """Return gain times Spearman's correlation of performance and match, less its standard errors 1 / sqrt(n - 1).
+    """Return gain times Spearman's correlation of performance and match, less its standard errors 1 / sqrt(n
+    - 1).
 
     Args:
         performance: pm_i of recent episodes, at least 3 of them.
@@ -155,7 +161,9 @@ def rank_test(first: Sequence[float], second: Sequence[float]) -> float:
 
 
 def _centred_ranks(values: Sequence[float]) -> "Floats":
-    """Return twice the ranks less their mean, ties sharing theirs: whole numbers, so their products are exact."""
+    """Return twice the ranks less their mean, ties sharing theirs: whole numbers, so their products are
+    exact.
+    """
     import numpy as np  # not needed to read a protocol
 
     _, place, counts = np.unique(
@@ -166,7 +174,8 @@ def _centred_ranks(values: Sequence[float]) -> "Floats":
 
 
 def pulls(match: Sequence[float | None], w_h: float) -> list[float]:
-    """Return w_h m_i of each top policy: by how much a participant makes it likelier to be played (section 3.1).
+    """Return w_h m_i of each top policy: by how much a participant makes it likelier to be played (section
+    3.1).
 
     Args:
         match: m_i, or None for a policy never compared: it gets the mean match of the others.
@@ -180,15 +189,17 @@ def pulls(match: Sequence[float | None], w_h: float) -> list[float]:
 def selection_probabilities(performance: Sequence[float], pull: Sequence[float]) -> list[float]:
     """Return the probability of each top policy being played (section 3.1), symmetric update included.
 
-    p_i is proportional to pm_i max(0, 1 + sum of w_h m_i over the participants): to the performance where no participant
-    is trusted (w_h = 0), and the higher, the more a policy matches a trusted one, or opposes a distrusted one.
+    p_i is proportional to pm_i max(0, 1 + sum of w_h m_i over the participants): to the performance where no
+    participant is trusted (w_h = 0), and the higher, the more a policy matches a trusted one, or opposes a
+    distrusted one.
 
     Args:
         performance: pm_i (`as_weights`), at least one policy.
         pull: of each policy, all participants together (`pulls`).
 
     Returns:
-        Probabilities that sum to 1. Policies count alike until some pm_i > 0, or while all are equally negative.
+        Probabilities that sum to 1. Policies count alike until some pm_i > 0, or while all are equally
+        negative.
     """
     _check_performance(performance, pull)
     if not performance:

@@ -11,7 +11,8 @@ from core.configuration.fields import number
 
 
 class RankCorrelation(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="rank-correlation"):
-    """Trust a participant if policies that agree with them do better (ours; `docs/decisions/signed-match.md`).
+    """Trust a participant if policies that agree with them do better (ours;
+    `docs/decisions/signed-match.md`).
 
     r = Spearman's correlation between performance and agreement over recent episodes, less its standard error
     1 / sqrt(n - 1); w_h = gain r.

@@ -27,21 +27,23 @@ ATTITUDES = (0.0, 1.0, -1.0)
 class SideBySide(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="side-by-side"):
     """Learners side by side, one per attitude, and the signed match of the one without the human (ours).
 
-    One learner chooses without the human, one believes them (w_h = weight), one believes the opposite (w_h = -weight). One
-    plays each episode, all learn from it, each about its own choices. So the first becomes good at what nobody taught it, and
-    whether its choices agree with the human says whom to believe (`docs/decisions/side-by-side.md`). It needs learners
-    that can learn from what another one does: compiled play of Keepaway has them (`core.keepaway.arl_autoplay`).
+    One learner chooses without the human, one believes them (w_h = weight), one believes the opposite (w_h =
+    -weight). One plays each episode, all learn from it, each about its own choices. So the first becomes good
+    at what nobody taught it, and whether its choices agree with the human says whom to believe
+    (`docs/decisions/side-by-side.md`). It needs learners that can learn from what another one does: compiled
+    play of Keepaway has them (`core.keepaway.arl_autoplay`).
     """
 
     weight: Annotated[float, number(gt=0, le=1e9, usual=(0.001, 1000))] = 1.0
     """|w_h| of the two that go by the human: as much say as the environment, both being standardised."""
     own_share: Annotated[float, number(ge=0, le=1)] = 0.2
-    """Share of episodes that the learner without the human plays once the human is believed, or their opposite. Before
-    that each plays a third."""
+    """Share of episodes that the learner without the human plays once the human is believed, or their
+    opposite. Before that each plays a third."""
     other_share: Annotated[float, number(ge=0, le=1)] = 0.05
     """Share of episodes that the learner of the opposite attitude plays then."""
     warm_up_episodes: Annotated[int, number("compared episodes", ge=2, le=1_000_000)] = 60
-    """Compared episodes without the human after which their agreement counts: before, that learner knows nothing."""
+    """Compared episodes without the human after which their agreement counts: before, that learner knows
+    nothing."""
     episodes: Annotated[int, number("compared episodes", ge=2, le=1_000_000)] = 20
     """How many of its recent compared episodes count."""
     margin: Annotated[float, number(ge=0, lt=1)] = 0.1
@@ -57,7 +59,8 @@ class SideBySide(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="s
             )
         if not (0 <= self.margin < 1 and self.standard_errors >= 0):
             raise ValueError(
-                f"margin is an agreement in [0, 1), standard_errors >= 0: {self.margin}, {self.standard_errors}"
+                f"margin is an agreement in [0, 1), standard_errors >= 0: {self.margin}, "
+                f"{self.standard_errors}"
             )
         check_memory(self.episodes, self.warm_up_episodes, least=2, names=("episodes", "warm_up_episodes"))
 

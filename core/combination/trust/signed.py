@@ -14,7 +14,8 @@ from core.configuration.fields import number
 class Signed(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="signed"):
     """Eq. 4 over recent episodes with the signed match, less its standard errors (ours; `docs/decisions`).
 
-    w = sum pm_i a_i / sum pm_i, se = sd(a) sqrt(sum pm_i^2) / sum pm_i, w_h = gain sign(w) max(0, |w| - c se - margin).
+    w = sum pm_i a_i / sum pm_i, se = sd(a) sqrt(sum pm_i^2) / sum pm_i, w_h = gain sign(w) max(0, |w| - c se
+    - margin).
     """
 
     episodes: Annotated[int, number("compared episodes", ge=2, le=1_000_000)] = 200
@@ -24,8 +25,9 @@ class Signed(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="signe
     standard_errors: Annotated[float, number("standard errors", ge=0, le=1e9, usual=(0, 100))] = 2.0
     """c: what is not this many standard errors from 0 is taken for 0."""
     margin: Annotated[float, number(ge=0, lt=1)] = 0.0
-    """Agreement that is taken for chance whatever its standard error, in [0, 1): a human model learned from noise is one
-    random policy in all episodes, and agrees with good ones by a fixed number (`docs/decisions/margin-of-agreement.md`)."""
+    """Agreement that is taken for chance whatever its standard error, in [0, 1): a human model learned from
+    noise is one random policy in all episodes, and agrees with good ones by a fixed number
+    (`docs/decisions/margin-of-agreement.md`)."""
     minimum_episodes: Annotated[int, number("compared episodes", ge=2, le=1_000_000)] = 10
     """With fewer episodes w_h = 0: their standard deviation says nothing."""
     consistent_above: Annotated[float, number("standard errors", ge=0)] | None = None

@@ -20,11 +20,13 @@ from core.numerics.streams import stream
 
 
 class Tried(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="tried"):
-    """The human's word is tried out, and performance says what to make of it (ours; `docs/decisions/tried-trust.md`).
+    """The human's word is tried out, and performance says what to make of it (ours;
+    `docs/decisions/tried-trust.md`).
 
-    w_h = attitude * weight. The attitude is 1 (believe), 0, or -1 (believe the opposite), whichever went with the better
-    episodes. Others are tried in a share of the episodes, but only while there is something to try: while the presses
-    can be foreseen from what they are about (`core.learners.consistency`), as random ones cannot.
+    w_h = attitude * weight. The attitude is 1 (believe), 0, or -1 (believe the opposite), whichever went with
+    the better episodes. Others are tried in a share of the episodes, but only while there is something to
+    try: while the presses can be foreseen from what they are about (`core.learners.consistency`), as random
+    ones cannot.
     """
 
     needs: ClassVar[Needs] = Needs(consistency=True)
@@ -38,7 +40,8 @@ class Tried(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="tried"
     control_share: Annotated[float, number(ge=0, le=1)] = 0.05
     """Share of episodes played without the human while it is 1 or -1."""
     better_by: Annotated[float, number("standard errors", ge=0)] = 3.0
-    """Standard errors of the rank test (Mann & Whitney) by which another attitude must do better to be taken over."""
+    """Standard errors of the rank test (Mann & Whitney) by which another attitude must do better to be taken
+    over."""
     minimum_episodes: Annotated[int, number("compared episodes", ge=2, le=1_000_000)] = 5
     """Episodes under an attitude before it is compared."""
     episodes: Annotated[int, number("compared episodes", ge=2, le=1_000_000)] = 200

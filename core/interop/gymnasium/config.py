@@ -12,10 +12,11 @@ class GymnasiumConfig(msgspec.Struct, DomainConfig, frozen=True, forbid_unknown_
     """A Gymnasium environment with discrete actions and box or discrete observations."""
 
     env: str = "CartPole-v1"
-    """Its id, as `gymnasium.make` takes it, or `module:function` of a factory of your own: it is called without
-    arguments, and with `render_mode="rgb_array"` where the environment is shown."""
+    """Its id, as `gymnasium.make` takes it, or `module:function` of a factory of your own: it is called
+    without arguments, and with `render_mode="rgb_array"` where the environment is shown."""
     tilings: Annotated[int, number("tilings", ge=1, le=64)] = 8
-    """Tilings of each number of a box observation, each variable tiled alone. (Sutton & Barto 2018, section 10.1: 8.)"""
+    """Tilings of each number of a box observation, each variable tiled alone. (Sutton & Barto 2018, section
+    10.1: 8.)"""
     tiles: Annotated[int, number("tiles", ge=1, le=1000)] = 8
     """Tiles across the range of each number. (Sutton & Barto 2018, section 10.1: 8.)"""
     largest: Annotated[float, number(gt=0, le=1e6)] = 3.0

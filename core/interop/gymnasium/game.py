@@ -1,4 +1,6 @@
-"""A Gymnasium environment as a domain and a game: states are copies of the environment, tiles cover its observation."""
+"""A Gymnasium environment as a domain and a game: states are copies of the environment, tiles cover its
+observation.
+"""
 
 import copy
 import hashlib
@@ -134,7 +136,9 @@ class GymnasiumDomain:
         return {"action": self._first_action + action, "time": state.steps}
 
     def recorded_state(self, state: GymnasiumState) -> list[float] | None:
-        """Return the observation: a recording can be learned from without the environment's version of then."""
+        """Return the observation: a recording can be learned from without the environment's version of
+        then.
+        """
         return list(state.observation)
 
     def _check(self) -> None:
@@ -146,12 +150,15 @@ class GymnasiumDomain:
             once, again = (self._played(actions) for _ in range(2))
         except Exception as error:
             raise GameError(
-                f"{name} cannot be copied, and every state of a session is a copy: {type(error).__name__}: {error}. "
-                "Keep handles (windows, files, sockets, threads) out of the environment, or give it __deepcopy__"
+                f"{name} cannot be copied, and every state of a session is a copy: {type(error).__name__}: "
+                f"{error}. "
+                "Keep handles (windows, files, sockets, threads) out of the environment, or give it "
+                "__deepcopy__"
             ) from error
         if once != again:
             raise GameError(
-                f"{name} cannot be seeded: the same seed and actions gave other observations or rewards. Draw all that is "
+                f"{name} cannot be seeded: the same seed and actions gave other observations or rewards. "
+                f"Draw all that is "
                 "random from `self.np_random`, and keep all state in the environment"
             )
 
@@ -227,7 +234,8 @@ def _actions(env: Any, name: str) -> tuple[int, int]:
     space = env.action_space
     if not isinstance(space, gymnasium.spaces.Discrete):
         raise GameError(
-            f"{name} has the actions {space}: only discrete ones can be learned here. Wrap it so that it offers some of them"
+            f"{name} has the actions {space}: only discrete ones can be learned here. Wrap it so that it "
+            f"offers some of them"
         )
     return int(space.start), int(space.n)
 
@@ -239,7 +247,8 @@ def _ranges(env: Any, config: GymnasiumConfig) -> tuple[Range, ...]:
         return (Range(float(space.start), float(space.start + space.n), 1.0),)
     if not isinstance(space, gymnasium.spaces.Box) or int(np.prod(space.shape)) > MOST_NUMBERS:
         raise GameError(
-            f"{config.env} has the observations {space}: a box of at most {MOST_NUMBERS} numbers or a discrete one can be "
+            f"{config.env} has the observations {space}: a box of at most {MOST_NUMBERS} numbers or a "
+            f"discrete one can be "
             "tiled. Wrap it so that it gives features"
         )
     most = config.largest

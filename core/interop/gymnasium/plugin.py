@@ -1,4 +1,6 @@
-"""Gymnasium environments as protocols know them (`core.plugins`). Neither Gymnasium nor compiled code is imported."""
+"""Gymnasium environments as protocols know them (`core.plugins`). Neither Gymnasium nor compiled code is
+imported.
+"""
 
 from collections.abc import Iterator, Mapping
 from functools import cache

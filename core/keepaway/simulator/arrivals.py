@@ -53,10 +53,12 @@ def cycles_to_point(player: Floats, tx: float, ty: float, limit: int) -> int:
 
 @inner_kernel
 def cycles_to_ball(player: Floats, ball: Floats) -> int:
-    """Return about how many cycles a player needs to have the ball in reach; LONGEST_INTERCEPT where it cannot.
+    """Return about how many cycles a player needs to have the ball in reach; LONGEST_INTERCEPT where it
+    cannot.
 
-    The cycles to the first point of the ball's way which the player reaches *before* the ball does: fewer than the ball
-    takes where it comes towards the player, many where it rolls away, even out of its own reach.
+    The cycles to the first point of the ball's way which the player reaches *before* the ball does: fewer
+    than the ball takes where it comes towards the player, many where it rolls away, even out of its own
+    reach.
     """
     for n in range(1, LONGEST_INTERCEPT + 1):
         bx = ball[X] + BALL_ROLL[n] * ball[VX]
@@ -96,7 +98,8 @@ def fastest_to_ball(
 
 @inner_kernel
 def keeper_to_go(ball: Floats, players: Floats, known: Bools, n_keepers: int) -> int:
-    """Return the keeper that goes to the ball: the fastest to where any player, a taker too, can first have it; -1 for none.
+    """Return the keeper that goes to the ball: the fastest to where any player, a taker too, can first have
+    it; -1 for none.
 
     Where a taker comes first, that is the keeper who is soonest at the place where it gets the ball.
     """

@@ -1,8 +1,8 @@
 """One cycle of Keepaway, in two halves around the keepers' decisions.
 
-`begin_cycle` lets players perceive and finds who has to decide; a policy fills in `match.actions`; `finish_cycle`
-commands, moves and judges. `step_cycle` is both with a benchmark policy in between. The live loop and whole
-episodes run these same kernels.
+`begin_cycle` lets players perceive and finds who has to decide; a policy fills in `match.actions`;
+`finish_cycle` commands, moves and judges. `step_cycle` is both with a benchmark policy in between. The live
+loop and whole episodes run these same kernels.
 """
 
 import numpy as np
@@ -77,7 +77,8 @@ def begin_cycle(match: Match, rules: Rules, streams: Streams) -> bool:
 
 @inner_kernel
 def finish_cycle(match: Match, rules: Rules, streams: Streams) -> bool:
-    """Carry out the decisions in `match.actions`, command everybody, move everything, and let the referee look.
+    """Carry out the decisions in `match.actions`, command everybody, move everything, and let the referee
+    look.
 
     Returns:
         Whether the episode has ended; `match.status[END]` says how. Positions stay until `start_episode`.
@@ -114,7 +115,9 @@ def finish_cycle(match: Match, rules: Rules, streams: Streams) -> bool:
 
 @inner_kernel
 def _arrival(match: Match, i: int, ball: Floats, players: Floats, exact: bool) -> int:
-    """Return in how many cycles the keeper that keeper i believes fastest has the ball; with exact state reckoned once."""
+    """Return in how many cycles the keeper that keeper i believes fastest has the ball; with exact state
+    reckoned once.
+    """
     row = match.runner[0 if exact else i]
     if row[1] < 0:
         row[1] = LONGEST_INTERCEPT if row[0] < 0 else cycles_to_ball(players[row[0]], ball)

@@ -1,4 +1,6 @@
-"""What is heard: with a narrow field of view team mates tell each other where they, the ball and an opponent are."""
+"""What is heard: with a narrow field of view team mates tell each other where they, the ball and an opponent
+are.
+"""
 
 import math
 
@@ -22,8 +24,8 @@ TOLD_DISTANCE = 20.0
 def listen(match: Match, i: int, first: int, last: int, rng: np.random.Generator) -> None:
     """Hear one team mate of [first, last): its own place, the ball, and the opponent it saw nearest.
 
-    Who has seen nothing in this episode yet says nothing. What is heard replaces only what oneself knows less well: an
-    unseen mate, a ball older than 3 cycles, or one that moves otherwise by fresher news.
+    Who has seen nothing in this episode yet says nothing. What is heard replaces only what oneself knows less
+    well: an unseen mate, a ball older than 3 cycles, or one that moves otherwise by fresher news.
     """
     mates = last - first - 1
     if mates < 1:
@@ -55,7 +57,9 @@ def listen(match: Match, i: int, first: int, last: int, rng: np.random.Generator
 
 @inner_kernel
 def _is_news(ball: Floats, speaker: Floats, mine: Floats, age: int) -> bool:
-    """Return whether what a mate says of the ball, just seen from where it stood, is better than what I believe."""
+    """Return whether what a mate says of the ball, just seen from where it stood, is better than what I
+    believe.
+    """
     if length(ball[X] - speaker[X], ball[Y] - speaker[Y]) >= TOLD_DISTANCE:
         return False
     if age > STALE_BALL:

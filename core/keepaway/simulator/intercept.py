@@ -60,8 +60,8 @@ def meeting_cycle(me: Floats, ball: Floats, meet: Floats, now: int) -> int:
     """Return in how many cycles to meet the ball; -1 where it cannot be met.
 
     The first cycle at which the simulated player has the ball in reach, unless the point of the last cycle is
-    still good and not more than two cycles worse. A point that was good is left for the next one where only that one has
-    the ball close to the body. (Read from the logs: 243 of 245 cycles in which the two differ.)
+    still good and not more than two cycles worse. A point that was good is left for the next one where only
+    that one has the ball close to the body. (Read from the logs: 243 of 245 cycles in which the two differ.)
     """
     speed = length(ball[VX], ball[VY])
     first = -1
@@ -137,8 +137,8 @@ def gap_after(me: Floats, ball: Floats, n: int) -> float:
 def close_intercept(me: Floats, ball: Floats, rival_distance: float, facing: float, command: Floats) -> bool:
     """Have the ball in reach within two cycles: by a turn where it comes by itself, else by one dash.
 
-    With time, in this order: turn where the ball comes by itself; run into the ball on purpose, which stops it; stop
-    and wait for it. Hurried, dash.
+    With time, in this order: turn where the ball comes by itself; run into the ball on purpose, which stops
+    it; stop and wait for it. Hurried, dash.
 
     Returns:
         False where nothing works; `command` is untouched then.
@@ -165,7 +165,9 @@ def close_intercept(me: Floats, ball: Floats, rival_distance: float, facing: flo
 
 @inner_kernel
 def _axial(me: Floats, ball: Floats, n: int) -> tuple[float, float, float]:
-    """Return where the ball will be after n cycles, along the body's axis and across it, and the axial speed."""
+    """Return where the ball will be after n cycles, along the body's axis and across it, and the axial
+    speed.
+    """
     dx, dy = ball[X] + BALL_ROLL[n] * ball[VX] - me[X], ball[Y] + BALL_ROLL[n] * ball[VY] - me[Y]
     cos_body, sin_body = math.cos(me[BODY] * RADIANS), math.sin(me[BODY] * RADIANS)
     axial_speed = cos_body * me[VX] + sin_body * me[VY]
@@ -208,8 +210,9 @@ def _stop_for(me: Floats, ball: Floats, command: Floats) -> bool:
 def _one_dash(me: Floats, ball: Floats, facing: float, command: Floats) -> bool:
     """Dash to where the body's line meets a circle around the ball, where that brings the ball into reach.
 
-    Of the two points the one farther ahead in the direction of play, on this side of the ball or behind it: a player who
-    runs the way its team plays runs into the ball, one who runs back stops short of it. (Read from the logs: 170 of 171.)
+    Of the two points the one farther ahead in the direction of play, on this side of the ball or behind it: a
+    player who runs the way its team plays runs into the ball, one who runs back stops short of it. (Read from
+    the logs: 170 of 171.)
     """
     forward, offset, axial_speed = _axial(me, ball, 1)
     radius = TOUCH_DISTANCE + KICK_MARGIN / 6.0

@@ -43,7 +43,9 @@ HOLD_FACING_X = 52.5
 
 @inner_kernel
 def nearest_to(x: float, y: float, players: Floats, known: Bools, first: int, last: int) -> tuple[int, float]:
-    """Return (index, distance) of the known player in [first, last) nearest to a point; (-1, inf) for none."""
+    """Return (index, distance) of the known player in [first, last) nearest to a point; (-1, inf) for
+    none.
+    """
     best, best_distance = -1, math.inf
     for j in range(first, last):
         if known[j]:
@@ -57,8 +59,8 @@ def nearest_to(x: float, y: float, players: Floats, known: Bools, first: int, la
 def freeze_ball(me: Floats, ball: Floats, command: Floats) -> None:
     """Stop the ball, or drive it to a point nearer to me when it would stop out of safe reach.
 
-    Where it would stop follows from the kick as it is sent, an integer power and angle. Where the drive is too much for one
-    kick, what moves the ball past the point is taken away first, as in a pass.
+    Where it would stop follows from the kick as it is sent, an integer power and angle. Where the drive is
+    too much for one kick, what moves the ball past the point is taken away first, as in a pass.
     """
     rate = own_kick_rate(me, ball)
     next_x, next_y = me[X] + me[VX], me[Y] + me[VY]

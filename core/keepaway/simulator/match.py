@@ -80,14 +80,18 @@ NEVER_SEEN: Final = 1 << 30
 SEE_PERIOD: Final = 3
 """Visual messages come every 150 ms: in two of three cycles of 100 ms."""
 SHARED_PHASE: Final = 0.5
-"""Chance that a player gets its visual messages in the same cycles as the one before it because they joined together.
+"""Chance that a player gets its visual messages in the same cycles as the one before it because they joined
+together.
 
-In the reference every player's messages run from the moment it joined. In three logged matches 8 of 12 neighbours share
-their phase (K1..T2: 22211, 11012, 00000); 1/2 joined together and 1/3 of the rest by chance make 2 of 3."""
+In the reference every player's messages run from the moment it joined. In three logged matches 8 of 12
+neighbours share their phase (K1..T2: 22211, 11012, 00000); 1/2 joined together and 1/3 of the rest by chance
+make 2 of 3."""
 
 
 class Match(NamedTuple):
-    """Arrays of a match with n players (keepers first) and v state variables; kernels work on them in place."""
+    """Arrays of a match with n players (keepers first) and v state variables; kernels work on them in
+    place.
+    """
 
     ball: Floats
     """x, y, vx, vy, shape (4,)."""
@@ -108,10 +112,11 @@ class Match(NamedTuple):
     variables: Floats
     """State variables of keepers that decide, shape (n_keepers, v); stale otherwise."""
     order: Ints
-    """Players by distance as the deciding keeper sees them: keepers (itself first), takers; (n_keepers, n)."""
+    """Players by distance as the deciding keeper sees them: keepers (itself first), takers; (n_keepers,
+    n)."""
     runner: Ints
-    """The keeper each keeper without the ball believes fastest to it (-1: nobody), and its cycles to the ball (-1: not
-    yet reckoned), shape (n_keepers, 2)."""
+    """The keeper each keeper without the ball believes fastest to it (-1: nobody), and its cycles to the ball
+    (-1: not yet reckoned), shape (n_keepers, 2)."""
     meet: Floats
     """Where each player last meant to meet the ball: x, y, cycle, shape (n, 3)."""
     seen_ball: Floats
@@ -199,8 +204,8 @@ def new_match(config: KeepawayConfig, streams: Streams) -> Match:
 def start_episode(match: Match, rules: Rules, rng: np.random.Generator) -> None:
     """Put everybody in place for the next episode; everybody forgets what they have seen.
 
-    Three keepers go to three corner boxes in a random rotation, further ones to the centre, takers to the fourth
-    corner; the ball lies at rest in the first keeper corner. Body and neck directions stay.
+    Three keepers go to three corner boxes in a random rotation, further ones to the centre, takers to the
+    fourth corner; the ball lies at rest in the first keeper corner. Body and neck directions stay.
     """
     _place(match.ball, match.players, rules, rng)
     if not rules.fixed_phases:
@@ -259,8 +264,8 @@ def _draw_phases(phase: Ints, rng: np.random.Generator) -> None:
 def referee(ball: Floats, players: Floats, status: Ints, rules: Rules) -> None:
     """Look once per cycle: end the episode, or count possession.
 
-    A cycle counts for the takers when any of them can kick, even if a keeper can as well; the count goes back to
-    zero only when a keeper can kick and no taker can; a loose ball leaves it as it is.
+    A cycle counts for the takers when any of them can kick, even if a keeper can as well; the count goes back
+    to zero only when a keeper can kick and no taker can; a loose ball leaves it as it is.
     """
     if abs(ball[X]) >= rules.half_length or abs(ball[Y]) >= rules.half_width:
         status[END] = OUT
@@ -284,8 +289,8 @@ def _any_in_reach(ball: Floats, players: Floats, first: int, last: int) -> bool:
 def is_stuck(match: Match) -> bool:
     """Return whether the ball has not left a circle of 3 m for 100 cycles; its clock starts anew then.
 
-    The server's own rule, unnoticed in most episodes but the end of many a long hold. The clock runs on over resets,
-    and looks at the last cycle of an episode, too, before everybody is put back.
+    The server's own rule, unnoticed in most episodes but the end of many a long hold. The clock runs on over
+    resets, and looks at the last cycle of an episode, too, before everybody is put back.
     """
     ball, stuck, now = match.ball, match.stuck, float(match.status[CLOCK])
     moved = not length(ball[X] - stuck[X], ball[Y] - stuck[Y]) <= STUCK_AREA
@@ -299,7 +304,8 @@ def is_stuck(match: Match) -> bool:
 def drop_ball(match: Match) -> None:
     """Stop the ball where it is; whoever stands within 9.15 m of it is put back to that distance, at rest.
 
-    Two who come to stand in one place overlap until they are parted (`core.keepaway.simulator.motion.collide`).
+    Two who come to stand in one place overlap until they are parted
+    (`core.keepaway.simulator.motion.collide`).
     """
     ball = match.ball
     ball[VX], ball[VY] = 0.0, 0.0

@@ -1,7 +1,9 @@
-"""Motion of ball and players in one cycle: commands, noise, decay, collisions (server 15.2.2, section by section).
+"""Motion of ball and players in one cycle: commands, noise, decay, collisions (server 15.2.2, section by
+section).
 
-All kernels work in place on `ball` (x, y, vx, vy) and `players` (one row each: x, y, vx, vy, body, neck), whose
-velocities are those after the decay: an object at rest in noise moves by its velocity in the next cycle.
+All kernels work in place on `ball` (x, y, vx, vy) and `players` (one row each: x, y, vx, vy, body, neck),
+whose velocities are those after the decay: an object at rest in noise moves by its velocity in the next
+cycle.
 """
 
 import math
@@ -79,7 +81,9 @@ def length(dx: float, dy: float) -> float:
 
 @inner_kernel
 def copy_row(row: Floats, out: Floats) -> None:
-    """Write one row into another of the same length (assigning rows would make room for a copy of overlapping ones)."""
+    """Write one row into another of the same length (assigning rows would make room for a copy of overlapping
+    ones).
+    """
     for column in range(len(row)):
         out[column] = row[column]
 

@@ -1,7 +1,7 @@
 """What a keeper does in a cycle: which option it is in, and the command that option asks for.
 
-A keeper that can kick decides (an SMDP decision), except while it is carrying out a pass. Without the ball the
-keeper fastest to it goes to it and the others get open; with no idea where the ball is a keeper searches.
+A keeper that can kick decides (an SMDP decision), except while it is carrying out a pass. Without the ball
+the keeper fastest to it goes to it and the others get open; with no idea where the ball is a keeper searches.
 """
 
 import numpy as np
@@ -74,9 +74,9 @@ def open_decision(
 ) -> tuple[bool, bool]:
     """Find what keeper i, who can kick, does: returns (whether it decides, whether its option starts now).
 
-    No decision while its pass is still being carried out, nor while some player is out of its knowledge: then it
-    holds, and nothing is learned. What is carried out is "pass to the a-th nearest": whoever that is in this cycle, so
-    that a pass takes a new aim, and time, when two receivers change places in the order.
+    No decision while its pass is still being carried out, nor while some player is out of its knowledge: then
+    it holds, and nothing is learned. What is carried out is "pass to the a-th nearest": whoever that is in
+    this cycle, so that a pass takes a new aim, and time, when two receivers change places in the order.
     """
     if row[ACTION] > 0 and row[ACTION_CYCLE] == cycle - 1:
         sort_by_distance(i, players, 0, n_keepers, order)
@@ -182,7 +182,9 @@ def command_keeper(
 
 @inner_kernel
 def find_runner(runner: Ints, ball: Floats, players: Floats, known: Bools, rules: Rules) -> None:
-    """Write which keeper is believed to have to go to the ball, and -1 for not yet reckoned, to `runner`, shape (2,)."""
+    """Write which keeper is believed to have to go to the ball, and -1 for not yet reckoned, to `runner`,
+    shape (2,).
+    """
     runner[0], runner[1] = keeper_to_go(ball, players, known, rules.n_keepers), -1
 
 
@@ -190,8 +192,8 @@ def find_runner(runner: Ints, ball: Floats, players: Floats, known: Bools, rules
 def turn_neck(command: Floats, option: int, ball: Floats, me: Floats) -> None:
     """Look at the ball; while getting open, at the centre of the region; while searching, straight ahead.
 
-    Aims from where this cycle's command takes the player to where the ball will be then. Who holds or passes the ball
-    leaves its neck alone: in the reference's logs no neck of a kicking player moves.
+    Aims from where this cycle's command takes the player to where the ball will be then. Who holds or passes
+    the ball leaves its neck alone: in the reference's logs no neck of a kicking player moves.
     """
     if option in (HOLD_BALL, PASS_BALL):
         return

@@ -1,7 +1,8 @@
 """What each player believes: dead reckoning in every cycle, corrected by what it sees in two of three.
 
-The reference's players carry soccer habits into keepaway - opponents are thought to push forward, a ball near an
-opponent is thought to lie still - and these, not the rounding of what is seen, decide how well a ball is held.
+The reference's players carry soccer habits into keepaway - opponents are thought to push forward, a ball near
+an opponent is thought to lie still - and these, not the rounding of what is seen, decide how well a ball is
+held.
 """
 
 import numpy as np

@@ -20,7 +20,9 @@ DISTANCE_SCORE: Final = 4.0
 
 @inner_kernel
 def hand_coded(variables: Floats, n_keepers: int, n_takers: int) -> int:
-    """Hold while the nearest taker is farther than 5 m; else the best of 90 and 4 * distance + angle per pass."""
+    """Hold while the nearest taker is farther than 5 m; else the best of 90 and 4 * distance + angle per
+    pass.
+    """
     if variables[n_keepers] > SAFE_TAKER_DISTANCE:
         return 0
     base = 1 + 2 * (n_keepers - 1 + n_takers)

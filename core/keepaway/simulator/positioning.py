@@ -66,7 +66,9 @@ def open_point(
     half_length: float,
     half_width: float,
 ) -> tuple[float, float]:
-    """Return the least congested grid point that a pass from (fx, fy) can reach; (0, 0) where none is open."""
+    """Return the least congested grid point that a pass from (fx, fy) can reach; (0, 0) where none is
+    open.
+    """
     best_x, best_y, least = 0.0, 0.0, math.inf
     for column in range(GRID):
         x = half_length * (1.0 - 2.0 * MARGIN) * (column / 2.0 - 1.0)

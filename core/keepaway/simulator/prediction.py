@@ -1,4 +1,5 @@
-"""What players expect of the next cycles: noise-free roll-outs, the kick they need, and the policy for moving.
+"""What players expect of the next cycles: noise-free roll-outs, the kick they need, and the policy for
+moving.
 
 A player's commands are integers: the reference's players send them with the fraction cut off.
 """
@@ -104,7 +105,9 @@ def dash_power(forward: float, axial_speed: float, cycles: int) -> float:
 
 @inner_kernel
 def step_meant(me: Floats, command: Floats) -> tuple[float, float]:
-    """Return how far a command takes a player where nobody stands in its way, without noise, metres along x and y."""
+    """Return how far a command takes a player where nobody stands in its way, without noise, metres along x
+    and y.
+    """
     step_x, step_y = me[VX], me[VY]
     if command[KIND] == DASH:
         accel = DASH_RATE * command[POWER]

@@ -87,11 +87,13 @@ def reckon_players(
 
 @inner_kernel
 def feel_myself(body: Floats, belief: Floats, command: Floats, collided: bool) -> None:
-    """Know one's own velocity; advance one's own position by the way covered, one's direction by the turn meant.
+    """Know one's own velocity; advance one's own position by the way covered, one's direction by the turn
+    meant.
 
-    How far a turn really went (its noise is 10 %) is seen only in the next visual message. So is where a collision
-    stopped one: until then a player believes that it has gone as far as it meant to. (Read from the logs: after colliding
-    in a blind cycle, takers kick at a ball exactly when it would be in reach from there.)
+    How far a turn really went (its noise is 10 %) is seen only in the next visual message. So is where a
+    collision stopped one: until then a player believes that it has gone as far as it meant to. (Read from the
+    logs: after colliding in a blind cycle, takers kick at a ball exactly when it would be in reach from
+    there.)
     """
     if command[KIND] == TURN:
         turned = command[ANGLE] / (1.0 + INERTIA * length(belief[VX], belief[VY]))

@@ -1,4 +1,6 @@
-"""What is seen: distances, directions and their changes, rounded as the server does, in two of three cycles."""
+"""What is seen: distances, directions and their changes, rounded as the server does, in two of three
+cycles.
+"""
 
 import math
 
@@ -58,8 +60,8 @@ def measure(a: Floats, b: Floats, quantise: bool, out: Floats) -> None:
         a: the one.
         b: the other.
         quantise: round as the server does.
-        out: distance, direction from a to b (degrees), distance as reported, speed away from each other, speed
-            across (counter-clockwise), shape (5,).
+        out: distance, direction from a to b (degrees), distance as reported, speed away from each other,
+            speed across (counter-clockwise), shape (5,).
     """
     dx, dy = b[X] - a[X], b[Y] - a[Y]
     distance = length(dx, dy)
@@ -136,7 +138,9 @@ def _look_at(
     rules: Rules,
     belief: Floats,
 ) -> bool:
-    """Let `me` see `other`, measured in `sight` (from the other's side where `opposite`); return whether it did."""
+    """Let `me` see `other`, measured in `sight` (from the other's side where `opposite`); return whether it
+    did.
+    """
     direction = wrap_deg(sight[DIRECTION] + 180.0) if opposite else sight[DIRECTION]
     seen = named and in_view(me, direction, rules.view_angle)
     if not seen and (sight[DISTANCE] >= FELT_DISTANCE or not known):

@@ -56,7 +56,9 @@ def in_cone(fx: float, fy: float, tx: float, ty: float, players: Floats, known: 
 
 @inner_kernel
 def most_open_keeper(ball: Floats, players: Floats, known: Bools, n_keepers: int) -> int:
-    """Return the keeper, not the one at the ball, with the fewest takers in the way of a pass; -1 for none."""
+    """Return the keeper, not the one at the ball, with the fewest takers in the way of a pass; -1 for
+    none.
+    """
     holder = nearest_to(ball[X], ball[Y], players, known, 0, n_keepers)[0]
     best, fewest = -1, players.shape[0]
     for k in range(n_keepers):

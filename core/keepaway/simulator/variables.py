@@ -1,4 +1,6 @@
-"""The state variables of a deciding keeper: distances and angles, 13 of them for 3v2 (4K + 2T - 3 in general)."""
+"""The state variables of a deciding keeper: distances and angles, 13 of them for 3v2 (4K + 2T - 3 in
+general).
+"""
 
 import math
 from dataclasses import dataclass
@@ -28,7 +30,8 @@ def _share(i: int, n: int) -> int:
 
 
 def state_variables(config: KeepawayConfig) -> tuple[StateVariable, ...]:
-    """Return the variables in the order of the array: K1 has the ball, others are numbered by distance from it.
+    """Return the variables in the order of the array: K1 has the ball, others are numbered by distance from
+    it.
 
     Distances reach to 1.25 times the region's diagonal: players leave the region by a little, never far.
     """

@@ -1,7 +1,7 @@
 """Turn the Tetris logs of Knox's TAMER program into our recordings.
 
-The format, in our words (it is the program's own, written 2009-2015): line 1 is a parameter string; then one line
-per step with eight fields separated by colons,
+The format, in our words (it is the program's own, written 2009-2015): line 1 is a parameter string; then one
+line per step with eight fields separated by colons,
 
     cells and state : - : macro action : - : reward : [{value @ t}, ...] : training : step start
 
@@ -12,8 +12,9 @@ a blank line between episodes, and `finished` at the end. Three things must be p
   written a second time on the first row of the next episode, with the identical time;
 * presses are not always in the order of their times.
 
-The times are kept as they are, pauses included. Knox's agent chose among all placements it could steer a piece to,
-so boards are recorded as they were seen (`StepTaken.observed`) rather than as our rules would make them.
+The times are kept as they are, pauses included. Knox's agent chose among all placements it could steer a
+piece to, so boards are recorded as they were seen (`StepTaken.observed`) rather than as our rules would make
+them.
 """
 
 import bisect
@@ -112,8 +113,8 @@ class ImportReport:
 def tamer_protocol() -> Protocol:
     """Return the agent that what-if replays let live through these logs, if not told otherwise.
 
-    TAMER's features, credit and silence rule; the person alone decides. The human model is least squares instead of
-    TAMER's gradient descent, on the same raw inputs (`docs/decisions/replaying-tamer-logs.md`).
+    TAMER's features, credit and silence rule; the person alone decides. The human model is least squares
+    instead of TAMER's gradient descent, on the same raw inputs (`docs/decisions/replaying-tamer-logs.md`).
     """
     return Protocol(
         name="tamer-log",

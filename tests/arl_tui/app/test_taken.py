@@ -95,7 +95,8 @@ def test_blocks_are_where_the_piece_is_while_the_next_one_falls(seed: int) -> No
         )
         shots = stage.act(taken)
         if step:
-            codes = np.frombuffer(shots[0].view.codes(), np.uint8).reshape(8, 5)[::-1]  # type: ignore[union-attr]
+            # type: ignore[union-attr]
+            codes = np.frombuffer(shots[0].view.codes(), np.uint8).reshape(8, 5)[::-1]
             blocks = stage.place_of(step - 1).blocks
             gone = 4 - len(blocks)
             assert all(codes[row, column] & 15 == last_piece + 1 for row, column in blocks)

@@ -17,7 +17,7 @@ from tests.arl_tui.fakes import episode_ended, episode_started, step_taken
 
 KEYS = KeyConfig(max_presses_per_episode=3, wrong_press_rate=0.3)
 WORDS = st.sampled_from(
-    ["press", "press", "press", "show", "show", "step", "step", "again", "cover", "uncover", "count-down", "gap", "focus",
+    ["press", "press", "press", "show", "show", "step", "step", "again", "cover", "uncover", "count-down", "gap", "focus",  # noqa: E501
      "episode", "wait", "taken in"]
 )  # fmt: skip
 KEY = st.sampled_from(
@@ -76,7 +76,7 @@ class Room(Bench):
 
 def header(seed: int) -> Header:
     return Header(
-        origin="live", created_utc="2026-11-22T10:00:00+00:00", clock="manual", clock_resolution_ns=1, started_ns=0,
+        origin="live", created_utc="2026-11-22T10:00:00+00:00", clock="manual", clock_resolution_ns=1, started_ns=0,  # noqa: E501
         participant="P01", root_seed=seed, protocol={}, software={},
     )  # fmt: skip
 

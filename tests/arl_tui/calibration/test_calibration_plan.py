@@ -23,7 +23,7 @@ from tests.arl_tui.trial_files import write_session
 NOW = "2026-11-22T10:00:00+00:00"
 
 
-# --- tasks ------------------------------------------------------------------------------------------------------
+# --- tasks --------------------------------------------------------------------------------------------------
 
 
 def test_tasks_come_in_our_order_each_once_and_all_can_be_named() -> None:
@@ -61,7 +61,7 @@ def _names() -> list[str]:
     return ["simple", "choice", "go-no-go", "memory-search", "visual-search", "recognition", "feedback-lag"]
 
 
-# --- what is done -----------------------------------------------------------------------------------------------
+# --- what is done -------------------------------------------------------------------------------------------
 
 
 def test_nothing_is_unfinished_before_the_first_and_after_a_whole_sitting(tmp_path: Path) -> None:

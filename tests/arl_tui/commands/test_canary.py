@@ -1,4 +1,5 @@
-"""No text from a file reaches a terminal, a page or a figure as something that it obeys: a canary in every field."""
+"""No text from a file reaches a terminal, a page or a figure as something that it obeys: a canary in every
+field."""
 
 import ast
 import io
@@ -25,13 +26,15 @@ from tests.fuzz.targets import TAMER, recordings
 
 ROOT = Path(__file__).resolve().parents[3]
 CANARY = "\x1b]0;title\x07\x1b[2J\x9b31m\u202etxt.exe\u2066\x0d\x08"
-"""Sets the window's title, clears the screen, colours by a C1 control, turns the order of reading, goes back."""
+"""Sets the window's title, clears the screen, colours by a C1 control, turns the order of reading, goes
+back."""
 COLOURS = re.compile(r"\x1b\[[0-9;]*m")
 """What `click.style` writes; the canary holds none of these."""
 
 
 def printed(*arguments: str | Path) -> str:
-    """Run a command as in a terminal with colours; return all that it prints, after a look at every character."""
+    """Run a command as in a terminal with colours; return all that it prints, after a look at every
+    character."""
     result = CliRunner().invoke(main, [str(argument) for argument in arguments], color=True)
     assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
     assert_harmless(result.output)
@@ -88,7 +91,8 @@ def sealed(lines: list[dict]) -> bytes:
 
 
 def every_forgery() -> Iterator[bytes]:
-    """Yield recordings with a canary in one field, for every field of the header and of one event of each kind."""
+    """Yield recordings with a canary in one field, for every field of the header and of one event of each
+    kind."""
     lines = lines_of(recordings()[0])
     kinds: dict[str, int] = {}
     for number, line in enumerate(lines):
@@ -212,7 +216,7 @@ def test_settings_of_others_are_checked_without_it(tmp_path, command):
 def test_policies_of_others(tmp_path, monkeypatch):
     monkeypatch.setattr(play, "need_terminal", lambda *_, **__: None)
     header = PolicyHeader(
-        task=KeepawayConfig(), learner=SarsaConfig(), n_tilings=1, root_seed=1, hours=0.1, episodes=3, duration_s=5.0,
+        task=KeepawayConfig(), learner=SarsaConfig(), n_tilings=1, root_seed=1, hours=0.1, episodes=3, duration_s=5.0,  # noqa: E501
         created_utc=CANARY, software={CANARY: CANARY},
     )  # fmt: skip
     for plain in (

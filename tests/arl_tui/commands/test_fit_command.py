@@ -40,7 +40,7 @@ def times(n: int = 60, index: int = 0) -> list[float]:
     return [round(float(t), 4) for t in 0.2 + stream(5, "fit command", index).gamma(4.8, 0.065, n)]
 
 
-# --- one participant ------------------------------------------------------------------------------------------------
+# --- one participant ----------------------------------------------------------------------------------------
 
 
 def test_one_participant_is_shown_with_families_intervals_sentences_and_plots(tmp_path: Path) -> None:
@@ -85,7 +85,7 @@ def test_time_outs_are_censored_where_it_is_said_how_long_they_waited(tmp_path: 
     assert "3 no response" in run(path, *QUICK).stdout
 
 
-# --- files ----------------------------------------------------------------------------------------------------------
+# --- files --------------------------------------------------------------------------------------------------
 
 
 def test_json_figure_and_page_are_written_and_the_json_is_what_sessions_read(tmp_path: Path) -> None:
@@ -150,7 +150,7 @@ def test_recordings_of_different_tasks_are_not_fitted_together(tmp_path: Path) -
     assert "simple (a.jsonl), choice (b.jsonl)" in result.stderr
 
 
-# --- many participants ----------------------------------------------------------------------------------------------
+# --- many participants --------------------------------------------------------------------------------------
 
 
 @pytest.fixture
@@ -224,7 +224,7 @@ def test_the_published_ranking_of_families_on_pooled_real_times_is_reproduced(
     assert found == pytest.approx(published, abs=0.6)
 
 
-# --- dirty input ----------------------------------------------------------------------------------------------------
+# --- dirty input --------------------------------------------------------------------------------------------
 
 
 def test_a_column_without_a_unit_is_refused_and_the_message_says_how_to_state_it(tmp_path: Path) -> None:
@@ -349,7 +349,7 @@ def test_options_that_cannot_be_meant_leave_with_status_2(tmp_path: Path, option
     assert "Traceback" not in result.output
 
 
-# --- other programs' files, other tasks' limits, odd times ----------------------------------------------------------
+# --- other programs' files, other tasks' limits, odd times --------------------------------------------------
 
 
 def gorilla(path: Path, n: int = 40) -> Path:
@@ -445,7 +445,7 @@ def test_a_pile_at_the_maximum_is_pointed_out_and_counts_as_time_outs_when_state
     assert "exactly 2 s" not in stated.stderr
 
 
-# --- plots of text --------------------------------------------------------------------------------------------------
+# --- plots of text ------------------------------------------------------------------------------------------
 
 
 def test_a_bar_is_as_long_as_its_share_to_an_eighth_of_a_column() -> None:

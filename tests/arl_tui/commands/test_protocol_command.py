@@ -121,7 +121,10 @@ def test_a_file_is_said_what_it_will_do(tmp_path: Path) -> None:
         "4 watched, each of at most 60 pieces",
         "at most 5 in a game, 20 in all",
         "annealed: w_r = 1, w_h 1, 0.5, 0.25, 0.12 in games 1 to 4",
-        "own measured delay of judging this game (task feedback lag); for a participant without one: the session does",
+        (
+            "own measured delay of judging this game (task feedback lag); for a participant without one: the "
+            "session does"
+        ),
         "of a press reaches the step it was meant for",
         "the kernels of tetris",
         "[trainer] mistake_rate has no effect here",
@@ -181,7 +184,7 @@ def start(
 def test_what_is_told_before_the_app_starts_is_what_the_header_says(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    text = 'name = "arm B"\ndelay_of = "feedback-lag"\ndelay_if_missing = "paper"\n[trainer]\nmistake_rate = 0.5\n'
+    text = 'name = "arm B"\ndelay_of = "feedback-lag"\ndelay_if_missing = "paper"\n[trainer]\nmistake_rate = 0.5\n'  # noqa: E501
     result, (protocol,), (source,) = start(monkeypatch, tmp_path, text, "--participant", "P09")
     assert result.exit_code == 0, result.output
     told = " ".join(result.output.split())

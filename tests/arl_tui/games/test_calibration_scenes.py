@@ -80,7 +80,8 @@ def test_every_move_is_shown_for_a_whole_tick_and_the_drop_comes_with_the_end_of
     assert tick_ms(schedule) == TICK_MS == TETRIS.screen.tick_ms
     view = BoardTrialView(positions, STANDARD, TICK_MS, schedule.config.time_out_s)
     shown: list[Snapshot] = []
-    view.board.show = lambda picture, number=-1: bool(shown.append(picture))  # type: ignore[method-assign, func-returns-value]
+    # type: ignore[method-assign, func-returns-value]
+    view.board.show = lambda picture, number=-1: bool(shown.append(picture))
     assert view.tick_ns is not None
     for plan in (plan for plan in schedule.trials if not plan.catch):
         shown.clear()
@@ -104,7 +105,8 @@ def test_no_piece_drops_in_a_catch_trial(watched: tuple[Schedule, list[TrialPosi
     schedule, positions = watched
     view = BoardTrialView(positions, STANDARD, TICK_MS, schedule.config.time_out_s)
     shown: list[Snapshot] = []
-    view.board.show = lambda picture, number=-1: bool(shown.append(picture))  # type: ignore[method-assign, func-returns-value]
+    # type: ignore[method-assign, func-returns-value]
+    view.board.show = lambda picture, number=-1: bool(shown.append(picture))
     catches = [plan for plan in schedule.trials if plan.catch]
     assert catches
     for plan in catches:

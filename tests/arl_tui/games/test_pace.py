@@ -120,7 +120,7 @@ async def test_no_game_begins_in_front_of_nobody(
             assert isinstance(app.screen, PlayScreen)
 
 
-# --- the weight -------------------------------------------------------------------------------------------------
+# --- the weight ---------------------------------------------------------------------------------------------
 
 
 def screen_text(app: ArlApp) -> str:

@@ -163,7 +163,7 @@ def test_the_count_down_looks_as_it_did(
     assert snap_compare(app, terminal_size=size, run_before=play)
 
 
-# --- what a press was taken for ---------------------------------------------------------------------------------
+# --- what a press was taken for -----------------------------------------------------------------------------
 
 
 @pytest.fixture

@@ -228,7 +228,7 @@ def test_watching_looks_as_it_did(snap_compare, size: tuple[int, int]):
     assert snap_compare(playing.app, terminal_size=size, run_before=play)
 
 
-# --- the command ------------------------------------------------------------------------------------------------
+# --- the command --------------------------------------------------------------------------------------------
 
 
 def run(*arguments: str) -> Result:

@@ -37,7 +37,7 @@ steps = [
   { type = "questionnaire", questions = "trust" },
   { type = "debriefing", text = "thanks.md" },
 ]
-"""
+"""  # noqa: E501
 AGREES = {"I agree.": True, "Share it.": False}
 
 

@@ -1,4 +1,5 @@
-"""Simulated participants of a study: they finish it by keys alone, and nobody takes their files for people's."""
+"""Simulated participants of a study: they finish it by keys alone, and nobody takes their files for
+people's."""
 
 from pathlib import Path
 

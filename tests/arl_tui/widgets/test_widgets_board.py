@@ -262,7 +262,8 @@ def contrast(one: Color, other: Color) -> float:
 def test_every_block_stands_out_from_the_empty_board(palette: Palette):
     for colour in palette.colours:
         settled = Color.parse(colour).blend(Color.parse("#000000"), palette.settled)
-        # WCAG 2.1: parts of a picture that matter have a contrast of at least 3 (2.4 is the sixteen colours' blue)
+        # WCAG 2.1: parts of a picture that matter have a contrast of at least 3 (2.4 is the sixteen colours'
+        # blue)
         assert contrast(settled, Color.parse(palette.empty)) >= (3 if palette is not SIXTEEN else 2.4)
 
 

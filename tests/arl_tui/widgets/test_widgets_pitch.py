@@ -43,7 +43,7 @@ def where(lines: list[str], name: str) -> tuple[int, int]:
     return found
 
 
-# --- the drawing ------------------------------------------------------------------------------------------------
+# --- the drawing --------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("detail", DETAILS)
@@ -233,7 +233,7 @@ def test_the_papers_pitch_fits_a_small_terminal_beside_a_panel():
     assert fit(20.0, 20.0, 20, 24) is None
 
 
-# --- colours ----------------------------------------------------------------------------------------------------
+# --- colours ------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("seen_by", SEEN_BY)
@@ -254,7 +254,7 @@ def test_names_and_ball_stand_out(palette: Palette):
         assert contrast(colours[ink], colours["stripe"]) > 4.5
 
 
-# --- the widget -------------------------------------------------------------------------------------------------
+# --- the widget ---------------------------------------------------------------------------------------------
 
 
 class PitchApp(App[None]):

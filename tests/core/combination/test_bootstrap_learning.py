@@ -186,8 +186,8 @@ def test_chance_agreement_of_random_policies_is_one_half_among_two_actions() -> 
     window = empty_window(capacity=400)
     for _ in range(400):
         window.remember(choices(*map(tuple, rng.normal(size=(2, 2)))))
-    # Each of the 20 random policies agrees with the human in (1 - angle/pi) of the decisions, angle uniform on
-    # [0, pi]: mean 1/2, sd 1/sqrt(12). The mean of 20 has standard error 0.065.
+    # Each of the 20 random policies agrees with the human in (1 - angle/pi) of the decisions, angle uniform
+    # on [0, pi]: mean 1/2, sd 1/sqrt(12). The mean of 20 has standard error 0.065.
     assert window.chance(HUMAN, rng=stream(6, "chance")) == pytest.approx(0.5, abs=4 * 0.065)
 
 

@@ -98,7 +98,8 @@ def test_folding_by_hand():
     assert [learner.weights.tolist() for learner in crowd.learners] == [[1.0, 0.0], [0.0, 4.0]]
     psi = np.array([[1.0, 0.0], [-1.0, 0.0], [1.0, 3.0], [-1.0, 3.0]])
     who.window.remember(Choices(np.zeros((4, 2)), psi, np.zeros(4, dtype=bool)))
-    # sd of psi_0 is 1, so sd_0 = 1; sd of psi_1 is 1.5, so sd_1 = 6. v = 0.5 (1, 0) - 0.25 (0, 4) / 6 = (1/2, -1/6)
+    # sd of psi_0 is 1, so sd_0 = 1; sd of psi_1 is 1.5, so sd_1 = 6. v = 0.5 (1, 0) - 0.25 (0, 4) / 6 = (1/2,
+    # -1/6)
     weight = crowd.fold([0.5, -0.25], who.window)
     assert crowd.weights == pytest.approx([1 / 2, -1 / 6])
     # The two features are uncorrelated here: sqrt(0.5^2 + 0.25^2)
@@ -136,7 +137,7 @@ def test_a_press_of_an_unknown_participant_is_refused():
         agent(0)
 
 
-# --- sessions -------------------------------------------------------------------------------------------------------
+# --- sessions -----------------------------------------------------------------------------------------------
 
 GOOD = msgspec.structs.replace(TALKATIVE, press_probability=0.15, max_presses=5, mistake_rate=0.1)
 ADVERSARY = msgspec.structs.replace(GOOD, mistake_rate=1.0)

@@ -1,4 +1,5 @@
-"""Schemes that act on what the environment's learner learns: reward shaping, Q augmentation, COACH. By hand."""
+"""Schemes that act on what the environment's learner learns: reward shaping, Q augmentation, COACH. By
+hand."""
 
 import numpy as np
 import pytest
@@ -87,7 +88,8 @@ def test_an_episode_that_was_broken_off_leaves_no_shaping_behind():
 
 
 def taught_agent(scheme) -> ArlAgent:
-    """An agent over Sarsa whose human likes the feature: one press, credited to the step on screen, H = psi / 2."""
+    """An agent over Sarsa whose human likes the feature: one press, credited to the step on screen, H = psi /
+    2."""
     agent = ArlAgent(
         sarsa(),
         AgentConfig(
@@ -106,7 +108,8 @@ def taught_agent(scheme) -> ArlAgent:
 @pytest.mark.parametrize(
     ("scheme", "expected"),
     [
-        # H = 0.5 for the action taken in state 0, 1 in state 1 (psi 2). Shaping by 2 H: 0.5 * (3 + 1), then 0.5 * (2 + 2).
+        # H = 0.5 for the action taken in state 0, 1 in state 1 (psi 2). Shaping by 2 H: 0.5 * (3 + 1), then
+        # 0.5 * (2 + 2).
         (RewardShaping(beta_0=2.0), [2.0, 2.0]),
         # Augmentation by 2 H: 0.5 * (3 + 2 - 1), then 0.5 * (2 - 2).
         (QAugmentation(beta=2.0), [2.0, 0.0]),
@@ -131,7 +134,7 @@ def test_q_augmentation_adds_h_in_the_choice_too_and_shaping_does_not():
         assert agent.choose(choices, policy, step=0).action == expected
 
 
-# --- COACH --------------------------------------------------------------------------------------------------------
+# --- COACH --------------------------------------------------------------------------------------------------
 
 
 def pair() -> Choices:

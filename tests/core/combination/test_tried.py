@@ -21,7 +21,8 @@ def learning(rule: Tried | RankCorrelation) -> BootstrapLearning:
 
 
 def play(rule: Tried, helps: dict[float, float], *, consistency: float, episodes: int = 300) -> np.ndarray:
-    """Let episodes have exponential performance with a mean that depends on w_h; return w_h of each episode."""
+    """Let episodes have exponential performance with a mean that depends on w_h; return w_h of each
+    episode."""
     bootstrap = learning(rule)
     rng = stream(5, "performance")
     used = []

@@ -1,4 +1,5 @@
-"""Every rule of trust keeps the contract, and a new one takes a file and a line: played, recorded, replayed exactly."""
+"""Every rule of trust keeps the contract, and a new one takes a file and a line: played, recorded, replayed
+exactly."""
 
 from pathlib import Path
 from typing import get_args
@@ -29,7 +30,7 @@ def report(episode: int, agreement: Agreement | None = None) -> EpisodeReport:
     return EpisodeReport(episode, np.ones(2), 5.0 + episode % 7, False, agreement, consistency=9.0)
 
 
-# --- the contract ---------------------------------------------------------------------------------------------------
+# --- the contract -------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("kind", [*RULES, Recent])
@@ -92,7 +93,7 @@ def test_a_rule_that_needs_a_window_is_refused_where_none_is_kept():
         BootstrapLearning(BootstrapConfig(trust=Equation4(measured="window")), None, root_seed=1)
 
 
-# --- a rule of one's own --------------------------------------------------------------------------------------------
+# --- a rule of one's own ------------------------------------------------------------------------------------
 
 
 class BootstrapWithRecent(BootstrapConfig, frozen=True, kw_only=True):

@@ -62,7 +62,8 @@ def test_an_unknown_name_is_refused_with_those_known():
 
 
 def test_actions_too_close_to_the_border_in_value_are_passed_over():
-    # Good is the best quarter: 10 and 6; the best bad one is 5. Border (6 + 5) / 2 = 5.5, sd 3.2: 0.5 sd is 1.6.
+    # Good is the best quarter: 10 and 6; the best bad one is 5. Border (6 + 5) / 2 = 5.5, sd 3.2: 0.5 sd is
+    # 1.6.
     values = np.array([10.0, 6.0, 5.0, 3.0, 2.0, 1.0, 0.0, 0.0])
     said = [judgement(values, a, good_share=0.25, equal_margin=0.5) for a in range(8)]
     assert said == [1.0, None, None, -1.0, -1.0, -1.0, -1.0, -1.0]

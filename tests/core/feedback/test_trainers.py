@@ -88,7 +88,8 @@ def test_there_are_no_more_judgements_than_the_budget_in_any_episode() -> None:
 def test_the_paper_s_two_presses_per_episode_on_average() -> None:
     n_episodes = 150
     count = len(values(presses_of(TrainerConfig(), n_episodes=n_episodes)))
-    # 60 steps at 0.03: 1.8 presses, sd 1.32, cut at 5 (takes away 0.02); standard error 1.32/sqrt(150) = 0.108
+    # 60 steps at 0.03: 1.8 presses, sd 1.32, cut at 5 (takes away 0.02); standard error 1.32/sqrt(150) =
+    # 0.108
     assert count / n_episodes == pytest.approx(1.8, abs=4 * 0.108)
 
 

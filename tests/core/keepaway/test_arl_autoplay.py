@@ -1,4 +1,5 @@
-"""Compiled play with a person: the same as a loop in Python over the parts of a session; what it must never do."""
+"""Compiled play with a person: the same as a loop in Python over the parts of a session; what it must never
+do."""
 
 import msgspec
 import numpy as np
@@ -76,8 +77,8 @@ SETTINGS = {
     ),
     "control sharing, lay": setting(agent(ControlSharing(0.5)), LAY),
     "bursts, fatigue, anticipation, no pause": setting(
-        # Not 1: where R knows one option and H speaks against it, w_h = 1 makes a tie that rounding decides, and the
-        # shares of a press are the same only to rounding.
+        # Not 1: where R knows one option and H speaks against it, w_h = 1 makes a tie that rounding decides,
+        # and the shares of a press are the same only to rounding.
         agent(Constant(0.8), FixedWeight()),
         ODD_PERSON,
         pause_s=0.0,
@@ -204,7 +205,8 @@ def test_the_same_seed_gives_the_same_session_and_another_one_another():
 
 @pytest.mark.parametrize("what", ["weights", "samples", "foreseen"])
 def test_the_digest_tells_of_everything_that_is_known_of_the_person(what):
-    # The same play, and yet not the same knowledge: trust by trial goes by `foreseen`, everything else by `samples`.
+    # The same play, and yet not the same knowledge: trust by trial goes by `foreseen`, everything else by
+    # `samples`.
     game, other = (ArlAutoplay(setting(), 1, "told apart") for _ in range(2))
     assert game.digest() == other.digest()
     getattr(other.human, what).flat[-1] += 1

@@ -68,7 +68,8 @@ def test_random_presses_score_as_a_standard_normal_number_whatever_is_pressed_mo
         features = rng.normal(size=(120, 4)) + 3.0
         labels = np.where(rng.random(120) < 0.25, 1.0, -1.0)
         scores.append(foreseen(labels, features).score)
-    # standard errors: 1 / sqrt(150) = 0.082 of the mean, sqrt(2 / 150) = 0.115 of the variance; allow 4 of them
+    # standard errors: 1 / sqrt(150) = 0.082 of the mean, sqrt(2 / 150) = 0.115 of the variance; allow 4 of
+    # them
     assert np.mean(scores) == pytest.approx(0.0, abs=0.33)
     assert np.var(scores) == pytest.approx(1.0, abs=0.46)
 

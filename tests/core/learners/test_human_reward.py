@@ -94,8 +94,8 @@ def test_ridge_without_intercept_by_hand() -> None:
 
 
 def test_ridge_with_penalised_intercept_by_hand() -> None:
-    # Inputs (x, 1) with x = -1, 3: root mean squares sqrt 5 and 1. z = (-1, sqrt 5)/sqrt 5 and (3, sqrt 5)/sqrt 5.
-    # Normal equations, l2 = 2: [[2 + 2, 2/sqrt 5], [2/sqrt 5, 2 + 2]] (v_z, b) = (4/sqrt 5, 0).
+    # Inputs (x, 1) with x = -1, 3: root mean squares sqrt 5 and 1. z = (-1, sqrt 5)/sqrt 5 and (3, sqrt
+    # 5)/sqrt 5. Normal equations, l2 = 2: [[2 + 2, 2/sqrt 5], [2/sqrt 5, 2 + 2]] (v_z, b) = (4/sqrt 5, 0).
     # b = -v_z / (2 sqrt 5); v_z (4 - 1/5) = 4/sqrt 5: v_z = 20 / (19 sqrt 5); v = v_z / sqrt 5 = 4/19.
     # b = -20 / (19 * 2 * 5) = -2/19.
     model = fitted(RidgeModel(l2=2.0, intercept="penalised"), [sample([-1], -1), sample([3], 1)])

@@ -53,7 +53,8 @@ def test_alone_it_is_the_compiled_learner_bit_for_bit(settings):
 
 
 def test_it_learns_from_what_was_done_not_from_what_it_would_have_done():
-    # alpha 0.5 over 8 tiles; the option of 4 cycles, taken by somebody else, is worth 0 and leads to a value of 0.
+    # alpha 0.5 over 8 tiles; the option of 4 cycles, taken by somebody else, is worth 0 and leads to a value
+    # of 0.
     pupil = learner(step_size=0.5, exploration=0.0)
     pupil.took(choices([0, 16], time=0), 2, 0.0)
     pupil.took(choices([8, 20], time=4), 1, 0.0)
@@ -67,7 +68,8 @@ def test_taking_an_action_learns_towards_the_value_of_that_action_by_hand():
     sarsa.values[0] = [5.0, 3.0, 7.0]
     before = last_value(sarsa, 0)
     take_action(sarsa, 0, second, 1, 2, before)
-    # Reward of two cycles at gamma 0.9 is 1 + 0.9; then 0.81 of the value of the action taken: 1.9 + 2.43 = 4.33.
+    # Reward of two cycles at gamma 0.9 is 1 + 0.9; then 0.81 of the value of the action taken: 1.9 + 2.43 =
+    # 4.33.
     assert last_value(sarsa, 0) == 0.0
     assert pupil_value(sarsa, first, 2) == pytest.approx(0.5 * 4.33)
     assert sarsa.last_action[0] == 1
@@ -116,7 +118,8 @@ def test_what_it_exports_is_all_it_has_learned():
 
 
 def test_it_learns_from_rewards_of_either_sign_and_from_how_long_they_took_by_hand():
-    # alpha 0.5; learner 0 decides at 0 and 3, learner 1 at 1; gamma 0.9. Option of 0: -1 at once, 0.9 * 4 at time 1.
+    # alpha 0.5; learner 0 decides at 0 and 3, learner 1 at 1; gamma 0.9. Option of 0: -1 at once, 0.9 * 4 at
+    # time 1.
     pupil = SarsaLearner(
         SarsaConfig(step_size=0.5, discount=0.9, exploration=0.0), CODER, n_learners=2, n_actions=3
     )

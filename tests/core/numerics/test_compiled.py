@@ -20,7 +20,10 @@ def cache_folder(cache_home: Path, *, sources: Path = REPOSITORY) -> Path:
     """Return the folder that a new process chooses for its compiled code."""
     environment = {**os.environ, "XDG_CACHE_HOME": str(cache_home), "PYTHONPATH": str(sources)}
     environment.pop("NUMBA_CACHE_DIR", None)
-    script = "from core.numerics.compiled import cache_folder, sources_digest; print(cache_folder(sources_digest())[0])"
+    script = (
+        "from core.numerics.compiled import cache_folder, sources_digest; "
+        "print(cache_folder(sources_digest())[0])"
+    )
     done = subprocess.run(
         [sys.executable, "-c", script],
         env=environment,

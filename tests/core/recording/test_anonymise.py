@@ -82,7 +82,8 @@ def test_the_header_says_what_was_done_and_names_the_old_file(tmp_path: Path) ->
     source = copy_of(path, Anonymising(KEY), tmp_path).header.source
     assert source["anonymised_from_sha256"] == hashlib.sha256(path.read_bytes()).hexdigest()
     assert source["anonymised"] == (
-        "removed: dates, terminal facts, free text, names of other keys; participant has a new code; times and all else "
+        "removed: dates, terminal facts, free text, names of other keys; participant has a new code; times "
+        "and all else "
         "as recorded; sealed anew"
     )
     keyed = copy_of(path, Anonymising(KEY, keyed_hash=True), tmp_path).header.source

@@ -1,4 +1,5 @@
-"""Recordings of hours: listed without decoding every line, replayed in a time that grows with their length alone."""
+"""Recordings of hours: listed without decoding every line, replayed in a time that grows with their length
+alone."""
 
 import json
 import time
@@ -34,7 +35,8 @@ class Again:
 
 
 def long(recording: Recording, n_events: int) -> Recording:
-    """A recording with so many more frames and credits that one pass is fast, and a pass per output is not."""
+    """A recording with so many more frames and credits that one pass is fast, and a pass per output is
+    not."""
     events = list(recording.events)
     first = next(n for n, event in enumerate(events) if isinstance(event, Output) and event.inputs > 0)
     credit = next(event for event in events if event.__class__.__name__ == "CreditGiven")

@@ -138,7 +138,10 @@ def test_a_field_of_version_2_in_a_file_of_version_1_is_refused(tmp_path):
     [
         (
             3,
-            "version 3 of the format, newer than this program, which reads up to version 2.*: update this program",
+            (
+                "version 3 of the format, newer than this program, which reads up to version 2.*: update this "  # noqa: E501
+                "program"
+            ),
         ),
         (0, "version 0 of the format; this program reads versions 1 to 2"),
         ("two", "Expected `int`, got `str` - at `\\$.version`"),

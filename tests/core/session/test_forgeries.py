@@ -1,4 +1,5 @@
-"""Recordings that were changed and sealed anew: replay refuses what cannot have happened, with line and reason."""
+"""Recordings that were changed and sealed anew: replay refuses what cannot have happened, with line and
+reason."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -140,10 +141,10 @@ def another_alphabet(events: Events) -> None:
 
 
 FORGERIES: list[Forge] = [
-    keys_exchanged, all_praised, a_refused_press_accepted, presses_elsewhere, presses_moved_before_their_frame,
-    presses_moved_behind_what_took_them_in, frames_earlier_than_their_steps, frames_later_than_what_took_them_in,
+    keys_exchanged, all_praised, a_refused_press_accepted, presses_elsewhere, presses_moved_before_their_frame,  # noqa: E501
+    presses_moved_behind_what_took_them_in, frames_earlier_than_their_steps, frames_later_than_what_took_them_in,  # noqa: E501
     a_frame_of_a_step_to_come, a_frame_twice, a_press_too_many, a_press_left_out, a_press_taken_back,
-    more_inputs_taken_in_than_there_are, time_goes_back, a_time_of_no_clock, a_gap_backwards, another_alphabet,
+    more_inputs_taken_in_than_there_are, time_goes_back, a_time_of_no_clock, a_gap_backwards, another_alphabet,  # noqa: E501
 ]  # fmt: skip
 
 

@@ -1,9 +1,11 @@
-"""The golden sessions in recordings/reference, of every version of the format: replayed bit for bit in every test run.
+"""The golden sessions in recordings/reference, of every version of the format: replayed bit for bit in every
+test run.
 
-They hold the meaning of a recording fixed: if one of these fails, sessions of real people do not replay any more
-either. Make a new one only where a game has to play otherwise, `python -m tests.core.session.test_golden_sessions NAME`, and
-raise the game's REVISION: recordings name it, so that nobody wonders why theirs does not replay. Files of version 1 were
-written by the program of then and cannot be made again.
+They hold the meaning of a recording fixed: if one of these fails, sessions of real people do not replay any
+more either. Make a new one only where a game has to play otherwise, `python -m
+tests.core.session.test_golden_sessions NAME`, and raise the game's REVISION: recordings name it, so that
+nobody wonders why theirs does not replay. Files of version 1 were written by the program of then and cannot
+be made again.
 """
 
 import hashlib
@@ -96,7 +98,8 @@ def test_weight_and_trust_are_recorded_apart(name):
         assert [output.weights for output in unseen] == [[0.98**k for k in range(n, n + 6)] for n in (1, 8)]
         assert all(output.trust != output.weight for output in started[1:])
     else:
-        # Linear and exponential combination go by trust: the weight in use is what the rule said when the episode began.
+        # Linear and exponential combination go by trust: the weight in use is what the rule said when the
+        # episode began.
         assert all(output.trust == output.weight for output in started)
         assert any(output.weight for output in started)
 

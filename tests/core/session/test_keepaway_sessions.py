@@ -272,7 +272,7 @@ def test_a_person_who_is_obeyed_changes_what_is_done(tmp_path):
     assert sum(followed) >= 9  # one in a hundred explores
 
 
-# --- protocols ----------------------------------------------------------------------------------------------------
+# --- protocols ----------------------------------------------------------------------------------------------
 
 
 def test_a_protocol_of_keepaway_says_only_what_differs_from_its_own_defaults(tmp_path):

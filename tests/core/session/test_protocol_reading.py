@@ -39,7 +39,7 @@ def refusal(folder: Path, text: str, game: str = "tetris") -> str:
     return str(caught.value)
 
 
-# --- unknown keys -------------------------------------------------------------------------------------------------
+# --- unknown keys -------------------------------------------------------------------------------------------
 
 
 def test_every_table_of_every_type_is_walked() -> None:
@@ -93,7 +93,7 @@ def test_a_foreign_key_is_told_where_it_belongs(tmp_path: Path, text: str, told:
     assert after in message.partition(before)[2] + before
 
 
-# --- values -------------------------------------------------------------------------------------------------------
+# --- values -------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -165,7 +165,7 @@ def written_out(path: tuple[str, ...], tag: str) -> dict[str, object]:
 def test_a_type_alone_stands_for_its_table_with_the_defaults(tmp_path: Path) -> None:
     protocol = load(
         tmp_path,
-        'domain = "tetris"\n[agent]\nscheme = "annealed"\n[agent.credit]\ndelay = "gamma"\n[learner]\nnoise = "none"\n',
+        'domain = "tetris"\n[agent]\nscheme = "annealed"\n[agent.credit]\ndelay = "gamma"\n[learner]\nnoise = "none"\n',  # noqa: E501
     )
     assert protocol.agent.scheme == Annealed()
     assert protocol.agent.credit.delay == GammaDelay()
@@ -177,13 +177,14 @@ def test_a_type_alone_stands_for_its_table_with_the_defaults(tmp_path: Path) -> 
                 for key in reversed(path):
                     inner = {key: inner}
                 assert isinstance(inner, dict)
-                # Some types do not go together with the rest of the protocol: that is no fault of the table's form.
+                # Some types do not go together with the rest of the protocol: that is no fault of the table's
+                # form.
                 with contextlib.suppress(ConfigurationError):
                     protocol_from(inner)
                 assert with_tables(inner, Protocol) == with_tables(written_out(path, tag), Protocol)
 
 
-# --- files --------------------------------------------------------------------------------------------------------
+# --- files --------------------------------------------------------------------------------------------------
 
 
 def test_a_byte_order_mark_and_windows_line_ends_are_no_fault(tmp_path: Path) -> None:
@@ -220,7 +221,7 @@ def test_a_huge_file_is_not_read(tmp_path: Path) -> None:
 
 
 def test_lines_are_found_in_every_way_of_writing_toml() -> None:
-    text = 'a = 1\n"b" = """\nc = 2\n"""\n[d.e]\nf.g = 3\nh = { i = 4, j = 5 }\n[[k]]\nl = 6\n[[k]]\n  m = [\n  7,\n]\n'
+    text = 'a = 1\n"b" = """\nc = 2\n"""\n[d.e]\nf.g = 3\nh = { i = 4, j = 5 }\n[[k]]\nl = 6\n[[k]]\n  m = [\n  7,\n]\n'  # noqa: E501
     found = places(text)
     expected = {("a",): 1, ("b",): 2, ("d", "e"): 5, ("d", "e", "f", "g"): 6, ("d", "e", "h", "j"): 7}
     expected |= {("k", 0, "l"): 9, ("k", 1): 10, ("k", 1, "m"): 11}
@@ -234,10 +235,10 @@ def test_messages_hold_nothing_that_a_terminal_obeys(tmp_path: Path) -> None:
 
 
 PLAIN = st.recursive(
-    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8) | st.sampled_from(sorted(SCHEMES)),
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8) | st.sampled_from(sorted(SCHEMES)),  # noqa: E501
     lambda inner: st.lists(inner, max_size=3)
     | st.dictionaries(
-        st.sampled_from(["type", "scheme", "delay", "agent", "credit", "noise", "episodes", "shape"]) | st.text(max_size=5),
+        st.sampled_from(["type", "scheme", "delay", "agent", "credit", "noise", "episodes", "shape"]) | st.text(max_size=5),  # noqa: E501
         inner,
         max_size=4,
     ),
@@ -255,7 +256,7 @@ def test_whatever_a_protocol_says_the_answer_is_a_protocol_or_the_documented_err
         assert protocol_from(to_plain(protocol)) == protocol
 
 
-# --- what was once run --------------------------------------------------------------------------------------------
+# --- what was once run --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("path", sorted(GOLDEN.glob("*.jsonl")), ids=lambda path: path.stem)
@@ -324,9 +325,9 @@ def test_what_is_left_out_has_the_default_of_the_game() -> None:
 
 
 LINES = (
-    "[agent]", "[agent.scheme]", "[learner]", "[session]", "[[others]]", "[agent.credit.delay]", 'type = "gamma"',
-    'type = "keepaway"', 'scheme = "coach"', "beta_0 = inf", "shape = 1e300", "episodes = 2", "others = [{}]", "x = [[",
-    "a.b.c = 1", '"\u00e9" = 1', "d = 1979-05-27", "see_phases = [9]", "= 3", 'delay = "uniform"', "noise = 3",
+    "[agent]", "[agent.scheme]", "[learner]", "[session]", "[[others]]", "[agent.credit.delay]", 'type = "gamma"',  # noqa: E501
+    'type = "keepaway"', 'scheme = "coach"', "beta_0 = inf", "shape = 1e300", "episodes = 2", "others = [{}]", "x = [[",  # noqa: E501
+    "a.b.c = 1", '"\u00e9" = 1', "d = 1979-05-27", "see_phases = [9]", "= 3", 'delay = "uniform"', "noise = 3",  # noqa: E501
 )  # fmt: skip
 
 

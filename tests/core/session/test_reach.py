@@ -1,4 +1,5 @@
-"""The share of a press that reaches its step: by hand, against credit itself, against the issue of a pace, real delays."""
+"""The share of a press that reaches its step: by hand, against credit itself, against the issue of a pace,
+real delays."""
 
 import csv
 from dataclasses import dataclass
@@ -61,15 +62,17 @@ def test_previous_step_by_hand() -> None:
 
 
 def test_step_on_screen_by_hand() -> None:
-    # Judged after 0.1 s: there are 0.5 and 0.3 s left; a piece that is judged when it has landed leaves nothing.
+    # Judged after 0.1 s: there are 0.5 and 0.3 s left; a piece that is judged when it has landed leaves
+    # nothing.
     delay = UniformDelay(0.0, 1.0)
     assert share_reached([seen(0.6, 0.1), seen(0.4, 0.1)], CurrentStep(), delay) == pytest.approx(0.4)
     assert share_reached([seen(0.6), seen(0.4)], CurrentStep(), delay) == 0.0
 
 
 def test_density_by_hand() -> None:
-    # Credit density 1 on [0, 1] s, every press after exactly 0.5 s: a step that was judged when it came on screen
-    # and lasts 0.4 s covers the delays 0.1 to 0.5 s; one that is judged at its end covers 0.5 to 0.9 s.
+    # Credit density 1 on [0, 1] s, every press after exactly 0.5 s: a step that was judged when it came on
+    # screen and lasts 0.4 s covers the delays 0.1 to 0.5 s; one that is judged at its end covers 0.5 to 0.9
+    # s.
     exactly = MeasuredDelays(np.array([0.5]))
     rule = UniformDelay(0.0, 1.0)
     assert share_reached([seen(0.4, 0.0)] * 3, rule, exactly) == pytest.approx(0.4, abs=0.003)
@@ -126,14 +129,16 @@ def test_a_piece_of_the_default_board_takes_eight_pictures() -> None:
     ("tick_ms", "paper", "needs_1_s"), [(80, 0.49, 0.18), (150, 0.82, 0.71)], ids=["80 ms", "150 ms"]
 )
 def test_share_of_presses_on_a_piece_at_a_pace(tick_ms: int, paper: float, needs_1_s: float) -> None:
-    """At 80 ms a tick (0.65 s a piece) half of the paper's presses come while the right piece is the last one."""
+    """At 80 ms a tick (0.65 s a piece) half of the paper's presses come while the right piece is the last
+    one."""
     protocol = at_tick(tick_ms)
     assert reach_of(protocol).share == pytest.approx(paper, abs=0.015)
     assert reach_of(protocol, NEEDS_1_S).share == pytest.approx(needs_1_s, abs=0.015)
 
 
 def test_a_density_cannot_give_a_landed_piece_more_than_half() -> None:
-    """The delay begins when the piece's time on screen ends: what it needs, its density gives to the next piece."""
+    """The delay begins when the piece's time on screen ends: what it needs, its density gives to the next
+    piece."""
     shares = [reach_of(at_tick(tick_ms, GammaDelay())).share for tick_ms in (80, 150, 400)]
     assert shares == sorted(shares)
     assert shares[0] == pytest.approx(0.35, abs=0.02)
@@ -142,7 +147,8 @@ def test_a_density_cannot_give_a_landed_piece_more_than_half() -> None:
 
 @pytest.mark.jit
 def test_options_of_keepaway() -> None:
-    """A pass takes 0.64 s and is credited by the density: a third of a press reaches it, in slow motion more."""
+    """A pass takes 0.64 s and is credited by the density: a third of a press reaches it, in slow motion
+    more."""
     reach = reach_of(msgspec.structs.replace(KEEPAWAY, screen=ScreenConfig(speed=1.0)))
     slow = reach_of(msgspec.structs.replace(KEEPAWAY, screen=ScreenConfig(speed=0.5)))
     assert reach.share == pytest.approx(0.34, abs=0.02)
@@ -152,7 +158,8 @@ def test_options_of_keepaway() -> None:
 
 
 def test_real_delays() -> None:
-    """5,349 real evaluations, median 1.0 s: 27 % come in time at 80 ms a tick, 60 % at 150 ms, 74 % at 200 ms."""
+    """5,349 real evaluations, median 1.0 s: 27 % come in time at 80 ms a tick, 60 % at 150 ms, 74 % at 200
+    ms."""
     with (data_folder("evaluation_delays") / "charm.csv").open(encoding="utf-8") as file:
         delays = MeasuredDelays(np.array([float(row["delay_s"]) for row in csv.DictReader(file)]))
     assert delays.cdf(1.0) == pytest.approx(0.5, abs=0.01)

@@ -138,7 +138,8 @@ def games(recording: Recording) -> list[EpisodeEnded]:
 
 
 def places(whole: Recording) -> list[int]:
-    """After how many events a session is cut: at every kind of boundary after the first game, and within games."""
+    """After how many events a session is cut: at every kind of boundary after the first game, and within
+    games."""
     ends = [at for at, event in enumerate(whole.events) if isinstance(event, EpisodeEnded)]
     unseen = [at for at, event in enumerate(whole.events) if isinstance(event, UnseenPlayed)]
     starts = [at for at, event in enumerate(whole.events) if isinstance(event, EpisodeStarted)]

@@ -10,7 +10,8 @@ from core.tetris.policy_gradient import PolicyGradientGame
 def play_combined(
     theta, v, seed: int, config: TetrisConfig, *weights: EpisodeWeights, piece_cap=PIECE_LIMIT, **settings
 ) -> CombinedGame:
-    """Return a game of environment and human after its end, or `piece_cap` pieces; arguments as in `CombinedGame`."""
+    """Return a game of environment and human after its end, or `piece_cap` pieces; arguments as in
+    `CombinedGame`."""
     game = CombinedGame(theta, v, seed, config, *weights, **settings)
     game.advance(piece_cap)
     return game
@@ -19,7 +20,8 @@ def play_combined(
 def play_policy_gradient(
     learner, v, seed: int, config: TetrisConfig, *weights: EpisodeWeights, piece_cap=PIECE_LIMIT, **settings
 ) -> PolicyGradientGame:
-    """Return the game after one episode in which the learner has learned; arguments as in `PolicyGradientGame`."""
+    """Return the game after one episode in which the learner has learned; arguments as in
+    `PolicyGradientGame`."""
     game = PolicyGradientGame(learner, v, seed, config, *weights, **settings)
     game.advance(piece_cap)
     learner.end_episode()

@@ -175,7 +175,8 @@ def test_the_46_features_of_tamer_by_hand():
 
 
 def test_where_a_piece_must_fit_it_may_not_stick_out_even_if_it_would_clear():
-    # Four rows on four columns; the right column is open. An upright I would clear one row but needs four rows.
+    # Four rows on four columns; the right column is open. An upright I would clear one row but needs four
+    # rows.
     config = TetrisConfig(rows=4, columns=4)
     state = state_of(["....", ".XXX", ".XXX", "X.XX"])
     placements = WithPiece(config, I).placements(state).tolist()

@@ -86,7 +86,8 @@ def test_the_oracle_plays_far_better_than_chance():
         state = domain.initial(seed)
         while not domain.terminal(state) and state.pieces < 250:
             state = domain.transition(state, int(np.argmax(oracle(state)))).next_state
-        # 250 pieces are 1,000 cells; on a board it keeps low that is nearly 100 lines. Random play clears none.
+        # 250 pieces are 1,000 cells; on a board it keeps low that is nearly 100 lines. Random play clears
+        # none.
         assert not state.over
         assert state.lines >= 90
 

@@ -74,7 +74,7 @@ pieces = st.integers(0, N_PIECES - 1)
 plans = st.lists(st.sampled_from([LEFT, RIGHT, ROTATE, DROP, None]), max_size=40)
 
 
-# --- by hand --------------------------------------------------------------------------------------------------
+# --- by hand ------------------------------------------------------------------------------------------------
 
 
 def test_pieces_enter_flat_in_the_middle_of_the_highest_rows():
@@ -144,7 +144,8 @@ def test_a_plan_that_does_not_bring_the_piece_to_rest_is_an_error():
 
 
 def test_a_wall_up_to_the_top_closes_one_side():
-    # column 3 is full up to row 19: pieces enter above it, and come down on either side only if they move at once
+    # column 3 is full up to row 19: pieces enter above it, and come down on either side only if they move at
+    # once
     tower = (0, 0, 0, (1 << 20) - 1, 0, 0, 0, 0, 0, 0)
     plans = reachable_placements(tower, O, ROWS)
     # entering at row 18 in columns 4 and 5, beside the tower: the three columns left of it cannot be reached
@@ -191,7 +192,7 @@ def test_falling_pieces_survive_the_trip_to_another_process():
     assert msgspec.msgpack.decode(msgspec.msgpack.encode(falling), type=FallingPiece) == falling
 
 
-# --- against the twin -----------------------------------------------------------------------------------------
+# --- against the twin ---------------------------------------------------------------------------------------
 
 
 @given(board=boards(), piece=pieces, plan=plans)
@@ -241,7 +242,7 @@ def test_settling_agrees_with_the_twin(
     assert settled.over == any(row >= 12 for row, _ in after)
 
 
-# --- against the reference's games ----------------------------------------------------------------------------
+# --- against the reference's games --------------------------------------------------------------------------
 
 
 def test_dropped_pieces_settle_as_in_the_reference():
@@ -272,7 +273,7 @@ def _compare_with_reference(record: dict, clear_on_overflow: bool) -> None:
         assert settled.over == bool(action["game_over"])
 
 
-# --- invariants -----------------------------------------------------------------------------------------------
+# --- invariants ---------------------------------------------------------------------------------------------
 
 
 @given(board=boards(), piece=pieces, plan=plans)

@@ -22,7 +22,8 @@ def piece_state(piece: int) -> TetrisState:
 
 
 def test_values_by_hand():
-    """An I piece upright in column 9: landing height 1.5, nothing removed (a hole is left in row 0), no new hole."""
+    """An I piece upright in column 9: landing height 1.5, nothing removed (a hole is left in row 0), no new
+    hole."""
     state, domain = piece_state(0), Tetris(CONFIG)
     upright = [tuple(p) for p in domain.placements(state)]
     tall = next(i for i, (_, left) in enumerate(upright) if left == 9)

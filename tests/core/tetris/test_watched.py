@@ -60,7 +60,8 @@ def with_trust(trust) -> AgentConfig:
 
 
 def step_by_step(settings: Protocol, root_seed: int):
-    """Return (lines, pieces, weight) of each episode, the accepted presses of the session, and the last digest."""
+    """Return (lines, pieces, weight) of each episode, the accepted presses of the session, and the last
+    digest."""
     clock = ManualClock()
     session = build_session(settings, root_seed)
     participant = SimulatedParticipant(

@@ -249,7 +249,8 @@ def test_figure_4_comes_from_fits_and_says_what_they_misplace(tmp_path):
     assert rows["shape"][0] == pytest.approx(2.5, abs=0.6)
     assert rows["mean_s"][0] == pytest.approx(0.75, abs=4 * 0.474 / np.sqrt(640))
     assert 0 <= rows["elsewhere"][0] < 0.1
-    # Two gammas of which one lies 0.5 s later share less than all their mass; a density shares all with itself.
+    # Two gammas of which one lies 0.5 s later share less than all their mass; a density shares all with
+    # itself.
     step_s = module.GRID_S[1]
     assert module.density(module.PAPER).sum() * step_s == pytest.approx(1.0, abs=0.002)
     run_sweep(module.EXPERIMENT, root_seeds(3), tmp_path, Inline())

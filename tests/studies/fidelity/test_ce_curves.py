@@ -80,7 +80,7 @@ def test_the_median_over_twelve_seeds_lies_inside_the_published_range(rules):
     assert len(rows) == len(ce_curves.NOISES) * len(ce_curves.COMPARED_ITERATIONS)
     outside = [row for row in rows if not row.inside]
     assert not outside
-    # Were ours drawn from the distribution of the 10 published runs, the median of 12 would leave their range in
-    # 1 to 2.5 of 100 comparisons (all of the 6 or 7 highest of 22 being ours, or of the lowest). The seeds were
-    # fixed before the first run.
+    # Were ours drawn from the distribution of the 10 published runs, the median of 12 would leave their range
+    # in 1 to 2.5 of 100 comparisons (all of the 6 or 7 highest of 22 being ours, or of the lowest). The seeds
+    # were fixed before the first run.
     assert np.all([row.median > 0 for row in rows])

@@ -35,7 +35,8 @@ def trace(ball, keeper, kicked):
 
 
 def test_a_ball_kicked_out_of_reach_is_a_pass_until_a_keeper_has_it_again():
-    # Kicked with 1.6 m per cycle: 1.504 after the decay. It bounces off somebody and is back after two cycles of flight.
+    # Kicked with 1.6 m per cycle: 1.504 after the decay. It bounces off somebody and is back after two cycles
+    # of flight.
     ball = [(0, 0, 0, 0), (1.6, 0, 1.504, 0), (3.1, 0, -0.9, 0), (0.9, 0, -0.9, 0)]
     ((speed, flight),) = passes_of(trace(ball, [(0, 0)] * 4, [False, True, False, False]))
     assert (round(speed, 9), flight) == (1.6, 2)

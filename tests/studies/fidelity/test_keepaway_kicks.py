@@ -1,4 +1,5 @@
-"""Kicks in logged states: our own are found again within noise, another kick shows, and the reference's are ours."""
+"""Kicks in logged states: our own are found again within noise, another kick shows, and the reference's are
+ours."""
 
 import dataclasses
 from collections.abc import Iterable

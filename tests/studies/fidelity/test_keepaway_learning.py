@@ -15,8 +15,8 @@ BLOCK = 500
 
 
 def test_a_band_by_hand():
-    # One block, values 1 and 3: mean 2, s.d. sqrt(2), a factor sqrt(1 + 1/2), and Student's 75 % with 1 degree of freedom
-    # (a Cauchy distribution) is 1: half of further values lie within sqrt(3) of 2.
+    # One block, values 1 and 3: mean 2, s.d. sqrt(2), a factor sqrt(1 + 1/2), and Student's 75 % with 1
+    # degree of freedom (a Cauchy distribution) is 1: half of further values lie within sqrt(3) of 2.
     low, high = prediction_band(np.array([[1.0], [3.0]]), coverage=0.5)
     assert (low[0], high[0]) == pytest.approx((2 - 3**0.5, 2 + 3**0.5))
 
@@ -49,7 +49,8 @@ def test_a_table_has_the_blocks_that_all_runs_have():
 
 
 def runs(n: int) -> list[LearningCurve]:
-    """Return curves of keepers whose see phases, drawn as ever, stay for a whole run, as the reference's did."""
+    """Return curves of keepers whose see phases, drawn as ever, stay for a whole run, as the reference's
+    did."""
     curves = []
     for root_seed in range(n):
         phases = tuple(Autoplay(KeepawayConfig(), root_seed, "phases of a run").match.phase.tolist())
@@ -60,8 +61,8 @@ def runs(n: int) -> list[LearningCurve]:
 @pytest.mark.slow
 @pytest.mark.statistical
 def test_the_references_curve_as_a_whole_is_not_told_from_ours():
-    # A weak test, of one curve: it begins better than nearly all of ours (docs/results/keepaway_fidelity.md), and the band of
-    # five seeds is wide. It would notice learning that is slower throughout.
+    # A weak test, of one curve: it begins better than nearly all of ours (docs/results/keepaway_fidelity.md),
+    # and the band of five seeds is wide. It would notice learning that is slower throughout.
     measured = read_durations(data_folder("keepaway") / "v15_360_learn_episodes.csv").seconds
     curves = runs(40)
     of_five = table_of(curves[:5], BLOCK)

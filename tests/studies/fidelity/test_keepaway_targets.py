@@ -1,4 +1,5 @@
-"""The simulator against the reference's episodes: `pytest -m slow tests/studies/fidelity/test_keepaway_targets.py`."""
+"""The simulator against the reference's episodes: `pytest -m slow
+tests/studies/fidelity/test_keepaway_targets.py`."""
 
 import pytest
 
@@ -13,7 +14,8 @@ from tests.data_folder import data_folder
 
 N_EPISODES = 2000
 FINE_TOLERANCE = 0.10
-# A target that is missed by a little (docs/results/keepaway_fidelity.md). The limit only keeps the gap from growing.
+# A target that is missed by a little (docs/results/keepaway_fidelity.md). The limit only keeps the gap from
+# growing.
 KNOWN_GAPS = {("v15_full_hold", "passes per episode"): 0.25}
 
 

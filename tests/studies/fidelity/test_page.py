@@ -1,4 +1,5 @@
-"""The tables of Keepaway's fidelity page: rows replaced by hand, heads that the page has, and the command's refusals."""
+"""The tables of Keepaway's fidelity page: rows replaced by hand, heads that the page has, and the command's
+refusals."""
 
 from pathlib import Path
 
@@ -13,7 +14,10 @@ PAGE = Path(__file__).resolve().parents[3] / "docs" / "results" / "keepaway_fide
 
 
 def test_rows_of_one_table_are_replaced_and_all_else_stays():
-    page = "Text.\n\n| a | b |\n| --- | --- |\n| 1 | 2 |\n| 3 | 4 |\n\nMore.\n\n| a | b |\n| --- | --- |\n| 5 | 6 |\n"
+    page = (
+        "Text.\n\n| a | b |\n| --- | --- |\n| 1 | 2 |\n| 3 | 4 |\n\nMore.\n\n| a | b |\n| --- | --- |\n| 5 | "
+        "6 |\n"
+    )
     changed = with_rows(page, ("a", "b"), [("7", ""), ("8", "9")], number=1)
     assert changed == page.replace("| 5 | 6 |", "| 7 |  |\n| 8 | 9 |")
     assert with_rows(page, ("a", "b"), [("1", "2"), ("3", "4")]) == page

@@ -1,4 +1,5 @@
-"""Small files as PsychoPy, jsPsych, E-Prime, Gorilla, OpenSesame, DMDX and Qualtrics write them, made up for tests."""
+"""Small files as PsychoPy, jsPsych, E-Prime, Gorilla, OpenSesame, DMDX and Qualtrics write them, made up for
+tests."""
 
 from pathlib import Path
 
@@ -10,7 +11,7 @@ PSYCHOPY = """\ufefftrials.thisN,practice.thisN,instr_key.keys,instr_key.rt,corr
 2,,,,left,None,0,,7,2026.2.5,
 3,,,,None,None,1,,7,2026.2.5,
 4,,,,,,,,7,2026.2.5,
-"""
+"""  # noqa: E501
 GORILLA_1 = """Event Index,UTC Timestamp,Participant Private ID,Tree Node Key,Trial Number,Screen Name,Zone Name,Zone Type,Reaction Time,Response,Attempt,Correct,Timed Out,display
 1,1,71,task-a,BEGIN TASK,,,,,,,,,
 2,2,71,task-a,1,Screen 1,fixation,fixation,500.1,,,,,Trials
@@ -20,7 +21,7 @@ GORILLA_1 = """Event Index,UTC Timestamp,Participant Private ID,Tree Node Key,Tr
 6,6,71,task-a,3,Screen 2,Zone2,response_keyboard,501.5,j,1,1,,Practice
 7,7,71,task-a,4,Screen 2,Zone2,response_keyboard,388.25,j,1,1,,Trials
 END OF FILE,,,,,,,,,,,,,
-"""
+"""  # noqa: E501
 OPENSESAME = """"subject_nr","opensesame_version","practice","count_key","response_key","response_time_key","response_time_start","response_time","correct_key","correct"
 "3","4.0.1","yes","0","z","611.2","2210.0","611.2","1","1"
 "3","4.0.1","no","NA","NA","NA","2210.0","2210.0","undefined","undefined"
@@ -28,7 +29,7 @@ OPENSESAME = """"subject_nr","opensesame_version","practice","count_key","respon
 "3","4.0.1","no","1","z","402.5","2210.0","402.5","1","1"
 "3","4.0.1","no","2","m","377.1","2210.0","377.1","0","0"
 "3","4.0.1","no","3","None","2000.4","2210.0","2000.4","0","0"
-"""
+"""  # noqa: E501
 DMDX = """Subjects incorporated to date: 002
 Data file started on machine LAB4
 
@@ -52,7 +53,7 @@ think?",Timing - First Click,Timing - Last Click,Timing - Page Submit,Timing - C
 2026-03-04 10:00:00,IP Address,True,R_1abc,good,0.812,1.5,2.25,2,0,0,3.5,0
 2026-03-04 11:00:00,IP Address,True,R_2def,bad,1.012,1.5,2.75,2,,,,
 2026-03-04 12:00:00,Survey Preview,True,R_3xyz,,1.1,1.1,1.9,1,1.2,1.2,2.0,1
-"""
+"""  # noqa: E501
 JSPSYCH = (
     '[{"rt":null,"stimulus":"+","response":null,"trial_type":"html-keyboard-response","trial_index":0},'
     '{"rt":431,"stimulus":"<p>go\u2028'

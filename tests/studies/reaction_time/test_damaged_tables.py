@@ -1,4 +1,5 @@
-"""Programs' files with bytes changed, cut, doubled: read, or the documented error; never another exception."""
+"""Programs' files with bytes changed, cut, doubled: read, or the documented error; never another
+exception."""
 
 import gzip
 from pathlib import Path

@@ -24,7 +24,8 @@ def draw(truth, n, *seed):
 
 
 def test_what_the_papers_gamma_means_by_hand():
-    # mean k * theta = 0.75, mode (k - 1) * theta = 0.45, sd = sqrt(2.5) * 0.3; median and 95 % point from tables.
+    # mean k * theta = 0.75, mode (k - 1) * theta = 0.45, sd = sqrt(2.5) * 0.3; median and 95 % point from
+    # tables.
     found = {name: float(value) for name, value in gamma_quantities(*PAPER).items()}
     assert found["mean_s"] == pytest.approx(0.75)
     assert found["mode_s"] == pytest.approx(0.45)
@@ -46,7 +47,8 @@ def test_an_offset_moves_every_location_by_itself_and_no_width(shape, scale, off
 
 
 def naive_profile(x, waits, quantity, value, shifted):
-    """Profile by a grid of offsets, and at each a search over log shape for what the constraint leaves open."""
+    """Profile by a grid of offsets, and at each a search over log shape for what the constraint leaves
+    open."""
     best = -np.inf
     for offset in np.linspace(0.0, x.min() - 1e-9, 300) if shifted else [0.0]:
         if quantity == "offset_s":
@@ -202,8 +204,8 @@ def coverage(truth, family, n_people, n_trials, n_resamples):
 def test_95_percent_intervals_hold_the_truth_for_95_percent_of_500_participants(truth, family):
     found = coverage(truth, family, n_people=500, n_trials=100, n_resamples=200)
     print({key: round(share, 3) for key, share in found.items()})
-    # Percentiles of shape, scale, offset and 5 % point of the shifted gamma are too narrow: that is why the profile
-    # intervals are calibrated (docs/trusting-a-fit.md has the measured coverage).
+    # Percentiles of shape, scale, offset and 5 % point of the shifted gamma are too narrow: that is why the
+    # profile intervals are calibrated (docs/trusting-a-fit.md has the measured coverage).
     too_narrow = {"offset_s"} if family is GAMMA else {"shape", "scale_s", "offset_s", "q05_s", "mode_s"}
     for (method, name), share in found.items():
         if method == "profile" or name not in too_narrow:
@@ -250,7 +252,8 @@ def test_an_evenly_spaced_dozen_has_intervals_too() -> None:
 
 
 def test_times_that_differ_by_a_hundredth_have_an_interval_of_their_sd() -> None:
-    # The top along a constant sd is far narrower than the grid, and lower on it than a second top at tiny shapes.
+    # The top along a constant sd is far narrower than the grid, and lower on it than a second top at tiny
+    # shapes.
     times = sample(2.95 + 0.05 * stream(3, "narrow").beta(2.0, 1.0, 13))
     fit = fit_family(GAMMA, times)
     sd = quantities_of(fit)["sd_s"]

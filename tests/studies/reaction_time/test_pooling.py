@@ -12,7 +12,8 @@ from tests.studies.reaction_time import real
 
 
 def people(n_people, n_trials, *, spread_mean=0.2, spread_shape=0.4, n_seed=0):
-    """Draw people whose log mean and log shape are normal around log 0.5 and log 10; return samples and truths."""
+    """Draw people whose log mean and log shape are normal around log 0.5 and log 10; return samples and
+    truths."""
     rng = stream(n_seed, "pooling")
     samples, truths = {}, {}
     for i in range(n_people):
@@ -90,7 +91,8 @@ def test_too_few_people_are_not_pooled():
 
 
 def test_pinball_loss_by_hand():
-    # A density so narrow that all quantiles are 1 s: loss of 3 s is mean(level) * 2 = 1, of 0 s mean(1 - level) * 1.
+    # A density so narrow that all quantiles are 1 s: loss of 3 s is mean(level) * 2 = 1, of 0 s mean(1 -
+    # level) * 1.
     narrow = (1e10, 1e-10, 0.0)
     assert pinball_loss(narrow, np.array([3.0])) == pytest.approx(1.0, rel=1e-4)
     assert pinball_loss(narrow, np.array([0.0])) == pytest.approx(0.5, rel=1e-4)

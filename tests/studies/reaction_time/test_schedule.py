@@ -53,7 +53,8 @@ def test_foreperiods_do_not_age():
     f = Foreperiod(least_s=1.0, mean_extra_s=0.8, most_s=4.0)
     drawn = draw_foreperiods(f, 20_000, rng=stream(1, "foreperiods"))
     assert stats.kstest(drawn, stats.truncexpon(3.0 / 0.8, loc=1.0, scale=0.8).cdf).pvalue > 0.001
-    # Of those still waiting, equal shares end in every 0.2 s (well before the truncation): 1 - exp(-0.2 / 0.8) = 0.221.
+    # Of those still waiting, equal shares end in every 0.2 s (well before the truncation): 1 - exp(-0.2 /
+    # 0.8) = 0.221.
     for start in (1.0, 1.4, 1.8):
         waiting = drawn[drawn >= start]
         share = np.mean(waiting < start + 0.2)

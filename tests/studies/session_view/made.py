@@ -64,14 +64,14 @@ def started(time_ns: int, episode: int = 0) -> EpisodeStarted:
 
 def taken(time_ns: int, step: int, column: int, episode: int = 0) -> StepTaken:
     return StepTaken(
-        episode=episode, step=step, time_ns=time_ns, inputs=0, action=0, environment_action=0, human_action=-1,
+        episode=episode, step=step, time_ns=time_ns, inputs=0, action=0, environment_action=0, human_action=-1,  # noqa: E501
         detail={"piece": 1, "orientation": 0, "column": column}, reward=0.0,
     )  # fmt: skip
 
 
 def ended(time_ns: int, episode: int = 0) -> EpisodeEnded:
     return EpisodeEnded(
-        episode=episode, time_ns=time_ns, inputs=0, performance=2.0, steps=2, ended="termination", agreed=1, agreed_worst=0,
+        episode=episode, time_ns=time_ns, inputs=0, performance=2.0, steps=2, ended="termination", agreed=1, agreed_worst=0,  # noqa: E501
         trust=0.5, digest="",
     )  # fmt: skip
 
@@ -91,9 +91,11 @@ def pressed(
 
 
 def live_events() -> list[Event]:
-    """Return a game of two pieces with a pause within the first, a gap, lost focus, and presses of every kind.
+    """Return a game of two pieces with a pause within the first, a gap, lost focus, and presses of every
+    kind.
 
-    Frames every 80 ms; step 0 has frames 1-5, the pause lasts from 1,400 to 5,400 ms, step 1 begins at 6,000 ms.
+    Frames every 80 ms; step 0 has frames 1-5, the pause lasts from 1,400 to 5,400 ms, step 1 begins at 6,000
+    ms.
     """
     shown = [FrameShown(frame=1 + k, step=0, flushed_ns=(1000 + 80 * k) * MS) for k in range(5)]
     again = FrameShown(frame=6, step=0, flushed_ns=5410 * MS)

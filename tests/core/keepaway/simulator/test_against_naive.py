@@ -1,7 +1,8 @@
 """The compiled simulator and the naive twin play the same match, cycle by cycle.
 
 Both add in different orders, so equal means equal to rounding. Collisions enlarge a rounding error up to a
-thousandfold, so the twin takes over the simulator's state before every cycle: each cycle is compared, not the sum.
+thousandfold, so the twin takes over the simulator's state before every cycle: each cycle is compared, not the
+sum.
 """
 
 import numpy as np

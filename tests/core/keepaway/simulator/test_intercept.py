@@ -54,8 +54,9 @@ def test_a_hurried_player_who_runs_back_stops_short_of_the_ball(body, facing):
     ids=["no point before", "a point far away", "good, not close", "close enough", "not good enough"],
 )
 def test_a_good_meeting_is_left_for_a_close_one_a_cycle_later(ball_x, last_x, cycles):
-    # In two cycles the ball rolls 1.94 * 2 = 3.88 m, and two full dashes take the player 0.6 + 0.84 = 1.44 m towards it: 0.68 m are
-    # left from 6 m, 0.38 from 5.7 m and 0.83 from 6.15 m. Good is less than 0.760 m, close less than 0.543 m; in three it is there.
+    # In two cycles the ball rolls 1.94 * 2 = 3.88 m, and two full dashes take the player 0.6 + 0.84 = 1.44 m
+    # towards it: 0.68 m are left from 6 m, 0.38 from 5.7 m and 0.83 from 6.15 m. Good is less than 0.760 m,
+    # close less than 0.543 m; in three it is there.
     ball = np.array([ball_x, 0.0, -2.0, 0.0])
     meet = np.array([last_x or 0.0, 0.0, -2.0 if last_x is None else 4.0])
     assert meeting_cycle(np.zeros(6), ball, meet, 5) == cycles

@@ -1,4 +1,5 @@
-"""Stopping the ball, by hand: me in the origin, facing +x, at rest; the ball ahead of me, straight on the x axis."""
+"""Stopping the ball, by hand: me in the origin, facing +x, at rest; the ball ahead of me, straight on the x
+axis."""
 
 import math
 
@@ -32,8 +33,10 @@ def test_a_ball_in_safe_reach_is_stopped_where_it_is():
 @pytest.mark.parametrize(
     ("speed", "power", "rolls_on"),
     [
-        # 0.866 m away the rate is 0.022358: 44.01 of power leave 0.0002 m per cycle, 44.72 leave 0.016, and the ball, at
-        # 0.882 m, would be beyond 0.8 * 1.085 = 0.868 m. It is driven to 0.7 * 1.085 = 0.7595 m: (1 + 0.1065) / rate.
+        # 0.866 m away the rate is 0.022358: 44.01 of power leave 0.0002 m per cycle, 44.72 leave 0.016, and
+        # the ball, at
+        # 0.882 m, would be beyond 0.8 * 1.085 = 0.868 m. It is driven to 0.7 * 1.085 = 0.7595 m: (1 + 0.1065)
+        # / rate.
         (0.984, 44.0, 0.866),
         (1.0, 49.0, 0.7595),
     ],

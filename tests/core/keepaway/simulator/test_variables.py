@@ -17,7 +17,8 @@ def players(*places):
 
 
 def test_the_thirteen_variables_of_a_scene_drawn_by_hand():
-    # Keeper 1 has the ball at (0, 3); keeper 2 is 4 away, keeper 0 is 6 away; taker 4 is 3 away, taker 3 is 5.
+    # Keeper 1 has the ball at (0, 3); keeper 2 is 4 away, keeper 0 is 6 away; taker 4 is 3 away, taker 3 is
+    # 5.
     scene = players((6, 3), (0, 3), (-4, 3), (3, 7), (0, 0))
     out, order = np.zeros(13), np.zeros(5, np.int64)
     observe(1, scene, 3, order, out)
