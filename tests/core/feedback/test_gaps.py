@@ -1,5 +1,6 @@
 """No press is credited across a gap in time: by the assigner, in sessions, in replays and in what-ifs."""
 
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -107,25 +108,34 @@ def test_whenever_the_gap_comes_all_mass_is_accounted_for(
 class Interrupted:
     """A participant who presses at 2.4 s; the machine stood still from 2.1 s to 2.15 s, in step 2."""
 
-    def __init__(self, *, gap: bool = True) -> None:
+    def __init__(self, clock: ManualClock, *, gap: bool = True) -> None:
         self.events: list[Event] = []
+        self._clock = clock
         self._gap = gap
+        self._frames = count()
 
     def during(self, step: int) -> list[Input]:
         def s(time_s: float) -> int:
             return round(time_s * NS_PER_S)
 
-        inputs: list[Input] = [] if step < 0 else [FrameShown(frame=step, step=step, flushed_ns=s(step))]
+        inputs: list[Input] = []
+        if step >= 0:
+            inputs.append(FrameShown(frame=next(self._frames), step=step, flushed_ns=s(step)))
+            # A step is over, and its inputs are taken in, when the next one comes.
+            self._clock.advance_to_ns(s(step + 1))
         if step == 2:
             if self._gap:
                 inputs += [
                     TimeGap(last_ns=s(2.1), time_ns=s(2.15), suspended_ns=s(60)),
                     ScreenCleared(time_ns=s(2.15), reason="gap"),
                 ]
+            frame = next(self._frames)
             inputs += [
                 Resumed(time_ns=s(2.18)),
-                FrameShown(frame=99, step=2, flushed_ns=s(2.19)),
-                KeyPressed(press=0, time_ns=s(2.4), key="j", value=1.0, frame=99, step=2, verdict="accepted"),
+                FrameShown(frame=frame, step=2, flushed_ns=s(2.19)),
+                KeyPressed(
+                    press=0, time_ns=s(2.4), key="j", value=1.0, frame=frame, step=2, verdict="accepted"
+                ),
             ]
         self.events += inputs
         return inputs
@@ -138,8 +148,9 @@ def with_delay(protocol: Protocol, delay: Delay) -> Protocol:
 
 def recorded(delay: Delay, *, gap: bool = True) -> Recording:
     protocol = with_delay(small_protocol(), delay)
-    participant = Interrupted(gap=gap)
-    for output in build_session(protocol, 3).run(participant, ManualClock()):
+    clock = ManualClock()
+    participant = Interrupted(clock, gap=gap)
+    for output in build_session(protocol, 3).run(participant, clock):
         participant.events.append(output)
     header: Header = msgspec.structs.replace(HEADER, protocol=to_plain(protocol), root_seed=3)
     return Recording(Path("gap.jsonl"), header, tuple(participant.events), complete=True)

@@ -57,7 +57,7 @@ class Cards:
     def transition(self, state: Deal, action: int) -> Transition[Deal]:
         values = self.choices(state).features @ TASTE
         reward = float(values[action] == values.max())
-        return Transition(Deal(state.seed, state.number + 1, state.won + reward), reward)
+        return Transition(Deal(state.seed, state.number + 1, state.won + reward), reward, 1)
 
     def performance(self, state: Deal) -> float:
         return state.won
