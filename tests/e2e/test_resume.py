@@ -34,7 +34,14 @@ def stop(terminal: Terminal) -> None:
     assert terminal.wait_for_exit() == 0
 
 
-@pytest.mark.parametrize("end", [kill, close_the_window, stop])
+@pytest.mark.parametrize(
+    "end",
+    [
+        kill,
+        pytest.param(close_the_window, marks=pytest.mark.slow),
+        pytest.param(stop, marks=pytest.mark.slow),
+    ],
+)
 def test_a_session_that_broke_off_in_its_second_game_goes_on(
     end, tmp_path: Path, protocol_file: Path
 ) -> None:

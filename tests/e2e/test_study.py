@@ -223,7 +223,14 @@ def lose_power(terminal: Terminal) -> None:
         os.kill(pid, signal.SIGKILL)
 
 
-@pytest.mark.parametrize("end", [close_the_window, kill, lose_power])
+@pytest.mark.parametrize(
+    "end",
+    [
+        close_the_window,
+        pytest.param(kill, marks=pytest.mark.slow),
+        pytest.param(lose_power, marks=pytest.mark.slow),
+    ],
+)
 def test_one_whose_block_2_breaks_off_goes_on_at_the_last_finished_game(
     lab: Lab, end: Callable[[Terminal], None]
 ) -> None:
