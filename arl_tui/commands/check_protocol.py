@@ -86,4 +86,4 @@ def _compiled(protocol: Protocol) -> str:
 
     if is_compiled(session_order(protocol)):
         return f"the kernels of {protocol.game}, already"
-    return f"the kernels of {protocol.game}, at the first start: a minute or two"
+    return f"the kernels of {protocol.game}, beside the first game: about half a minute"

@@ -17,7 +17,7 @@ from core.session.protocol import Protocol
 from core.session.protocol_reading import protocol_from
 from core.system.foreign_text import printable
 
-GETTING_READY = "Getting ready; the first time this takes a minute or two ..."
+GETTING_READY = "Getting ready; the first time this may take half a minute ..."
 """Said where everything may have to be compiled first."""
 WORTH_A_BAR = 20_000
 """Outputs from which on a replay shows how far it is."""

@@ -157,7 +157,7 @@ class WatchScreen(Screen[None], inherit_bindings=False):
     def on_mount(self) -> None:
         """Say that the match is not ready yet."""
         if self.playback is None:
-            self.pitch.cover("Getting ready ...\n\nThe first time this takes a minute or two")
+            self.pitch.cover("Getting ready ...\n\nThe first time this may take half a minute")
         self.query_one("#panel", Static).update(self._heading)
         self._timer = self.set_interval(FRAME_S, self.draw)
 

@@ -149,7 +149,7 @@ class WelcomeScreen(Page):
             far = f"getting ready: {self._progress.compiled} of about {self._progress.needed} parts"
         if self._asked_ns is None:
             return f"{CALL}\n[dim]{far}[/]"
-        return f"Please wait: the first time this takes a minute or two\n[dim]{far}[/]"
+        return f"Please wait: the first time this may take half a minute\n[dim]{far}[/]"
 
     def action_start(self) -> None:
         """Start, or as soon as the worker is ready."""
