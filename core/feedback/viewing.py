@@ -35,10 +35,12 @@ class Viewing(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class SteadyViewing:
-    """Every step takes the same time, and is judged when its time on screen is over."""
+    """Every step takes the same time, and is judged at the same moment of it."""
 
     step_ns: int
     pause_ns: int
+    judged_after_ns: int | None = None
+    """From when on a step can be judged, since it came on screen; None: when its time is over."""
 
     def __post_init__(self) -> None:
         if self.step_ns <= 0 or self.pause_ns < 0:
@@ -50,4 +52,4 @@ class SteadyViewing:
 
     def watched(self, state: Any, action: int, following: Any) -> Watched:
         """Return the same for all steps."""
-        return Watched(self.step_ns, self.step_ns)
+        return Watched(self.step_ns, self.step_ns if self.judged_after_ns is None else self.judged_after_ns)

@@ -5,11 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from arl_tui.games.rendering import renderer_of
+from arl_tui.games.registry import screens_of
 from arl_tui.viewer.pictures import BoardPictures, pictures_of
 from core.events import EpisodeStarted, StepTaken
 from core.recording.importers.tamer_log import IMPORTER
 from core.recording.reader import read_recording
+from core.session.protocol import Protocol, ScreenConfig
 from core.tetris.picture import EMPTY, Snapshot
 from studies.session_view.session import open_session
 from tests.data_folder import data_folder
@@ -22,7 +23,7 @@ pytestmark = pytest.mark.jit
 def test_every_picture_of_every_step_is_the_stages(path: Path, tmp_path: Path) -> None:
     session = open_session(Path(shutil.copy(path, tmp_path)))
     assert session.protocol is not None
-    stage, pictures = renderer_of(session.protocol), pictures_of(session)
+    stage, pictures = screens_of(session.protocol).renderer(session.protocol), pictures_of(session)
     row = 0
     for event in read_recording(path).outputs:
         if isinstance(event, EpisodeStarted):
@@ -73,7 +74,8 @@ def test_each_settled_cell_belongs_to_a_step(tmp_path: Path) -> None:
 def test_a_live_sessions_frames_are_counted(tmp_path: Path) -> None:
     """Step 1 was recorded with eight frames; an O from the top to the floor of 20 rows takes seven
     pictures."""
-    session = open_session(write(tmp_path / "live.jsonl", live_events()))
+    pace = Protocol(screen=ScreenConfig(tick_ms=80))  # that of the frames of `live_events`
+    session = open_session(write(tmp_path / "live.jsonl", live_events(), protocol=pace))
     pictures = pictures_of(session)
     assert isinstance(pictures, BoardPictures)
     views = [pictures.at(session.at((6000 + 80 * k) * MS)).view for k in range(8)]

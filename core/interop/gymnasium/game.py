@@ -192,14 +192,14 @@ class GymnasiumGame(SarsaGame):
         return rewards
 
     def viewing(self, protocol: Protocol) -> SteadyViewing:
-        """Return one tick for each step."""
+        """Return one tick for each step, judged from its beginning: its picture shows what it led to."""
         screen = protocol.screen
-        return SteadyViewing(screen.tick_ms * NS_PER_MS, round(screen.pause_between_episodes_s * NS_PER_S))
+        pause_ns = round(screen.pause_between_episodes_s * NS_PER_S)
+        return SteadyViewing(screen.tick_ms * NS_PER_MS, pause_ns, judged_after_ns=0)
 
     def steps_on_screen(self, protocol: Protocol) -> Sequence[Watched]:
-        """Return a hundred steps of one tick each."""
-        tick_ns = protocol.screen.tick_ms * NS_PER_MS
-        return [Watched(tick_ns, tick_ns)] * 100
+        """Return a hundred steps of one tick each, as `viewing` has them."""
+        return [Watched(protocol.screen.tick_ms * NS_PER_MS, judged_after_ns=0)] * 100
 
     def recorded(self, domain: Domain[GymnasiumState], step: StepTaken) -> tuple[Choices, Features]:
         """Return a step as it was seen."""

@@ -11,7 +11,7 @@ import msgspec
 from core.combination.config import AgentConfig
 from core.configuration.reading import Path, Problem
 from core.feedback.config import CreditConfig, TrainerConfig
-from core.feedback.delays import GammaDelay
+from core.feedback.delays import CurrentStep
 from core.interop.gymnasium import REVISION
 from core.interop.gymnasium.config import GymnasiumConfig
 from core.learners.human_config import TileModel
@@ -41,14 +41,16 @@ class GymnasiumPlugin(GamePlugin):
 
     @cache  # noqa: B019 - there is one instance
     def default(self) -> Protocol:
-        """Return Sarsa on the pole, slow enough to judge."""
+        """Return Sarsa on the pole, slow enough to judge: a press goes to the step on screen, whose picture
+        shows at once what it led to (docs/decisions/pace-of-a-session.md).
+        """
         return Protocol(
             domain=GymnasiumConfig(),
             learner=SarsaConfig(step_size=0.5, exploration=0.02),
-            agent=AgentConfig(credit=CreditConfig(delay=GammaDelay()), human_model=TileModel()),
+            agent=AgentConfig(credit=CreditConfig(delay=CurrentStep()), human_model=TileModel()),
             trainer=TrainerConfig(knowledge="myopic"),
             session=SessionConfig(episodes=10, unseen_between=10, watched_steps=200, unseen_steps=500),
-            screen=ScreenConfig(tick_ms=200),
+            screen=ScreenConfig(tick_ms=1000),
         )
 
     def default_of(self, variant: str) -> Protocol:

@@ -68,7 +68,7 @@ def row(**changes: object) -> WhatIfRow:
         "episode": 910,
         "watched": 10,
         "weight": 1.0,
-        "share": 0.0,
+        "handover": 0.0,
         "shaping": 0.0,
         "held_out": HeldOut(0.11, 0.18),
         "credited": 0.98,
@@ -143,7 +143,10 @@ def test_what_is_missing_or_worse_than_a_guess_is_said() -> None:
     ("changes", "expected"),
     [
         ({"scheme": "annealed", "per": "episode", "weight": 1.04e-8}, "annealed:episode .* 1e-08"),
-        ({"scheme": "control-sharing", "per": "watched-game", "weight": 0.0, "share": 0.82}, "handover 0.82"),
+        (
+            {"scheme": "control-sharing", "per": "watched-game", "weight": 0.0, "handover": 0.82},
+            "handover 0.82",
+        ),
         ({"scheme": "reward-shaping", "per": "watched-game", "weight": 0.0, "shaping": 0.82}, "reward 0.82"),
     ],
 )

@@ -6,7 +6,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from arl_tui.app.link import Picture
+from arl_tui.app.link import Picture, from_worker
 from arl_tui.games.registry import screens_of
 from core.events import EpisodeEnded, EpisodeStarted, StepTaken
 from core.keepaway.pitch import CYCLE_NS, ONGOING, KeepawayConfig
@@ -97,7 +97,8 @@ def test_slow_motion_shows_each_cycle_for_longer():
 def test_a_picture_travels_to_the_screen_and_back(shown):
     shot = shown[1][1][0]
     picture = Picture(number=1, step=0, view=shot.view, ahead=shot.ahead, lasts_ns=CYCLE_NS)
-    again = msgspec.msgpack.decode(msgspec.msgpack.encode(picture), type=Picture)
+    again = from_worker(msgspec.msgpack.encode(picture))
+    assert isinstance(again, Picture)
     assert again == picture
     assert np.isfinite(again.view.ball).all()
 

@@ -18,7 +18,7 @@ from arl_tui.widgets.pitch_ink import DETAILS
 from core.keepaway.pitch import OUT, TAKEN, KeepawayConfig
 from core.keepaway.simulator.policies import POLICIES
 from core.numerics.clock import ManualClock
-from tests.arl_tui.app.test_playback import Rolling
+from tests.arl_tui.games.test_playback import Rolling
 
 MS = 1_000_000
 

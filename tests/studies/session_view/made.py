@@ -33,10 +33,12 @@ KEEPAWAY = REFERENCE / "version-2" / "keepaway-exponential-equation-4.jsonl"
 MS = 1_000_000
 
 
-def write(path: Path, events: Iterable[Event], *, complete: bool = True) -> Path:
-    """Write events under the header of a session of Tetris."""
+def write(
+    path: Path, events: Iterable[Event], *, complete: bool = True, protocol: Protocol | None = None
+) -> Path:
+    """Write events under the header of a session of Tetris; left out, of the default protocol."""
     header = msgspec.structs.replace(
-        read_recording(TETRIS).header, origin="live", protocol=to_plain(Protocol())
+        read_recording(TETRIS).header, origin="live", protocol=to_plain(protocol or Protocol())
     )
     writer = LineWriter(path, header)
     for event in events:
