@@ -22,6 +22,5 @@ for episode in data.iterate_episodes():
 X, y = np.concatenate(features), np.concatenate(feedback)
 predicted = cross_val_predict(Ridge(alpha=1.0), X, y, groups=game, cv=GroupKFold(n_splits=5))
 agreed = np.mean(np.sign(predicted) == np.sign(y))
-print(
-    f"{len(y)} judged placements in {len(set(game))} games; sign of unseen games' feedback predicted: {agreed:.0%}"  # noqa: E501
-)
+print(f"{len(y)} judged placements in {len(set(game))} games; ", end="")
+print(f"sign of unseen games' feedback predicted: {agreed:.0%}")

@@ -2,13 +2,14 @@
 
 Beside each file lies its seal: what the file's SHA-256 is, of which trial it is, and with which settings it
 was played. The seal is written first, so a file without one was written by an earlier version; of such a file
-only the form can be checked, and that it is as long as the others of its condition.
+only the form can be checked, and that it is as long as the others of its condition: in episodes, or in hours
+of play where the trials last so many hours and take as many episodes as fit.
 """
 
 import hashlib
 import re
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 _NAME = re.compile(r"seed-(\d{7,})\.csv")
+HOURS = "hours"
+"""Column of hours of play at the end of each episode, where a trial lasts so many hours."""
 
 
 class DamagedTrial(ValueError):
@@ -160,17 +163,44 @@ def read_trials(
 
 
 def _unlike_the_others(trials: dict[Path, dict[str, NDArray[np.float64]]]) -> dict[Path, str]:
-    """Return the trials without a seal that have other columns, or fewer rows, than the rest of their
-    condition.
+    """Return the trials that have other columns than the rest of their condition, and those without a seal
+    that are not as long.
     """
-    sealed = [path for path in trials if seal_path(path).exists()]
+    sealed = {path for path in trials if seal_path(path).exists()}
     names = Counter(tuple(trials[path]) for path in sealed or trials)
     usual = names.most_common(1)[0][0] if names else ()
-    n_rows = max((len(trials[path]["episode"]) for path in sealed or trials), default=0)
-    found: dict[Path, str] = {}
-    for path, rows in trials.items():
-        if tuple(rows) != usual:
-            found[path] = "its columns are not those of the condition's other trials"
+    found = {
+        path: "its columns are not those of the condition's other trials"
+        for path, rows in trials.items()
+        if tuple(rows) != usual
+    }
+    alike = {path: rows for path, rows in trials.items() if path not in found}
+    complete = [rows for path, rows in alike.items() if path in sealed] or list(alike.values())
+    n_rows = max((len(rows["episode"]) for rows in complete), default=0)
+    by_time = all(_is_by_time(rows) for rows in alike.values())
+    for path, rows in alike.items():
+        if path in sealed:
+            continue  # whole by its seal
+        if by_time:
+            if _ends_early(rows, complete):
+                found[path] = (
+                    f"it ends after {rows[HOURS][-1]:.3g} hours of play, the condition's other trials go on"
+                )
         elif len(rows["episode"]) != n_rows:
             found[path] = f"it has {len(rows['episode'])} rows, the condition's other trials have {n_rows}"
     return found
+
+
+def _is_by_time(rows: Mapping[str, NDArray[np.float64]]) -> bool:
+    """Return whether a trial says the hours of play at the end of each episode."""
+    return HOURS in rows and bool(rows[HOURS][0] > 0 and np.all(np.diff(rows[HOURS]) > 0))
+
+
+def _ends_early(
+    rows: Mapping[str, NDArray[np.float64]], others: Iterable[Mapping[str, NDArray[np.float64]]]
+) -> bool:
+    """Return whether another trial began an episode at or after the end of this one.
+
+    A trial ends with the episode that reaches the hours of its condition: no whole one does so.
+    """
+    return any(len(other[HOURS]) > 1 and other[HOURS][-2] >= rows[HOURS][-1] for other in others)

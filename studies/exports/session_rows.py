@@ -136,14 +136,14 @@ class SessionRows:
     def first_columns(self) -> Row:
         """Columns that say whose session this is."""
         header = self.recording.header
-        source = header.source
+        study = header.study
         return {
             "participant": header.participant,
             "session": self.session,
-            "study": source.get("study.study"),
-            "condition": self.summary.condition or _imported_condition(source),
-            "sitting": _from_one(source.get("study.sitting")),
-            "place": _from_one(source.get("study.place")),
+            "study": study.get("study"),
+            "condition": self.summary.condition or _imported_condition(header.source),
+            "sitting": _from_one(study.get("sitting")),
+            "place": _from_one(study.get("place")),
         }
 
     @cached_property

@@ -216,6 +216,6 @@ def test_a_closed_window_keeps_the_trial_that_was_running_as_abandoned(tmp_path:
         terminal.wait_for("1 of 4")
         terminal.pump(0.6)
         os.kill(terminal.child.pid, signal.SIGHUP)
-        assert terminal.wait_for_exit() == 0
+        assert terminal.wait_for_exit() == 128 + signal.SIGHUP, "as a shell says of an end by this signal"
     (record,) = the_file(tmp_path).trials
     assert record.comment == "abandoned: window closed"

@@ -21,6 +21,7 @@ unseen_between = 0
 watched_steps = 200
 [screen]
 tick_ms = 60
+count_down_s = 0
 """
 
 
@@ -63,7 +64,7 @@ def test_a_stopped_process_pauses_and_nothing_is_credited_across(
         terminal.press("\x1b[I")
         terminal.pump(0.4)
         terminal.press("qy")
-        terminal.wait_for("recorded in", patience_s=60)
+        terminal.wait_for("The session is recorded.", patience_s=60)
         terminal.press("\r")
         # The program ends: Textual's own driver would have started a second reader at SIGCONT.
         assert terminal.wait_for_exit(patience_s=30) == 0
@@ -90,7 +91,7 @@ def test_a_session_can_be_played_with_a_keyboard_of_another_alphabet(
         terminal.press("\u0439")
         terminal.wait_for("Stop the session?", patience_s=20)
         terminal.press("\u043d")
-        terminal.wait_for("recorded in", patience_s=60)
+        terminal.wait_for("The session is recorded.", patience_s=60)
         terminal.press("\r")
         assert terminal.wait_for_exit(patience_s=30) == 0
     first, *_ = of(recorded(tmp_path), KeyPressed)

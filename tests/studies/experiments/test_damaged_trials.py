@@ -10,7 +10,7 @@ import pytest
 
 from studies.experiments.results import DamagedSweep, read_beside, read_results
 from studies.experiments.run import SWEEP_FILE, SweepError, run_sweep
-from studies.experiments.trial_file import DamagedTrial, Played, read_rows, seal_path
+from studies.experiments.trial_file import DamagedTrial, Played, read_rows, read_trials, seal_of, seal_path
 from tests.studies.experiments.test_experiment_runs import Inline
 from tests.studies.tiny_experiment import EXPERIMENT
 
@@ -78,6 +78,31 @@ def test_damage_is_named_and_the_trial_played_again(tmp_path, damage, sealed):
         name: whole[name] for name in whole if sealed or not name.endswith("seal.json")
     }
     assert read_results(EXPERIMENT, folder).seeds == (0, 1, 2)
+
+
+def trials_by_time(folder: Path, seal: bool) -> Played:
+    """Write three trials that end with the episode that reaches an hour, as those of Keepaway do."""
+    how = Played({"hours": 1.0}, quick=False)
+    hours = ([0.4, 0.8, 1.1], [0.2, 0.4, 0.7, 0.99, 1.4], [0.3, 1.0])
+    folder.mkdir()
+    for seed, ends in enumerate(hours):
+        path = folder / f"seed-{seed:07d}.csv"
+        path.write_text("episode,hours\n" + "".join(f"{n},{end}\n" for n, end in enumerate(ends)))
+        if seal:
+            seal_path(path).write_text(seal_of(path, path.read_bytes(), how))
+    return how
+
+
+@pytest.mark.parametrize("seal", [True, False], ids=["sealed", "from before seals"])
+def test_trials_that_last_some_hours_may_differ_in_episodes_and_one_that_is_cut_is_named(tmp_path, seal):
+    folder = tmp_path / "sarsa"
+    how = trials_by_time(folder, seal)
+    paths = sorted(folder.glob("*.csv"))
+    sound, damaged = read_trials(paths, how)
+    assert (list(sound), damaged) == (paths, {})
+    paths[0].write_bytes(cut_at_a_line(paths[0].read_bytes()))
+    sound, damaged = read_trials(paths, how)
+    assert (list(sound), list(damaged)) == (paths[1:], paths[:1])
 
 
 def test_a_file_copied_from_another_trial_is_named(tmp_path):

@@ -79,14 +79,21 @@ def ended(time_ns: int, episode: int = 0) -> EpisodeEnded:
 
 
 def pressed(
-    time_ns: int, press: int, step: int, value: float | None = 1.0, verdict: str = "accepted"
+    time_ns: int,
+    press: int,
+    step: int,
+    value: float | None = 1.0,
+    verdict: str = "accepted",
+    *,
+    key: str = "j",
+    frame: int = 0,
 ) -> KeyPressed:
     return KeyPressed(
         press=press,
         time_ns=time_ns,
-        key="j",
+        key=key,
         value=value,
-        frame=0,
+        frame=frame,
         step=step,
         verdict=verdict,  # type: ignore[arg-type]
     )
@@ -108,10 +115,10 @@ def live_events() -> list[Event]:
         FrameShown(frame=0, step=-1, flushed_ns=950 * MS),
         taken(990 * MS, 0, 0),
         *shown,
-        pressed(1380 * MS, 0, 0),
+        pressed(1380 * MS, 0, 0, frame=5),
         CreditGiven(press=0, steps=[0], shares=[0.75], before_first=0.25, in_gaps=0.0),
         ScreenCleared(time_ns=1400 * MS, reason="pause"),
-        pressed(1500 * MS, 1, -1, verdict="covered"),
+        pressed(1500 * MS, 1, -1, verdict="covered", frame=-1),
         Resumed(time_ns=5400 * MS),
         again,
         *rest,
@@ -119,10 +126,10 @@ def live_events() -> list[Event]:
         *second,
         FocusLost(time_ns=6600 * MS),
         FocusRegained(time_ns=6700 * MS),
-        pressed(6800 * MS, 2, 1, value=-1.0),
+        pressed(6800 * MS, 2, 1, value=-1.0, key="f", frame=17),
         CreditGiven(press=2, steps=[0], shares=[1.0], before_first=0.0, in_gaps=0.0),
+        pressed(6900 * MS, 3, 1, value=None, verdict="other", key="u", frame=17),
         PressRetracted(press=2, time_ns=6900 * MS, reason="participant"),
-        pressed(6950 * MS, 3, 1, value=None, verdict="other"),
         TimeGap(last_ns=7000 * MS, time_ns=9000 * MS),
         ended(9500 * MS),
         FrameShown(frame=20, step=-1, flushed_ns=9510 * MS),
