@@ -17,7 +17,7 @@ from core.tetris.sessions import open_game
 from studies.experiments.tetris_trial import GradientTrial, new_gradient_trial, run_gradient_trial
 from tests.core.tetris.playing import play_policy_gradient
 
-EPISODES = 4 if JIT_DISABLED else 30
+EPISODES = 6 if JIT_DISABLED else 30
 RULES = TetrisConfig(rows=12, columns=6, placements="all")
 
 
