@@ -15,6 +15,7 @@ from typing import Any, Literal, get_args
 
 import msgspec
 
+from core.feedback.keys import KeyConfig
 from core.recording.reader import CHAIN_MARK, Recording
 from core.recording.recorder import CHAIN_DIGITS, Chain
 from core.recording.schema import End, Resumes, encode
@@ -115,17 +116,26 @@ def anonymised(recording: Recording, how: Anonymising, *, resumes: Resumes | Non
         OSError: the recording's file cannot be read again.
     """
     about = how.about(recording.path.read_bytes())
+    retract = _retract_key(recording)
 
     def change_event(payload: bytes) -> bytes:
         if "other-keys" not in how.removed or _OTHER_PRESS not in payload:
             return payload
         plain = msgspec.json.decode(payload)
+        if (plain.get("read_as") or plain["key"]) == retract:
+            return payload  # it takes presses back: without it, they would be taken back by nothing
         plain["key"] = OTHER_KEY
         for name in ("read_as", "layout"):
             plain.pop(name, None)
         return msgspec.json.encode(plain)
 
     return resealed(recording, lambda header: _header(header, how), change_event, about, resumes=resumes)
+
+
+def _retract_key(recording: Recording) -> str:
+    """Return the key that takes presses back; where the protocol does not say, that of all by default."""
+    keys = recording.header.protocol.get("keys", {})
+    return str(keys.get("retract", KeyConfig().retract)) if isinstance(keys, Mapping) else KeyConfig().retract
 
 
 def resealed(

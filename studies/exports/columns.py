@@ -32,11 +32,11 @@ class Table:
     row: str
     """What one row is."""
     columns: tuple[Column, ...]
+    names: tuple[str, ...] = field(init=False, repr=False, compare=False)
+    """Of the columns, in order. Made once: tuples made for every row pile up in Python's free lists."""
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the columns, in order."""
-        return tuple(column.name for column in self.columns)
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "names", tuple(column.name for column in self.columns))
 
     def checked(self, row: Row) -> Row:
         """Return a row with its columns in order.

@@ -7,10 +7,13 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from core.events import KeyPressed
+from core.events import EpisodeStarted, KeyPressed, PressRetracted
+from core.feedback.keys import KeyConfig, PressGate
+from core.feedback.layouts import KeyReader
 from core.recording.anonymise import OTHER_KEY, Anonymising, anonymised, removals
 from core.recording.reader import Recording, read_recording
 from core.recording.recorder import LineWriter
+from core.session.inputs import check_inputs
 from core.session.protocol_reading import protocol_from
 from core.session.replay import replay_exactly
 from core.session.session import build_session
@@ -112,3 +115,23 @@ def test_a_cut_recording_stays_one(tmp_path: Path) -> None:
     original, copy = read_recording(path), copy_of(path, Anonymising(KEY), tmp_path)
     assert not copy.complete
     assert len(copy.events) == len(original.events)
+
+
+def test_a_press_that_was_taken_back_can_be_followed_in_the_copy(tmp_path: Path) -> None:
+    gate = PressGate(KeyConfig())
+    gate.reader = KeyReader("ru")
+    gate.episode_started()
+    start = EpisodeStarted(
+        episode=0, time_ns=0, inputs=0, episode_seed=7, policy=0, form=0, w_r=1.0, trust=0.0, weight=0.25, share=0.0  # noqa: E501
+    )  # fmt: skip
+    keys = ["j", "x", "u", "j", "\u0433"]
+    presses = [event for n, key in enumerate(keys) for event in gate.press(key, n * 10**9)]
+    assert [event.press for event in presses if isinstance(event, PressRetracted)] == [0, 3]
+    writer = LineWriter(tmp_path / "P01.jsonl", msgspec.structs.replace(HEADER, origin="live"))
+    for event in (start, *presses):
+        writer.write(event)
+    writer.close()
+    copy = copy_of(tmp_path / "P01.jsonl", Anonymising(KEY), tmp_path)
+    kept = [event.key for event in copy.events if isinstance(event, KeyPressed)]
+    assert kept == ["j", OTHER_KEY, "u", "j", "\u0433"]
+    check_inputs(copy, KeyConfig())
