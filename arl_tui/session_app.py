@@ -29,8 +29,8 @@ from core.events import EpisodeEnded, EpisodeStarted, Event, StopReason
 from core.feedback.keys import nanoseconds
 from core.numerics.clock import NS_PER_S, Clock, MonotonicClock, wall_time_utc
 from core.recording.recorder import Recorder
-from core.recording.schema import Header, to_plain
-from core.session.protocol import Protocol
+from core.recording.schema import Header
+from core.session.protocol import Protocol, plain_protocol
 
 if TYPE_CHECKING:
     from core.recording.joined import FinishedPart
@@ -91,7 +91,9 @@ class ArlApp(SessionControls):
         """
         self._clock = clock or MonotonicClock()
         self._flush_clock = FlushClock(self._clock)
-        super().__init__(driver_class=stamped_driver(self._flush_clock))
+        super().__init__(
+            driver_class=stamped_driver(self._flush_clock), language=setup.protocol.screen.language
+        )
         self.setup = setup
         self.live = LiveSession(
             keys=setup.protocol.keys,
@@ -219,7 +221,7 @@ class ArlApp(SessionControls):
             started_ns=self._clock.now_ns(),
             participant=self.setup.participant,
             root_seed=self.setup.root_seed,
-            protocol=to_plain(protocol),
+            protocol=plain_protocol(protocol),
             software=facts.software(),
             terminal=terminal | timing_facts(self.setup.recordings, terminal, created_utc),
             departures=protocol.departures(),

@@ -20,9 +20,9 @@ from core.numerics.clock import ManualClock, wall_time_utc
 from core.numerics.streams import stream_seed
 from core.recording.reader import Recording
 from core.recording.recorder import LineWriter
-from core.recording.schema import Header, to_plain
+from core.recording.schema import Header
 from core.registry import game_of
-from core.session.protocol import Protocol
+from core.session.protocol import Protocol, plain_protocol
 from core.session.protocol_reading import protocol_from
 from core.session.session import build_session
 
@@ -76,7 +76,7 @@ def simulate_session(
         started_ns=clock.now_ns(),
         participant=participant,
         root_seed=root_seed,
-        protocol=to_plain(protocol),
+        protocol=plain_protocol(protocol),
         software=software,
         departures=protocol.departures(),
         source=dict(source or {}),

@@ -17,8 +17,9 @@ from textual.app import App
 from textual.driver import Driver
 
 from arl_tui.app.driver import own_driver
-from arl_tui.app.foreign_keys import ForeignKeys, language
+from arl_tui.app.foreign_keys import ForeignKeys, language_of_environment
 from arl_tui.app.terminal_guard import QUIET, TerminalGuard
+from arl_tui.language import tr, use
 from core.feedback.layouts import KeyReader
 
 Result = TypeVar("Result")
@@ -33,10 +34,16 @@ class PlainApp(App[Result], inherit_bindings=False):
     ALLOW_SELECT = False
     AUTO_FOCUS = None
 
-    def __init__(self, driver_class: type[Driver] | None = None) -> None:
-        """Prepare; `driver_class` is that of all apps by default."""
+    def __init__(self, driver_class: type[Driver] | None = None, *, language: str = "en") -> None:
+        """Prepare.
+
+        Args:
+            driver_class: that of all apps by default.
+            language: of all words that this app shows (`arl_tui.language.LANGUAGES`).
+        """
         trust_the_terminal()
-        self.reader = KeyReader(language())
+        use(language)
+        self.reader = KeyReader(language_of_environment())
         """Finds the Latin letter on a key where the keyboard is set to another alphabet."""
         self._foreign_keys = ForeignKeys()
         super().__init__(driver_class=driver_class or own_driver())
@@ -134,7 +141,7 @@ class PlainApp(App[Result], inherit_bindings=False):
 
     def tell_about_keys(self, advice: str) -> None:
         """Show advice about the keyboard over the page; an app with a game may show it beside that."""
-        self.notify(advice, title="Keyboard", severity="warning", timeout=8.0)
+        self.notify(advice, title=tr("Keyboard"), severity="warning", timeout=8.0)
 
     def on_resize(self, event: events.Resize) -> None:
         """Tell the screen of its size.

@@ -29,6 +29,7 @@ from arl_tui.calibration.trial_store import TrialStore
 from arl_tui.calibration.views import BoxView
 from arl_tui.games.registry import screens_called
 from arl_tui.games.trial_view import TrialView
+from arl_tui.language import later
 from arl_tui.palette import palette_for
 from arl_tui.screens.covers import SmallWindowScreen, fits_into
 from arl_tui.screens.page import Page
@@ -79,7 +80,7 @@ class CalibrationApp(PlainApp[Outcome]):
         """
         self._clock = clock or MonotonicClock()
         self._flush_clock = FlushClock(self._clock)
-        super().__init__(driver_class=stamped_driver(self._flush_clock))
+        super().__init__(driver_class=stamped_driver(self._flush_clock), language=setup.language)
         self._setup = setup
         self._helper = helper
         self._timing = timing
@@ -240,7 +241,7 @@ class CalibrationApp(PlainApp[Outcome]):
         answer = await self._wait_for(
             screens_called(schedule.config.game).judging_module,
             schedule,
-            WaitingPage("Getting ready", "The game is being prepared: some seconds."),
+            WaitingPage(later("Getting ready"), later("The game is being prepared: some seconds.")),
         )
         if answer is None:
             return None
@@ -299,7 +300,7 @@ class CalibrationApp(PlainApp[Outcome]):
             participant=self._setup.participant,
             files=tuple(str(path) for path in self._store.complete),
         )
-        page = WaitingPage("That was it", "Your times are being worked out ...")
+        page = WaitingPage(later("That was it"), later("Your times are being worked out ..."))
         try:
             answer = await self._wait_for("arl_tui.calibration.fitting", order, page)
         except HelperError as error:

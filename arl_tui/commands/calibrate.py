@@ -13,6 +13,7 @@ import click
 from arl_tui.command_line import say
 from arl_tui.commands.play import need_terminal, read_protocol
 from arl_tui.drawing_rate import FRAMES_PER_S
+from arl_tui.language import later
 from arl_tui.recordings import CALIBRATION_FOLDER
 
 if TYPE_CHECKING:
@@ -22,9 +23,9 @@ if TYPE_CHECKING:
     from studies.reaction_time.protocol import TaskConfig
 
 HINDRANCES = {
-    "ssh": "a network connection (SSH)",
-    "tmux": "a terminal multiplexer (tmux)",
-    "screen": "a terminal multiplexer (screen)",
+    "ssh": later("a network connection (SSH)"),
+    "tmux": later("a terminal multiplexer (tmux)"),
+    "screen": later("a terminal multiplexer (screen)"),
 }
 
 

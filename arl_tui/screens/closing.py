@@ -9,6 +9,7 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from arl_tui.app.outcome import Outcome, SessionControls
+from arl_tui.language import later, tr, trn
 from arl_tui.screens.page import Page
 from arl_tui.words import Words
 
@@ -47,9 +48,9 @@ class ClosingScreen(Page):
         self._show_weight = show_weight
         self._show_file = show_file
         self._words = words
-        self.HEADING = "That was the practice" if practice else "Thank you!"
+        self.HEADING = later("That was the practice") if practice else later("Thank you!")
         if outcome.trouble is not None:
-            self.HEADING = "The session had to end early"
+            self.HEADING = later("The session had to end early")
 
     def body(self) -> Iterable[Widget]:
         """Return what happened, where it is recorded, and what went wrong."""
@@ -64,34 +65,38 @@ class ClosingScreen(Page):
         if outcome.trouble is None and len(outcome.tally.practised) >= 2:
             from arl_tui.widgets.learning_curve import LearningCurve  # here: nobody needs it before the end
 
-            yield Static(f"\nIn practice, {self._words.units[1]} per game, block by block:")
+            yield Static("\n" + tr("In practice, {unit} per game, block by block:", unit=self._words.unit))
             yield LearningCurve(outcome.tally.practised)
         if outcome.recording is not None:
             yield Static(Text(how_much_recorded(outcome)), classes="path")
-        yield Static("Press [reverse] Enter [/] to leave", classes="call")
+        yield Static(tr("Press {key_enter} to leave"), classes="call")
 
     def _what_happened(self) -> str:
         tally = self.outcome.tally
         if not tally.steps:
-            return "No game was shown."
+            return tr("No game was shown.")
         games = len(tally.performances)
         lines = ", ".join(f"{performance:.4g}" for performance in tally.performances) or "-"
-        told = f"good {tally.good}, bad {tally.bad}"
+        told = tr("good {good}, bad {bad}", good=tally.good, bad=tally.bad)
         if tally.taken_back:
-            told += f" ({tally.taken_back} taken back)"
-        practised = f"On its own it practised {tally.unseen} games.\n" if tally.unseen else ""
-        return (
-            f"You watched {games} {'game' if games == 1 else 'games'} ({tally.steps} {self._words.steps}).\n"
-            f"{self._words.performance}: {lines}\n"
-            f"What you told the computer: {told}\n"
-            f"{practised}{self._weight()}"
-        ).rstrip()
+            told += " " + tr("({taken_back} taken back)", taken_back=tally.taken_back)
+        steps = f"{tally.steps} {tr(self._words.steps)}"
+        said = [
+            trn("You watched {n} game ({steps}).", "You watched {n} games ({steps}).", games, steps=steps),
+            f"{tr(self._words.performance)}: {lines}",
+            tr("What you told the computer: {told}", told=told),
+        ]
+        if tally.unseen:
+            said.append(
+                trn("On its own it practised {n} game.", "On its own it practised {n} games.", tally.unseen)
+            )
+        return "\n".join([*said, self._weight()]).rstrip()
 
     def _weight(self) -> str:
         weight = self.outcome.tally.weight
         if not self._show_weight or weight is None:
             return ""
-        return f"Weight of your feedback in the last game: {weight:.2g}"
+        return tr("Weight of your feedback in the last game: {weight:.2g}", weight=weight)
 
     def action_leave(self) -> None:
         """Close the program."""
@@ -104,14 +109,26 @@ def how_much_recorded(outcome: Outcome) -> str:
     The terminal names the file afterwards: names of files and folders may tell the condition.
     """
     kept = outcome.kept
-    what = "The session" if outcome.trouble is None else "Everything up to this moment"
     if kept is not None and kept.written < kept.recorded:
-        what = "What could be written"
-    told = f"{what} is recorded."
+        told = tr("What could be written is recorded.")
+    elif outcome.trouble is None:
+        told = tr("The session is recorded.")
+    else:
+        told = tr("Everything up to this moment is recorded.")
     if kept is None:
         return told
     if kept.synced >= kept.recorded:
-        return f"{told}\nAll {kept.recorded} events are on the disk."
+        return told + "\n" + tr("All {events} events are on the disk.", events=kept.recorded)
     missing = kept.recorded - kept.written
-    lost = f", {missing} could not be written to it" if missing else ""
-    return f"{told}\n{kept.synced} of {kept.recorded} events are known to be on the disk{lost}."
+    if not missing:
+        return f"{told}\n" + tr(
+            "{synced} of {events} events are known to be on the disk.",
+            synced=kept.synced,
+            events=kept.recorded,
+        )
+    return f"{told}\n" + tr(
+        "{synced} of {events} events are known to be on the disk, {missing} could not be written to it.",
+        synced=kept.synced,
+        events=kept.recorded,
+        missing=missing,
+    )

@@ -9,6 +9,7 @@ from textual.geometry import Size
 from textual.widget import Widget
 from textual.widgets import Static
 
+from arl_tui.language import key_for, key_name, later, tr, trn
 from arl_tui.screens.page import Page, feedback_keys, session_keys
 from core.feedback.keys import KeyConfig
 
@@ -16,7 +17,7 @@ from core.feedback.keys import KeyConfig
 class PauseScreen(Page):
     """The game waits."""
 
-    HEADING = "Pause"
+    HEADING = later("Pause")
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("p,space,enter,escape", "back", "Go on", id="pause.back", tooltip="Go on with the game")
     ]
@@ -34,11 +35,15 @@ class PauseScreen(Page):
         """Return the text."""
         if self._gap_s is not None:
             yield Static(
-                f"The computer slept or was held up for {self._gap_s:.0f} seconds, so the game has been "
-                f"paused.\n"
+                tr(
+                    "The computer slept or was held up for {seconds:.0f} seconds, so the game has been "
+                    "paused.",
+                    seconds=self._gap_s,
+                )
+                + "\n"
             )
-        yield Static("The game waits for you. Take as long as you like; key presses do not count now.")
-        yield Static("Press [reverse] P [/] or [reverse] Space [/] to go on", classes="call")
+        yield Static(tr("The game waits for you. Take as long as you like; key presses do not count now."))
+        yield Static(tr("Press {key_pause} or {key_space} to go on"), classes="call")
 
     def action_back(self) -> None:
         """Go on."""
@@ -48,7 +53,7 @@ class PauseScreen(Page):
 class HelpScreen(Page):
     """All keys and what they do."""
 
-    HEADING = "Help"
+    HEADING = later("Help")
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("h,f1,space,enter,escape", "back", "Go on", id="help.back", tooltip="Go on with the game")
     ]
@@ -58,7 +63,7 @@ class HelpScreen(Page):
 
         Args:
             keys: which keys mean what.
-            rules: what happens in the game and what is to be judged, in markup.
+            rules: what happens in the game and what is to be judged, in English and markup.
         """
         super().__init__()
         self._keys = keys
@@ -67,15 +72,21 @@ class HelpScreen(Page):
     def body(self) -> Iterable[Widget]:
         """Return the text."""
         keys = self._keys
-        yield Static(self._rules)
+        yield Static(tr(self._rules))
         yield Static(feedback_keys(keys))
         yield Static(
-            f"\nYou have {keys.max_presses_per_episode} presses in each game. A press counts once, however "
-            f"long you "
-            "hold the key. If a press does not count, the screen says why.\n"
+            "\n"
+            + trn(
+                "You have {n} press in each game. A press counts once, however long you hold the key. If a "
+                "press does not count, the screen says why.",
+                "You have {n} presses in each game. A press counts once, however long you hold the key. If a "
+                "press does not count, the screen says why.",
+                keys.max_presses_per_episode,
+            )
+            + "\n"
         )
         yield Static(session_keys(keys))
-        yield Static("Press [reverse] H [/] or [reverse] Space [/] to go on", classes="call")
+        yield Static(tr("Press {key_help} or {key_space} to go on"), classes="call")
 
     def action_back(self) -> None:
         """Go on."""
@@ -85,7 +96,7 @@ class HelpScreen(Page):
 class StopScreen(Page):
     """Asks whether to stop."""
 
-    HEADING = "Stop the session?"
+    HEADING = later("Stop the session?")
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("y", "stop", "Stop", id="stop.yes", tooltip="Stop and save"),
         Binding("n,space,enter,escape", "back", "Go on", id="stop.no", tooltip="Go on with the game"),
@@ -93,10 +104,8 @@ class StopScreen(Page):
 
     def body(self) -> Iterable[Widget]:
         """Return the text."""
-        yield Static("What has happened so far is kept and counts in full.")
-        yield Static(
-            "Press [reverse] Y [/] to stop, [reverse] N [/] or [reverse] Space [/] to go on", classes="call"
-        )
+        yield Static(tr("What has happened so far is kept and counts in full."))
+        yield Static(tr("Press {key_stop_yes} to stop, {key_no} or {key_space} to go on"), classes="call")
 
     def action_stop(self) -> None:
         """Stop."""
@@ -110,7 +119,7 @@ class StopScreen(Page):
 class SmallWindowScreen(Page):
     """Asks for a larger window, and leaves by itself when it is there; answers False to stop."""
 
-    HEADING = "This window is too small"
+    HEADING = later("This window is too small")
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("q,ctrl+q,ctrl+c", "stop", "Stop", id="small.stop", tooltip="Stop; what is done is kept")
     ]
@@ -122,8 +131,13 @@ class SmallWindowScreen(Page):
     def body(self) -> Iterable[Widget]:
         """Return the text."""
         yield Static(
-            f"{self._needed.width} columns and {self._needed.height} lines are needed. It goes on when the "
-            "window is larger, or the letters are smaller. Q stops."
+            tr(
+                "{columns} columns and {lines} lines are needed. It goes on when the window is larger, or "
+                "the letters are smaller. {stop} stops.",
+                columns=self._needed.width,
+                lines=self._needed.height,
+                stop=key_name(key_for("stop")),
+            )
         )
 
     def action_stop(self) -> None:

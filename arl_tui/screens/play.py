@@ -17,10 +17,11 @@ from arl_tui.app.outcome import SessionControls
 from arl_tui.app.tally import weight_in_use
 from arl_tui.games.panel import Progress
 from arl_tui.games.registry import screens_of, words_of
+from arl_tui.language import key_for, key_name, tr, trn
 from arl_tui.palette import Palette
 from arl_tui.screens.count_down import CountDown
 from arl_tui.screens.covers import HelpScreen, PauseScreen, SmallWindowScreen, StopScreen, fits_into
-from arl_tui.screens.page import Page, session_keys
+from arl_tui.screens.page import IN_SESSION, Page, session_key, session_keys
 from arl_tui.widgets.feedback_bar import FeedbackBar
 from core.events import (
     EpisodeEnded,
@@ -35,13 +36,8 @@ from core.events import (
 )
 from core.session.protocol import Protocol
 
-COMMANDS: dict[str, tuple[str, str]] = {
-    # action: (letter, keys that are there even if the letter is a feedback key)
-    "pause": ("p", "space"),
-    "guide": ("h", "f1"),
-    "leave": ("q", "ctrl+q,ctrl+c"),
-}
-
+ACTIONS = {"pause": "pause", "help": "guide", "stop": "leave"}
+"""Name of an action of this screen by what it does (`arl_tui.screens.page.IN_SESSION`)."""
 
 BAR_WIDTH = 20
 """Cells."""
@@ -58,9 +54,9 @@ class PlayScreen(Screen[None], inherit_bindings=False):
 
     BINDING_GROUP_TITLE = "Session"
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding(COMMANDS["pause"][1], "pause", "Pause", id="play.pause", tooltip="Let the game wait"),
-        Binding(COMMANDS["guide"][1], "guide", "Help", id="play.help", tooltip="Show all keys"),
-        Binding(COMMANDS["leave"][1], "leave", "Stop", id="play.stop", tooltip="Stop the session"),
+        Binding(IN_SESSION["pause"], "pause", "Pause", id="play.pause", tooltip="Let the game wait"),
+        Binding(IN_SESSION["help"], "guide", "Help", id="play.help", tooltip="Show all keys"),
+        Binding(IN_SESSION["stop"], "leave", "Stop", id="play.stop", tooltip="Stop the session"),
     ]
 
     def __init__(self, protocol: Protocol, live: LiveSession, palette: Palette) -> None:
@@ -94,7 +90,11 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         self._silence_shown = False
         self._disk_failed = False
         used = {self._keys.good, self._keys.bad, self._keys.retract}
-        self._letters = {letter: action for action, (letter, _) in COMMANDS.items() if letter not in used}
+        self._letters = {
+            key_for(name): action for name, action in ACTIONS.items() if key_for(name) not in used
+        }
+        self._commands = {key for keys in IN_SESSION.values() for key in keys.split(",")}
+        self._commands |= {key_for(name) for name in ACTIONS}
 
     def compose(self) -> ComposeResult:
         """Lay everything out in fixed sizes."""
@@ -129,12 +129,12 @@ class PlayScreen(Screen[None], inherit_bindings=False):
             case EpisodeEnded():
                 self._end_episode(occurrence)
             case Preparing(share=share) if self._live.phase == "running":
-                self._say(f"One moment, this first time:\n{bar(share)}")
+                self._say(f"{tr('One moment, this first time:')}\n{bar(share)}")
             case TimeGap():
                 self._lay_over(PauseScreen(gap_s=length_s(occurrence)), "gap")
             case StopAsked() | SessionEnded():
                 self._count_down.stop()
-                self._say("Stopping: everything is being saved ...")
+                self._say(tr("Stopping: everything is being saved ..."))
 
     def go_on_after(self, outputs: Iterable[Output]) -> None:
         """Count the games that were finished before the session broke off."""
@@ -156,10 +156,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         self.scene.show(picture, progress)
 
     def _show_press(self, press: KeyPressed) -> None:
-        is_command = any(
-            (press.read_as or press.key) in (letter, *keys.split(",")) for letter, keys in COMMANDS.values()
-        )
-        if press.verdict != "other" or not is_command:
+        if press.verdict != "other" or (press.read_as or press.key) not in self._commands:
             self.feedback.show_press(press, self._live.presses_left)
         self.feedback.ask_wrong(self._live.gate.wrong_asked)
         self.scene.presses_left(self._live.presses_left)
@@ -171,7 +168,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
             self._human_weights.append(weight_in_use(episode))
         self.feedback.begin_episode(self._live.presses_left)
         self.scene.presses_left(self._live.presses_left)
-        self.scene.title(f"Game {self._watched}")
+        self.scene.title(tr("Game {number}", number=self._watched))
         self.scene.unmark()
         self._say("")
         if not self._live.gate.covered:  # a page lies over the game: the count-down comes when it is left
@@ -182,7 +179,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         if not self._counts:
             return
         self._live.count_down()
-        self._count_down.start(f"Game {self._watched}", self._go_on)
+        self._count_down.start(tr("Game {number}", number=self._watched), self._go_on)
 
     def _go_on(self) -> None:
         """Let the game go on, and draw once more: what was drawn before came too early to count."""
@@ -192,15 +189,20 @@ class PlayScreen(Screen[None], inherit_bindings=False):
     def _end_episode(self, episode: EpisodeEnded) -> None:
         self._playing = False
         lines = self._words.told(episode.performance)
-        self.scene.title("Game over" if episode.ended == "termination" else "End of this game")
+        self.scene.title(tr("Game over") if episode.ended == "termination" else tr("End of this game"))
         if self._watched >= self._episodes or self._live.phase != "running":
-            self._say(f"That was the last game: {lines}.")
+            self._say(tr("That was the last game: {performance}.", performance=lines))
         elif self._unseen:
             self._say(
-                f"{lines}. Before the next game, the computer\npractises {self._unseen} games on its own."
+                trn(
+                    "{performance}. Before the next game, the computer\npractises {n} game on its own.",
+                    "{performance}. Before the next game, the computer\npractises {n} games on its own.",
+                    self._unseen,
+                    performance=lines,
+                )
             )
         else:
-            self._say(f"{lines}. The next game is about to begin.")
+            self._say(tr("{performance}. The next game is about to begin.", performance=lines))
 
     def _say(self, text: str) -> None:
         if self._disk_failed:
@@ -212,16 +214,20 @@ class PlayScreen(Screen[None], inherit_bindings=False):
     def show_disk_failure(self) -> None:
         """Say that nothing counts from here on, because it cannot be recorded."""
         self.feedback.show_not_saved()
-        self._say("[b]The recording cannot be written.[/]\nThe session ends here.")
+        self._say(tr("[b]The recording cannot be written.[/]\nThe session ends here."))
         self._disk_failed = True
 
     def show_silence(self, silent_s: float | None) -> None:
         """Say for how long the learner has not answered, seconds; None: it does."""
         if silent_s is not None:
             self._silence_shown = True
-            waits = "Still practising" if not self._playing else "The computer has not answered"
-            key = "Q" if "q" in self._letters else "Ctrl+Q"
-            self._status.update(f"{waits} for {silent_s:.0f} s.\n{key} ends the session; all is kept.")
+            told = (
+                tr("The computer has not answered for {seconds:.0f} s.", seconds=silent_s)
+                if self._playing
+                else tr("Still practising for {seconds:.0f} s.", seconds=silent_s)
+            )
+            key = key_name(session_key("stop", self._keys))
+            self._status.update(f"{told}\n" + tr("{key} ends the session; all is kept.", key=key))
         elif self._silence_shown:
             self._say(self._said)
 

@@ -13,6 +13,7 @@ from textual.timer import Timer
 from textual.widgets import Static
 
 from arl_tui.app.plain_app import PlainApp
+from arl_tui.language import later, tr, trn
 from arl_tui.palette import STANDARD, Palette, palette_for
 from arl_tui.screens.covers import SmallWindowScreen, fits_into
 from arl_tui.widgets.board import TetrisBoard
@@ -27,7 +28,8 @@ POLL_S = 1 / 30
 BESIDE, KEYS_END = 38, 20
 """Columns beside the board, and lines down to the end of what stands there."""
 
-KEYS_HELP = """\
+KEYS_HELP = later(
+    """\
   [b]← →[/b] or [b]h l[/b]    move
    [b]↑[/b]  or  [b]r[/b]     turn clockwise
    [b]↓[/b]  or [b]space[/b]  drop
@@ -37,6 +39,7 @@ KEYS_HELP = """\
   You play the game that the agent
   plays. Full rows vanish. Do not
   let the pile reach the top."""
+)
 
 
 @dataclass
@@ -135,7 +138,7 @@ class PracticeScreen(Screen[None], inherit_bindings=False):
         self._gravity = Gravity(round(fall_s * 1e9), clock or MonotonicClock())
         self._board = TetrisBoard(rows, columns, palette=palette)
         self._next = NextPiece(palette=palette)
-        self._stats = StatsPanel("Practice", lines_high=2)
+        self._stats = StatsPanel(later("Practice"), lines_high=2)
         self._poll: Timer | None = None
 
     def compose(self) -> ComposeResult:
@@ -145,7 +148,7 @@ class PracticeScreen(Screen[None], inherit_bindings=False):
             with Vertical():
                 yield self._next
                 yield self._stats
-                yield Static(KEYS_HELP, id="keys")
+                yield Static(tr(KEYS_HELP), id="keys")
 
     def on_mount(self) -> None:
         """Show the game and let time count."""
@@ -177,7 +180,7 @@ class PracticeScreen(Screen[None], inherit_bindings=False):
             return
         if self._gravity.running:
             self._gravity.stop()
-            self._board.cover("PAUSE\n\npress p to go on")
+            self._board.cover(tr("PAUSE\n\npress p to go on"))
         else:
             self._board.uncover()
             self._gravity.start()
@@ -218,8 +221,14 @@ class PracticeScreen(Screen[None], inherit_bindings=False):
         self._stats.show(Figures(lines=picture.counts.lines, pieces=picture.counts.pieces))
         if picture.over and not self._board.covered:
             self._gravity.stop()
-            rows = "1 row" if picture.counts.lines == 1 else f"{picture.counts.lines} rows"
-            self._board.cover(f"GAME OVER\n{rows} cleared\n\nn new game  q quit", whole=False)
+            self._board.cover(
+                trn(
+                    "GAME OVER\n{n} row cleared\n\nn new game  q quit",
+                    "GAME OVER\n{n} rows cleared\n\nn new game  q quit",
+                    picture.counts.lines,
+                ),
+                whole=False,
+            )
 
 
 class PracticeApp(PlainApp[int]):

@@ -18,9 +18,10 @@ from textual.widgets import Static
 
 from arl_tui.app.plain_app import PlainApp
 from arl_tui.games.keepaway.playback import Playback, Source
+from arl_tui.language import bold_cap
 from arl_tui.palette import STANDARD, palette_for
 from arl_tui.screens.covers import SmallWindowScreen, fits_into
-from arl_tui.screens.page import Page, key_cap
+from arl_tui.screens.page import Page
 from arl_tui.widgets.pitch import PitchWidget
 from arl_tui.widgets.pitch_colours import legend
 from arl_tui.widgets.pitch_drawing import smallest
@@ -73,7 +74,7 @@ class HelpPage(Page):
         )
         widest = max(len(key) for key, _ in rows)
         for key, meaning in rows:
-            yield Static(f"  {key_cap(key)}{' ' * (widest - len(key))}  {meaning}")
+            yield Static(f"  {bold_cap(key)}{' ' * (widest - len(key))}  {meaning}")
         yield Static("Press [reverse] Space [/] to go on", classes="call")
 
     def action_back(self) -> None:

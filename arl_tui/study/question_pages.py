@@ -11,6 +11,7 @@ from textual.binding import Binding, BindingType
 from textual.widget import Widget
 from textual.widgets import Input, Static
 
+from arl_tui.language import tr
 from arl_tui.study import words
 from arl_tui.study.pages import StudyPage, _plain
 from core.numerics.clock import Clock
@@ -46,7 +47,7 @@ class QuestionPage(StudyPage):
             code: of the participant.
             clock: of the answer's times.
         """
-        super().__init__("", code=code, part=words.PROGRESS.format(number=number, count=count))
+        super().__init__("", code=code, part=tr(words.PROGRESS, number=number, count=count))
         self.question = question
         self._clock = clock
         self._shown_ns = clock.now_ns()
@@ -69,7 +70,7 @@ class QuestionPage(StudyPage):
         else:
             yield Static(self._drawn(), id="answers")
         if not self.question.required:
-            yield Static(f"[dim]{words.MAY_SKIP}[/]")
+            yield Static(f"[dim]{tr(words.MAY_SKIP)}[/]")
 
     def call(self) -> str:
         """Return how to answer, or what is wrong with the answer."""
@@ -77,13 +78,13 @@ class QuestionPage(StudyPage):
             return f"[$text-error]{_plain(self._remark)}[/]"
         match self.question:
             case Likert():
-                return words.ANSWER_LIKERT
+                return tr(words.ANSWER_LIKERT)
             case Scale():
-                return words.ANSWER_SCALE
+                return tr(words.ANSWER_SCALE)
             case Choice(several=several):
-                return words.ANSWER_SEVERAL if several else words.ANSWER_CHOICE
+                return tr(words.ANSWER_SEVERAL) if several else tr(words.ANSWER_CHOICE)
             case Number() | FreeText():
-                return words.ANSWER_TYPED
+                return tr(words.ANSWER_TYPED)
             case other:
                 assert_never(other)
 
@@ -208,7 +209,7 @@ class QuestionPage(StudyPage):
         if reason is None:
             self._leave_with(answer)
         else:
-            self._remark = reason
+            self._remark = tr(reason.text, **reason.values)
             self.show_call()
 
     def action_skip(self) -> None:

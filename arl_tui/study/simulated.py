@@ -13,6 +13,7 @@ import numpy as np
 from textual.pilot import Pilot
 
 from arl_tui.games.registry import words_of
+from arl_tui.language import key_for
 from arl_tui.recordings import new_path
 from arl_tui.study.calibrations import simulated_calibration
 from arl_tui.study.page_app import PageApp, Results
@@ -114,9 +115,9 @@ class SimulatedPresenter:
 
     def _keys(self, screen: StudyPage | StopPage) -> list[str]:
         if isinstance(screen, StopPage):
-            return ["n"]
+            return [key_for("no")]
         if isinstance(screen, ConsentPage) and screen.at_end:
-            return ["n" if self._habits.declines else "y"] * screen.n_statements + (
+            return [key_for("no" if self._habits.declines else "yes")] * screen.n_statements + (
                 ["enter", "enter"] if self._habits.declines else ["enter"]
             )
         if isinstance(screen, QuestionPage):
@@ -190,7 +191,7 @@ class SimulatedPresenter:
             file=path.name,
             games=tuple(summary.performances),
             presses=summary.accepted,
-            unit=words_of(protocol.game).units[1],
+            unit=words_of(protocol.game).unit,
         )
 
 

@@ -84,5 +84,5 @@ def played_of(block: BlockSoFar) -> Played:
         file=block.path.name,
         games=block.performances,
         presses=block.summary.presses_counted,
-        unit=words_of(block.summary.game).units[1],
+        unit=words_of(block.summary.game).unit,
     )

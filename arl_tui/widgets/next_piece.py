@@ -5,6 +5,7 @@ from typing import ClassVar
 from textual.geometry import Size
 from textual.strip import Strip
 
+from arl_tui.language import tr
 from arl_tui.palette import STANDARD, Palette
 from arl_tui.widgets.blocks import CELLS_PER_BLOCK, BlockWidget
 from core.tetris.game import flattest
@@ -35,7 +36,7 @@ class NextPiece(BlockWidget):
     ) -> None:
         """Draw an empty box."""
         super().__init__(palette=palette, id=id, classes=classes)
-        self.border_title = "Next"
+        self.border_title = tr("Next")
         self._piece = -1
 
     def get_content_width(self, container: Size, viewport: Size) -> int:

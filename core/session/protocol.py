@@ -6,7 +6,7 @@ The whole protocol is written to each recording's header, and a session is built
 """
 
 from collections.abc import Iterator, Mapping
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import msgspec
 
@@ -20,7 +20,7 @@ from core.learners.cross_entropy_config import CrossEntropyConfig
 from core.learners.policy_gradient_config import PolicyGradientConfig
 from core.learners.sarsa_config import SarsaConfig
 from core.plugins import DomainConfig, is_game, plugin_called, plugin_of
-from core.recording.schema import FIRST_GAME
+from core.recording.schema import FIRST_GAME, to_plain
 
 LearnerConfig = CrossEntropyConfig | PolicyGradientConfig | SarsaConfig
 """How the environment's learner learns; msgspec decodes it by its tag, the field "type"."""
@@ -53,6 +53,11 @@ class SessionConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
                 raise ValueError(f"{name} is >= 0, got {getattr(self, name)}")
 
 
+Language = Literal["en", "de"]
+"""Languages of the participants' screens, by ISO 639. A further one needs a catalogue
+(`arl_tui/locale/README.md`)."""
+
+
 class ScreenConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How the session looks and how fast it goes."""
 
@@ -76,6 +81,9 @@ class ScreenConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     condition."""
     palette: Literal["standard", "colour-blind", "high-contrast", "sixteen"] = "standard"
     """Colours of the pieces; each piece has its own texture, too, outside the standard palette."""
+    language: Language = "en"
+    """Language of everything that the participant reads: "en" is English, "de" German. The environment
+    variable LANG does not change it (`docs/decisions/languages.md`)."""
 
     def __post_init__(self) -> None:
         if not 10 <= self.tick_ms <= 2000:
@@ -188,6 +196,18 @@ class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
             found.append("gamma(2.5, 0.3) is read as shape and scale: mean 0.75 s, mode 0.45 s, not 0.5 s")
         found.append(f"trust in the human follows the rule {type(trust).__name__}")
         return found + plugin_of(self).departures(self)
+
+
+def plain_protocol(protocol: Protocol) -> dict[str, Any]:
+    """Return a protocol as plain JSON types, for `Header.protocol`.
+
+    Keys that came after recordings of this version had been made are left out at their default, so that a
+    session of today that does not use them is recorded as before.
+    """
+    plain = to_plain(protocol)
+    if protocol.screen.language == "en":
+        del plain["screen"]["language"]
+    return plain
 
 
 class _Defaults(Mapping[str, Protocol]):

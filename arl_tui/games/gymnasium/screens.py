@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING
 
 from arl_tui.games.registry import GameScreens
+from arl_tui.language import later, later_n
 from arl_tui.words import Words
 from core.feedback.keys import NS_PER_MS
 from core.session.protocol import Protocol, ScreenConfig
@@ -13,21 +14,21 @@ if TYPE_CHECKING:
     from arl_tui.palette import Palette
 
 WORDS = Words(
-    heading="Teach a computer a task",
-    welcome=(
+    heading=later("Teach a computer a task"),
+    welcome=later(
         "You will watch a computer try a task, {games}. It does not know yet how to do it well. "
         "{practises}You can help it: "
         "tell it what you think of what it has just done."
     ),
-    rules=(
+    rules=later(
         "The computer does one thing after another, and the task is scored as you see beside it: the more, "
         "the better."
         "\n\nTell it what you think of what it has just done:\n"
     ),
-    practises="It practises on its own between games. ",
-    performance="Reward",
-    units=("point", "points"),
-    steps="steps",
+    practises=later("It practises on its own between games. "),
+    performance=later("Reward"),
+    units=later_n("point", "points"),
+    steps=later("steps"),
     step="step",
 )
 
