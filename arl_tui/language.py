@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from gettext import GNUTranslations, NullTranslations
 from pathlib import Path
 from string import Formatter
+from types import MappingProxyType
 from typing import get_args
 
 from core.session.protocol import Language
@@ -58,29 +59,42 @@ class _InUse:
     code: str = LANGUAGES[0]
     catalogue: NullTranslations = NullTranslations()
     keys: Mapping[str, str] = OWN_KEYS
+    changed: Mapping[str, str] = MappingProxyType({})
 
 
-def use(code: str, changed: Mapping[str, str] | None = None) -> None:
+def change_keys(changed: Mapping[str, str]) -> None:
+    """Use other keys of the program's own than those of the language, from the next `use` on.
+
+    Args:
+        changed: some of `OWN_KEYS`.
+    """
+    _InUse.changed = dict(changed)
+
+
+def use(code: str) -> None:
     """Show all words from now on in a language.
 
     Args:
         code: one of `LANGUAGES`.
-        changed: the program's own keys that are not the language's, by name (`OWN_KEYS`).
 
     Raises:
         ValueError: there is no such language.
     """
     if code not in LANGUAGES:
         raise ValueError(f"there is no language {code!r}: choose one of {', '.join(LANGUAGES)}")
-    if code != _InUse.code or code == LANGUAGES[0]:
-        _InUse.catalogue = catalogue_of(code)
+    _InUse.catalogue = catalogue_of(code)
     _InUse.code = code
-    _InUse.keys = {**OWN_KEYS, **KEYS_OF_LANGUAGE.get(code, {}), **(changed or {})}
+    _InUse.keys = {**OWN_KEYS, **KEYS_OF_LANGUAGE.get(code, {}), **_InUse.changed}
 
 
 def in_use() -> str:
     """Return the language in use."""
     return _InUse.code
+
+
+def changed_keys() -> Mapping[str, str]:
+    """Return the program's own keys that this user has changed, by name."""
+    return _InUse.changed
 
 
 def keys_in_use() -> Mapping[str, str]:

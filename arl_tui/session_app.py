@@ -19,6 +19,7 @@ from arl_tui.app.once import after
 from arl_tui.app.outcome import Outcome, SessionControls
 from arl_tui.games.pace import pace_facts, pace_warning
 from arl_tui.games.registry import words_of
+from arl_tui.language import changed_keys
 from arl_tui.palette import palette_for
 from arl_tui.recordings import create_new, rescue, rescue_whole
 from arl_tui.screens.closing import ClosingScreen
@@ -213,6 +214,8 @@ class ArlApp(SessionControls):
             self.size.width, self.size.height, stamps=stamps, frames_per_s=constants.MAX_FPS
         )
         protocol = self.setup.protocol
+        if changed_keys():
+            terminal["own_keys"] = ", ".join(f"{name} {key}" for name, key in changed_keys().items())
         return Header(
             origin="live",
             created_utc=created_utc,

@@ -20,6 +20,7 @@ from arl_tui.app.driver import own_driver
 from arl_tui.app.foreign_keys import ForeignKeys, language_of_environment
 from arl_tui.app.terminal_guard import QUIET, TerminalGuard
 from arl_tui.language import tr, use
+from arl_tui.own_keys import keymap
 from core.feedback.layouts import KeyReader
 
 Result = TypeVar("Result")
@@ -47,6 +48,7 @@ class PlainApp(App[Result], inherit_bindings=False):
         """Finds the Latin letter on a key where the keyboard is set to another alphabet."""
         self._foreign_keys = ForeignKeys()
         super().__init__(driver_class=driver_class or own_driver())
+        self.set_keymap(keymap())
         self.animation_level = "none"
         self.ended_by: signal.Signals | None = None
         """The signal that has ended this app; SIGHUP also where the terminal was found to be gone."""

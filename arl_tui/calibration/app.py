@@ -275,6 +275,8 @@ class CalibrationApp(PlainApp[Outcome]):
         found |= timing_facts(self._setup.recordings, terminal, wall_time_utc())
         name, resolution_ns = facts.clock_facts()
         found |= {"clock": name, "clock_resolution_ns": str(resolution_ns), PLANNED: self._setup.planned}
+        if self._setup.language != "en":
+            found["language"] = self._setup.language
         if self._setup.hindrances:
             found["hindrances"] = " and ".join(self._setup.hindrances)
         return found

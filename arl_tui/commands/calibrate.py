@@ -5,13 +5,14 @@ import secrets
 import shlex
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from arl_tui.command_line import say
-from arl_tui.commands.play import need_terminal, read_protocol
+from arl_tui.commands.play import in_language, need_terminal, read_protocol
 from arl_tui.drawing_rate import FRAMES_PER_S
 from arl_tui.language import later
 from arl_tui.recordings import CALIBRATION_FOLDER
@@ -41,6 +42,7 @@ def run_calibration(
     refit: bool = False,
     game: "GameName" = "tetris",
     protocol: Path | None = None,
+    language: str | None = None,
 ) -> None:
     """Run the tasks in this terminal, print what they would be, or fit what has been measured."""
     from arl_tui.calibration.plan import CalibrationSetup, configure, new_parts, task_names
@@ -73,7 +75,8 @@ def run_calibration(
     check_files(setup.recordings, participant)
     from arl_tui.calibration.app import CalibrationApp
 
-    app = CalibrationApp(setup)
+    sessions = in_language(sessions, language, written=protocol is not None)
+    app = CalibrationApp(replace(setup, language=sessions.screen.language))
     outcome = app.run_in_terminal()
     if app.ended_by is not None:
         raise SystemExit(128 + app.ended_by)

@@ -5,7 +5,7 @@ from typing import Literal
 
 import click
 
-from arl_tui.command_line import FILE, pseudonym, recordings_option, seed_option
+from arl_tui.command_line import FILE, language_option, pseudonym, recordings_option, seed_option
 
 
 @click.command(short_help="Measure how long a participant takes to react and to judge.")
@@ -20,6 +20,7 @@ from arl_tui.command_line import FILE, pseudonym, recordings_option, seed_option
 @click.option("--trials", type=click.IntRange(1), help="Scored trials per task; 40 by default.")
 @click.option("--practice", type=click.IntRange(0), help="Practice trials per task; 8 by default.")
 @seed_option
+@language_option
 @recordings_option(to_write=True)
 @click.option("--dry-run", is_flag=True, help="Print every trial as it would be run, and stop.")
 @click.option(
@@ -45,6 +46,7 @@ def calibrate(
     trials: int | None,
     practice: int | None,
     seed: int | None,
+    language: str | None,
     recordings: Path,
     dry_run: bool,
     game: Literal["tetris", "keepaway"],
@@ -68,4 +70,5 @@ def calibrate(
         refit=refit,
         game=game,
         protocol=protocol,
+        language=language,
     )

@@ -4,7 +4,14 @@ from pathlib import Path
 
 import click
 
-from arl_tui.command_line import GAMES, protocol_option, pseudonym, recordings_option, seed_option
+from arl_tui.command_line import (
+    GAMES,
+    language_option,
+    protocol_option,
+    pseudonym,
+    recordings_option,
+    seed_option,
+)
 
 
 @click.command(short_help="Watch an agent learn a game and judge it by key presses.")
@@ -32,6 +39,7 @@ from arl_tui.command_line import GAMES, protocol_option, pseudonym, recordings_o
     "file; the "
     "rest of the session is recorded beside it.",
 )
+@language_option
 @recordings_option(to_write=True)
 @click.pass_context
 def play(
@@ -43,6 +51,7 @@ def play(
     episodes: int | None,
     credit: str | None,
     resume: Path | None,
+    language: str | None,
     recordings: Path,
 ) -> None:
     """Watch an agent learn GAME, and tell it by key presses what you think of it."""
@@ -61,4 +70,5 @@ def play(
         episodes=episodes,
         recordings=recordings,
         credit=credit,
+        language=language,
     )

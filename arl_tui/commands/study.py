@@ -110,7 +110,13 @@ def run(file: Path, code: str | None, recordings: Path) -> None:
     with _plain_errors():
         loaded, ledger = _open(file, recordings)
         code = code or drawn_code(loaded.study, ledger)
-        result = run_sitting(loaded, ledger, code, Terminal(player(loaded)), software=software())
+        result = run_sitting(
+            loaded,
+            ledger,
+            code,
+            Terminal(player(loaded), language=loaded.study.language),
+            software=software(),
+        )
     said = {
         "finished": "finished the sitting",
         "stopped": "stopped the sitting",

@@ -141,7 +141,7 @@ def _session(
         file=outcome.recording.name if outcome.recording else "",
         games=games,
         presses=tally.good + tally.bad,
-        unit=words.units[1],
+        unit=words.unit,
         trouble=outcome.trouble or "",
         remark=outcome.warning,
     )
@@ -173,6 +173,7 @@ def _calibrate(loaded: LoadedStudy, call: BlockCall, step: Calibration) -> Playe
         root_seed=call.seed,
         recordings=call.folder,
         hindrances=tuple(HINDRANCES[name] for name in hindrances()),
+        language=loaded.study.language,
     )
     app = CalibrationApp(setup)
     app.before_leaving = call.on_gone

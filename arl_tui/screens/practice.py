@@ -246,13 +246,15 @@ class PracticeApp(PlainApp[int]):
         fall_s: float = 0.6,
         palette: str = STANDARD.name,
         clock: Clock | None = None,
+        language: str = "en",
     ) -> None:
-        """Prepare a game; the arguments are those of PracticeScreen, the palette by name.
+        """Prepare a game; the arguments are those of PracticeScreen, the palette by name, and the language of
+        the words.
 
         Raises:
             ValueError: there is no such palette, or the board is too small.
         """
-        super().__init__()
+        super().__init__(language=language)
         self.practice = PracticeScreen(
             seed=seed,
             rows=rows,

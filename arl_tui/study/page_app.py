@@ -23,14 +23,17 @@ class PageApp(PlainApp[Results]):
         self,
         pages: Sequence[Callable[[], Screen[object]]],
         on_result: Callable[[int, object], None] = lambda number, result: None,
+        *,
+        language: str = "en",
     ) -> None:
         """Prepare.
 
         Args:
             pages: each is made when its turn comes.
             on_result: called with the number of a page, from 0, and its result before the next page is shown.
+            language: of the words that are not the study's own.
         """
-        super().__init__()
+        super().__init__(language=language)
         self._pages = list(pages)
         self._on_result = on_result
         self.results: Results = []

@@ -21,6 +21,11 @@ SCALE_CELLS = 51
 """Places of the mark of a visual analogue scale on screen."""
 
 
+def _end(text: str) -> str:
+    """Return an end of a Likert row: of the study, or ours, in the language in use."""
+    return tr(text) if text in words.ENDS_OF_A_LIKERT_ROW else text
+
+
 @dataclass(frozen=True, slots=True)
 class Answered:
     """A confirmed answer."""
@@ -100,7 +105,7 @@ class QuestionPage(StudyPage):
                 marks = "   ".join(
                     f"[reverse b] {k} [/]" if k == self._at else f" {k} " for k in range(1, points + 1)
                 )
-                return f"\n{marks}\n\n1 = {_plain(low)}, {points} = {_plain(high)}\n"
+                return f"\n{marks}\n\n1 = {_plain(_end(low))}, {points} = {_plain(_end(high))}\n"
             case Scale(maximum=maximum, low=low, high=high):
                 cell = round((self._at or 0) / maximum * (SCALE_CELLS - 1))
                 line = "".join("█" if k == cell and self._touched else "─" for k in range(SCALE_CELLS))

@@ -91,7 +91,7 @@ class SimulatedPresenter:
         Raises:
             StuckError: a page cannot be left by keys.
         """
-        app = PageApp(pages, on_result)
+        app = PageApp(pages, on_result, language=self._loaded.study.language)
         stuck: list[str] = []
 
         async def press(pilot: Pilot[object]) -> None:

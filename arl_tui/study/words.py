@@ -44,3 +44,5 @@ NUMBERS = later(
 ORDER = later("The conditions of your session were, in this order: {order}.")
 CODE = later("Your code is [b]{code}[/]. Keep it if you may want your data to be deleted later.")
 LEAVE = later("Press {key_enter} to leave")
+ENDS_OF_A_LIKERT_ROW = (later("strongly disagree"), later("strongly agree"))
+"""Of questionnaires that name none (`studies.lab.questions.Likert`)."""

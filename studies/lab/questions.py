@@ -9,6 +9,7 @@ from typing import Annotated, Literal, NamedTuple, assert_never
 from msgspec import Meta
 
 from core.configuration.reading import ConfigurationError, read_whole
+from core.session.protocol import Language
 from core.session.protocol_file import ProtocolError, located, read_toml
 from studies.lab.config import Code, Table
 
@@ -129,18 +130,20 @@ class QuestionsError(ValueError):
     """A questionnaire cannot be used; the message says where and why."""
 
 
-def read_questions(name: str, folder: Path) -> QuestionList:
+def read_questions(name: str, folder: Path, language: Language = "en") -> QuestionList:
     """Return a ready questionnaire, or the one in a TOML file.
 
     Args:
         name: one of `READY`, or a file in `folder`.
         folder: of the study file.
+        language: of a ready questionnaire.
 
     Raises:
         QuestionsError: the file is not there, is not TOML, or holds what is not a questionnaire.
     """
     if name in READY:
-        with resources.as_file(resources.files(__package__) / "questionnaires" / f"{name}.toml") as path:
+        ready = resources.files(__package__) / "questionnaires"
+        with resources.as_file((ready if language == "en" else ready / language) / f"{name}.toml") as path:
             return _read(path)
     try:
         return _read(folder / name)
