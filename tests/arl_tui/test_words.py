@@ -5,6 +5,7 @@ import importlib.util
 import re
 from collections import Counter
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from string import Formatter
 
@@ -93,8 +94,13 @@ def test_the_compiled_catalogue_is_that_of_the_texts(code: str):
     )
 
 
-def calls() -> Iterator[tuple[str, ast.Call, str]]:
-    """Yield every call of a function of texts with its file and name."""
+@cache
+def calls() -> tuple[tuple[str, ast.Call, str], ...]:
+    """Return every call of a function by its name, with its file."""
+    return tuple(_calls())
+
+
+def _calls() -> Iterator[tuple[str, ast.Call, str]]:
     for folder in TOOL.FOLDERS:
         for path in sorted((ROOT / folder).rglob("*.py")):
             for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
@@ -205,15 +211,11 @@ def test_a_changed_key_is_none_for_feedback():
 def test_every_binding_with_an_own_key_is_known():
     """A binding that is not listed would stay as it is in English, while the text names another key."""
     found = {}
-    for path in sorted((ROOT / "arl_tui").rglob("*.py")):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "Binding":
-                keys = ast.unparse(node.args[0]).strip("'")
-                identifier = [
-                    k.value.value for k in node.keywords if k.arg == "id" and hasattr(k.value, "value")
-                ]
-                if identifier:
-                    found[identifier[0]] = "q,ctrl+q,ctrl+c" if keys in ("STOP_KEYS", "LEAVE") else keys
+    for _, node, name in calls():
+        identifier = [word.value for word in node.keywords if word.arg == "id"]
+        if name == "Binding" and identifier and isinstance(identifier[0], ast.Constant):
+            keys = ast.unparse(node.args[0]).strip("'")
+            found[identifier[0].value] = "q,ctrl+q,ctrl+c" if keys == "STOP_KEYS" else keys
     listed = {identifier: keys for identifier, (keys, _) in BOUND.items()}
     assert {identifier: found.get(identifier) for identifier in listed} == listed
     of_the_experimenter = ("viewer", "watch", "monitor", "home", "play.", "practice.left")
