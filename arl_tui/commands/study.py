@@ -11,6 +11,7 @@ import click
 from arl_tui.command_line import recordings_option, say
 
 if TYPE_CHECKING:
+    from core.session.protocol import Language
     from studies.lab.ledger import Ledger
     from studies.lab.read import LoadedStudy
 
@@ -33,12 +34,19 @@ def study() -> None:
     show_default=True,
     help="Which: two conditions in ten minutes, or one of the paper's figures with people.",
 )
-def new(folder: Path, name: str) -> None:
+@click.option(
+    "--language",
+    type=click.Choice(["en", "de"]),
+    default="en",
+    show_default=True,
+    help="Language of everything that participants read: English or German.",
+)
+def new(folder: Path, name: str, language: "Language") -> None:
     """Copy a ready study, complete with texts, to FOLDER."""
     from studies.lab.ready_studies import copy_ready_study
 
     with _plain_errors():
-        files = copy_ready_study(name, folder)
+        files = copy_ready_study(name, folder, language)
     for file in files:
         say(str(file))
     say(f"Next: arl study check {shlex.quote(str(files[0]))}")
