@@ -35,7 +35,7 @@ KEYS_OF_LANGUAGE: Mapping[str, Mapping[str, str]] = {
     "de": {"yes": "j", "stop_yes": "b", "back": "z", "continue": "f"},
 }
 """Where a language has other keys of its own."""
-FIXED_KEYS = ("enter", "space", "f1", "skip", "force_stop")
+FIXED_KEYS = ("enter", "space", "escape", "f1", "skip", "force_stop")
 """Keys that no setting changes, by the name that texts have for them."""
 
 
@@ -49,8 +49,22 @@ def later_n(one: str, many: str) -> tuple[str, str]:
     return one, many
 
 
-_NAMES = {"space": later("Space"), "enter": later("Enter"), "escape": later("Esc"), "ctrl": later("Ctrl")}
-_FIXED = {"enter": "enter", "space": "space", "f1": "f1", "skip": "ctrl+n", "force_stop": "ctrl+q"}
+_NAMES = {
+    "space": later("Space"),
+    "enter": later("Enter"),
+    "escape": later("Esc"),
+    "ctrl": later("Ctrl"),
+    "pagedown": later("Page down"),
+    "pageup": later("Page up"),
+}
+_FIXED = {
+    "enter": "enter",
+    "space": "space",
+    "escape": "escape",
+    "f1": "f1",
+    "skip": "ctrl+n",
+    "force_stop": "ctrl+q",
+}
 
 
 class _InUse:

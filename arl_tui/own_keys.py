@@ -11,7 +11,7 @@ from arl_tui.language import OWN_KEYS, keys_in_use
 LEAVE = "q,ctrl+q,ctrl+c"
 BOUND: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "pause.back": ("p,space,enter,escape", ("pause",)),
-    "trial.pause": ("p,q,ctrl+q,ctrl+c", ("pause", "stop")),
+    "trial.pause": ("p,q,f1,ctrl+q,ctrl+c", ("pause", "stop")),
     "practice.pause": ("p", ("pause",)),
     "practice.quit": ("q", ("stop",)),
     "practice.new": ("n", ("new",)),
@@ -34,6 +34,7 @@ BOUND: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "consent.no": ("n", ("no",)),
     "decline.no": ("b,escape", ("back",)),
     "notice.leave": (LEAVE, ("stop",)),
+    "home.back": ("q,escape,ctrl+q,ctrl+c", ("stop",)),
 }
 """Id of a binding, its keys in English, and which of the program's own keys are among them."""
 TOGETHER: tuple[tuple[str, ...], ...] = (

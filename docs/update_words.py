@@ -18,6 +18,8 @@ LOCALE = ROOT / "arl_tui" / "locale"
 KEYWORDS = {"tr": 1, "later": 1, "judging_text": 1, "Refusal": 1, "trn": 2, "later_n": 2}
 """Functions of texts (`arl_tui.language`): their first one or two arguments go into the catalogue."""
 FOLDERS = ("arl_tui", "studies")
+OF_THE_EXPERIMENTER = ("viewer", "watch.py", "monitor.py")
+"""Pages that no participant sees: what their keys do is said in English."""
 
 
 def extracted() -> Catalog:
@@ -25,18 +27,28 @@ def extracted() -> Catalog:
     catalogue = Catalog(project="arl-tui", fuzzy=False)
     for folder in FOLDERS:
         for path in sorted((ROOT / folder).rglob("*.py")):
-            for message in texts_in(path.read_text(encoding="utf-8")):
+            bindings = not set(path.parts) & set(OF_THE_EXPERIMENTER)
+            for message in texts_in(path.read_text(encoding="utf-8"), bindings=bindings):
                 catalogue.add(message, locations=[(str(path.relative_to(ROOT)), 0)])
     return catalogue
 
 
-def texts_in(code: str) -> Iterator[str | tuple[str, str]]:
+def texts_in(code: str, *, bindings: bool) -> Iterator[str | tuple[str, str]]:
     """Yield the texts in a module; pairs are for one and for several.
 
     Babel's own extraction does not look into f-strings before Python 3.12.
+
+    Args:
+        code: of the module.
+        bindings: what the keys of its pages do is a text, too (`arl_tui.app.key_help`).
     """
     for node in ast.walk(ast.parse(code)):
         name = node.func.id if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) else ""
+        if name == "Binding" and isinstance(node, ast.Call) and bindings:
+            tooltips = [word.value for word in node.keywords if word.arg == "tooltip"]
+            said = (tooltips or node.args[2:3])[0]
+            if isinstance(said, ast.Constant) and isinstance(said.value, str):
+                yield said.value
         if name in KEYWORDS and isinstance(node, ast.Call):
             given = [each.value for each in node.args[: KEYWORDS[name]] if isinstance(each, ast.Constant)]
             texts = tuple(text for text in given if isinstance(text, str))

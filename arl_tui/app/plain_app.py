@@ -10,14 +10,16 @@ import signal
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any, NoReturn, TypeVar
+from typing import Any, ClassVar, NoReturn, TypeVar
 
 from textual import events
 from textual.app import App
+from textual.binding import BindingType
 from textual.driver import Driver
 
 from arl_tui.app.driver import own_driver
 from arl_tui.app.foreign_keys import ForeignKeys, language_of_environment
+from arl_tui.app.key_help import HELP, KeyHelp
 from arl_tui.app.terminal_guard import QUIET, TerminalGuard
 from arl_tui.language import tr, use
 from arl_tui.own_keys import keymap
@@ -31,6 +33,7 @@ ENDING_SIGNALS = ("SIGHUP", "SIGINT", "SIGTERM")
 class PlainApp(App[Result], inherit_bindings=False):
     """An app that shows what it is told to, and hears of every change of the window's size."""
 
+    BINDINGS: ClassVar[list[BindingType]] = [HELP]
     ENABLE_COMMAND_PALETTE = False
     ALLOW_SELECT = False
     AUTO_FOCUS = None
@@ -122,6 +125,11 @@ class PlainApp(App[Result], inherit_bindings=False):
         finally:
             self._guard.tell(QUIET)
             os._exit(128 + (self.ended_by or signal.SIGTERM))
+
+    def action_page_help(self) -> None:
+        """Say what the keys of this page do."""
+        if self.screen_stack and not isinstance(self.screen, KeyHelp):
+            self.push_screen(KeyHelp(self.screen))
 
     # --- size -----------------------------------------------------------------------------------------------
 

@@ -24,6 +24,7 @@ from arl_tui.calibration.pages import (
     page_before,
 )
 from arl_tui.calibration.plan import PLANNED, CalibrationSetup, Part, new_parts, unfinished
+from arl_tui.calibration.texts import key_reminder
 from arl_tui.calibration.trial_screen import SMALLEST, TrialScreen
 from arl_tui.calibration.trial_store import TrialStore
 from arl_tui.calibration.views import BoxView
@@ -227,7 +228,7 @@ class CalibrationApp(PlainApp[Outcome]):
             )
             self._garbage.first_paint()
             if not await self.push_screen_wait(screen) and (
-                self._stopping or not await self._ask(PausePage())
+                self._stopping or not await self._ask(PausePage(key_reminder(schedule.config)))
             ):
                 return False
             view = view.renewed()

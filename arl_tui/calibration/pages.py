@@ -205,8 +205,15 @@ class PausePage(Reading):
 
     HEADING = later("Pause")
 
+    def __init__(self, reminder: str = "") -> None:
+        """Prepare; `reminder` says which key means what, in the language in use."""
+        super().__init__()
+        self._reminder = reminder
+
     def paragraphs(self) -> Iterable[str]:
-        """Return what becomes of the trial."""
+        """Return which key means what, and what becomes of the trial."""
+        if self._reminder:
+            yield self._reminder
         yield tr("Take as long as you like. The last one will come again; nothing else is lost if you stop.")
 
 

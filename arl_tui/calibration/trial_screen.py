@@ -41,7 +41,8 @@ class TrialScreen(Screen[bool], inherit_bindings=False):
     AUTO_FOCUS = None
     ALLOW_SELECT = False
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("p,q,ctrl+q,ctrl+c", "interrupt", "Pause", id="trial.pause", tooltip="Pause, or stop"),
+        # Help comes on the page that says that the trial waits.
+        Binding("p,q,f1,ctrl+q,ctrl+c", "interrupt", "Pause", id="trial.pause", tooltip="Pause, or stop"),
     ]
     DEFAULT_CSS = """
     TrialScreen { align: center middle; }

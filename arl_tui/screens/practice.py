@@ -13,7 +13,7 @@ from textual.timer import Timer
 from textual.widgets import Static
 
 from arl_tui.app.plain_app import PlainApp
-from arl_tui.language import later, tr, trn
+from arl_tui.language import key_for, later, tr, trn
 from arl_tui.palette import STANDARD, Palette, palette_for
 from arl_tui.screens.covers import SmallWindowScreen, fits_into
 from arl_tui.widgets.board import TetrisBoard
@@ -34,7 +34,7 @@ KEYS_HELP = later(
    [b]↑[/b]  or  [b]r[/b]     turn clockwise
    [b]↓[/b]  or [b]space[/b]  drop
 
-  [b]p[/b] pause   [b]n[/b] new game   [b]q[/b] quit
+  [b]{pause}[/b] pause   [b]{new}[/b] new game   [b]{stop}[/b] quit
 
   You play the game that the agent
   plays. Full rows vanish. Do not
@@ -148,7 +148,11 @@ class PracticeScreen(Screen[None], inherit_bindings=False):
             with Vertical():
                 yield self._next
                 yield self._stats
-                yield Static(tr(KEYS_HELP), id="keys")
+                yield Static(tr(KEYS_HELP, **self._letters()), id="keys")
+
+    @staticmethod
+    def _letters() -> dict[str, str]:
+        return {name: key_for(name) for name in ("pause", "new", "stop")}
 
     def on_mount(self) -> None:
         """Show the game and let time count."""
@@ -180,7 +184,7 @@ class PracticeScreen(Screen[None], inherit_bindings=False):
             return
         if self._gravity.running:
             self._gravity.stop()
-            self._board.cover(tr("PAUSE\n\npress p to go on"))
+            self._board.cover(tr("PAUSE\n\npress {pause} to go on", pause=key_for("pause")))
         else:
             self._board.uncover()
             self._gravity.start()
@@ -223,9 +227,11 @@ class PracticeScreen(Screen[None], inherit_bindings=False):
             self._gravity.stop()
             self._board.cover(
                 trn(
-                    "GAME OVER\n{n} row cleared\n\nn new game  q quit",
-                    "GAME OVER\n{n} rows cleared\n\nn new game  q quit",
+                    "GAME OVER\n{n} row cleared\n\n{new} new game  {stop} quit",
+                    "GAME OVER\n{n} rows cleared\n\n{new} new game  {stop} quit",
                     picture.counts.lines,
+                    new=key_for("new"),
+                    stop=key_for("stop"),
                 ),
                 whole=False,
             )

@@ -135,7 +135,11 @@ class WelcomeScreen(Page):
         """Say that the start key works; start at once where it has just been pressed."""
         self._worker_ready = ready
         waited = self._asked_ns is not None
-        if waited and self._clock.now_ns() - (self._asked_ns or 0) <= AT_SCREEN_S * NS_PER_S:
+        if (
+            waited
+            and self.is_current
+            and self._clock.now_ns() - (self._asked_ns or 0) <= AT_SCREEN_S * NS_PER_S
+        ):
             cast(SessionControls, self.app).begin()
             return
         if waited:

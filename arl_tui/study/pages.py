@@ -11,7 +11,8 @@ from textual.screen import ModalScreen, Screen
 from textual.widget import Widget
 from textual.widgets import Markdown, Static
 
-from arl_tui.language import cap, key_for, tr
+from arl_tui.app.key_help import HELP
+from arl_tui.language import cap, key_for, later, tr
 from arl_tui.study import words
 from core.numerics.clock import Clock, seconds
 
@@ -126,6 +127,7 @@ class StopPage(ModalScreen[bool], inherit_bindings=False):
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("y", "answer(True)", "Stop", id="study-stop.yes", tooltip="Stop the study"),
         Binding("n,escape,enter", "answer(False)", "Go on", id="study-stop.no", tooltip="Go on"),
+        HELP,
     ]
 
     def __init__(self, code: str) -> None:
@@ -141,6 +143,10 @@ class StopPage(ModalScreen[bool], inherit_bindings=False):
     def action_answer(self, yes: bool) -> None:
         """Leave with the answer."""
         self.dismiss(yes)
+
+    async def action_page_help(self) -> None:
+        """Say what the keys of this page do: the app's own binding does not reach a modal page."""
+        await self.app.run_action("page_help")
 
 
 class TextPage(StudyPage):
@@ -160,6 +166,7 @@ class ConsentPage(StudyPage):
     declines.
     """
 
+    MORE_KEYS = (("↑ ↓", later("Go to another statement")),)
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("y", "answer(True)", "Yes", id="consent.yes", tooltip="Agree to the statement"),
         Binding("n", "answer(False)", "No", id="consent.no", tooltip="Do not agree to the statement"),
@@ -260,6 +267,7 @@ class DeclinePage(ModalScreen[bool], inherit_bindings=False):
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("enter", "answer(True)", "Leave", id="decline.yes", tooltip="Leave; nothing is kept"),
         Binding("b,escape", "answer(False)", "Back", id="decline.no", tooltip="Go back to the statements"),
+        HELP,
     ]
 
     def compose(self) -> ComposeResult:
@@ -271,6 +279,10 @@ class DeclinePage(ModalScreen[bool], inherit_bindings=False):
     def action_answer(self, yes: bool) -> None:
         """Leave with the answer."""
         self.dismiss(yes)
+
+    async def action_page_help(self) -> None:
+        """Say what the keys of this page do: the app's own binding does not reach a modal page."""
+        await self.app.run_action("page_help")
 
 
 class BreakPage(StudyPage):

@@ -11,7 +11,7 @@ from textual.binding import Binding, BindingType
 from textual.widget import Widget
 from textual.widgets import Input, Static
 
-from arl_tui.language import tr
+from arl_tui.language import later, tr
 from arl_tui.study import words
 from arl_tui.study.pages import StudyPage, _plain
 from core.numerics.clock import Clock
@@ -62,6 +62,19 @@ class QuestionPage(StudyPage):
             self._at = question.maximum // 2
         self._touched = False
         self._chosen: set[int] = set()
+
+    @property
+    def MORE_KEYS(self) -> tuple[tuple[str, str], ...]:
+        """Keys of the question, with English words (`arl_tui.app.key_help`)."""
+        match self.question:
+            case Likert() | Choice(several=False):
+                return (("1-9", later("Choose an answer")), ("← → ↑ ↓", later("Choose an answer")))
+            case Choice():
+                return (("1-9", later("Choose, or no longer")), ("↑ ↓", later("Go to another answer")))
+            case Scale():
+                return (("← →", later("Move the mark")),)
+            case _:
+                return ()
 
     # --- what is shown --------------------------------------------------------------------------------------
 

@@ -146,6 +146,13 @@ def test_words_in_big_letters_can_be_drawn(code: str):
 
 
 @pytest.mark.parametrize("code", LANGUAGES)
+def test_titles_fit_into_the_border_of_the_narrowest_board(code: str):
+    use(code)
+    for title in (tr("Game over"), tr("End of this game"), tr("Game {number}", number=10)):
+        assert len(title) <= 16, title
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
 def test_the_programs_own_keys_differ_from_each_other_and_from_those_for_feedback(code: str):
     keys = {**OWN_KEYS, **KEYS_OF_LANGUAGE.get(code, {})}
     assert wrong_keys(keys) == ""
@@ -218,6 +225,6 @@ def test_every_binding_with_an_own_key_is_known():
             found[identifier[0].value] = "q,ctrl+q,ctrl+c" if keys == "STOP_KEYS" else keys
     listed = {identifier: keys for identifier, (keys, _) in BOUND.items()}
     assert {identifier: found.get(identifier) for identifier in listed} == listed
-    of_the_experimenter = ("viewer", "watch", "monitor", "home", "play.", "practice.left")
+    of_the_experimenter = ("viewer", "watch", "monitor", "play.", "practice.left", "key-help")
     letters = {identifier for identifier, keys in found.items() if set(keys.split(",")) & set("phqyn")}
     assert {each for each in letters if not each.startswith(of_the_experimenter)} <= set(BOUND)
