@@ -35,10 +35,10 @@ class PauseScreen(Page):
         """Return the text."""
         if self._gap_s is not None:
             yield Static(
-                tr(
-                    "The computer slept or was held up for {seconds:.0f} seconds, so the game has been "
-                    "paused.",
-                    seconds=self._gap_s,
+                trn(
+                    "The computer slept or was held up for {n} second, so the game has been paused.",
+                    "The computer slept or was held up for {n} seconds, so the game has been paused.",
+                    round(self._gap_s),
                 )
                 + "\n"
             )

@@ -54,8 +54,8 @@ class SessionConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
 
 
 Language = Literal["en", "de"]
-"""Languages of the participants' screens, by ISO 639. A further one needs a catalogue
-(`arl_tui/locale/README.md`)."""
+"""Languages of the participants' screens, by ISO 639. `docs/how-to/language-and-keys.md`
+says how another one is added."""
 
 
 class ScreenConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

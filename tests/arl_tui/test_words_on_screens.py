@@ -209,11 +209,12 @@ async def test_every_page_fits_into_the_smallest_window(code: str) -> None:
 
 
 async def test_no_word_of_a_session_is_outside_the_catalogue(
-    pseudo: None, protocol: Protocol, link: FakeLink, tmp_path: Path
+    pseudo: None, monkeypatch: pytest.MonkeyPatch, protocol: Protocol, link: FakeLink, tmp_path: Path
 ) -> None:
     protocol = msgspec.structs.replace(
         protocol, screen=msgspec.structs.replace(protocol.screen, show_weight=True)
     )
+    monkeypatch.setattr("arl_tui.app.gaps.GapWatch.look", lambda self: None)  # a busy machine is no gap
     app = app_for(protocol, link, tmp_path)
     async with app.run_test(size=(120, 40)) as pilot:
         link.say(Preparing(compiled=3, needed=10, share=0.3))
