@@ -10,7 +10,7 @@ from textual.widgets import Static
 
 from arl_tui.app.link import Preparing, Ready
 from arl_tui.app.outcome import SessionControls
-from arl_tui.games.pace import pace_warning
+from arl_tui.games.pace import pace_line, pace_warning
 from arl_tui.games.registry import words_of
 from arl_tui.screens.page import Page, feedback_keys
 from core.numerics.clock import NS_PER_S, Clock, MonotonicClock
@@ -129,7 +129,9 @@ class WelcomeScreen(Page):
         """Write the last lines."""
         if not self.query("#call"):
             return  # Not laid out yet: `on_mount` comes back here.
-        if warning := self._warning():
+        warning = self._warning()
+        self.query_one("#pace").display = bool(warning)  # an empty line would take the room of the last one
+        if warning:
             self.query_one("#pace", Static).update(Text(f"For the experimenter: {warning}", style="dim"))
             self.query_one("#call").add_class("-close")  # the page is full in the smallest window
         self.query_one("#call", Static).update(self._call())
@@ -143,7 +145,10 @@ class WelcomeScreen(Page):
         if self._worker_ready is not None:
             line = f"Ready. {CALL}" if self._asked_ns is not None else CALL
             # The warning takes the room of the second line: nothing moves without one.
-            return line if self._warning() else f"{line}\n"
+            if self._warning():
+                return line
+            pace = "" if self._simulated else pace_line(self._protocol, self._worker_ready)
+            return f"{line}\n[dim]{pace and f'For the experimenter: {pace}'}[/]"
         far = "getting ready"
         if self._progress is not None and self._progress.compiled:
             far = f"getting ready: {self._progress.compiled} of about {self._progress.needed} parts"
