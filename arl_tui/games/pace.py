@@ -28,7 +28,7 @@ def pace_line(protocol: Protocol, ready: Ready | None) -> str:
     """
     if ready is None or ready.reach is None:
         return ""
-    return f"at this pace about {ready.reach:.0%} of a press reaches its {screens_of(protocol).words.step}"
+    return f"about {ready.reach:.0%} of a press reaches its {screens_of(protocol).words.step}"
 
 
 def pace_warning(protocol: Protocol, ready: Ready | None) -> str:

@@ -89,7 +89,7 @@ async def test_the_first_page_says_which_share_of_a_press_reaches_its_step(
         await pilot.pause()
         text = text_of(app)
         assert "Enter" in text
-        assert "For the experimenter: at this pace about 92% of a press reaches its" in text
+        assert "For the experimenter: about 92% of a press reaches its" in text
         assert app.screen.query_one(".page").max_scroll_y == 0
 
 
