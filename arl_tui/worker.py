@@ -20,7 +20,17 @@ from typing import TYPE_CHECKING
 from arl_tui.ahead import Ahead, fill
 from arl_tui.app.compile_order import is_compiled, session_order
 from arl_tui.app.demo_participant import DemoParticipant
-from arl_tui.app.link import Begin, Crashed, Picture, Preparing, Ready, TakenFor, WorkerLine, WorkerLink
+from arl_tui.app.link import (
+    Begin,
+    Crashed,
+    Line,
+    Picture,
+    Preparing,
+    Ready,
+    TakenFor,
+    WorkerLine,
+    WorkerLink,
+)
 from arl_tui.app.taken import StepsShown
 from arl_tui.games.registry import screens_of
 from arl_tui.games.rendering import Shot
@@ -196,7 +206,7 @@ class SessionPlayer:
 
     def __init__(
         self,
-        line: WorkerLine,
+        line: Line,
         protocol: Protocol,
         clock: Clock,
         demo_participant: DemoParticipant | None = None,

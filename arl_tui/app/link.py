@@ -242,6 +242,18 @@ class WorkerLink:
         return f"The learner's process {how}." + (f"\n\n{words}" if words else "")
 
 
+class Line(Protocol):
+    """The worker's end, as a session's player sees it."""
+
+    def send(self, message: FromWorker) -> None:
+        """Say something to the screen."""
+        ...
+
+    def receive(self, timeout_s: float | None = 0.0) -> list[ToWorker]:
+        """Return all messages that are there, waiting up to `timeout_s` for the first (None: for ever)."""
+        ...
+
+
 class WorkerLine:
     """The worker's end of the pipe."""
 

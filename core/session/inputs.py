@@ -93,7 +93,8 @@ class _Screen:
 
     def __init__(self, header: Header, keys: KeyConfig, *, earliest_ns: int = 0) -> None:
         self._earliest_ns = earliest_ns
-        self._live = header.origin == "live"
+        # Simulated sessions are drawn on the real screens, too: these have a terminal.
+        self._live = header.origin == "live" or bool(header.terminal)
         least_ns, most_ns = CLOCKS_AGREE_NS
         self._clocks_agree_ns = min(max(least_ns, header.clock_resolution_ns), most_ns)
         # Version 1 was written by programs whose covers could follow each other.
