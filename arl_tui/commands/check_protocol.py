@@ -30,6 +30,11 @@ WEIGHT_NOT_SHOWN = "not said where the participant may look; `arl protocol --che
 def check_protocol(path: Path, protocol: Protocol) -> None:
     """Print what a session of a protocol file will do; compiled code is loaded for the last lines."""
     say(f"{printable(str(path))}: can be used.")
+    tell_protocol(protocol)
+
+
+def tell_protocol(protocol: Protocol) -> None:
+    """Print what sessions of a protocol do, topic by topic."""
     topics = plan(protocol)
     topics["Compiled"] = _compiled(protocol)  # before anything is
     topics["Reach"] = _reach(protocol)

@@ -52,6 +52,7 @@ def check(file: Path, pages: bool) -> None:
     """Say what STUDY asks of participants, which orders there are, and what is missing. Status 1 if something
     is.
     """
+    from arl_tui.commands.check_protocol import tell_protocol
     from studies.lab.check import forecast
     from studies.lab.read import load_study
 
@@ -71,6 +72,9 @@ def check(file: Path, pages: bool) -> None:
             f"  {block.condition:20} {block.games} games, {block.minutes:.1f} min, {block.presses:.0f} "
             f"presses that count"
         )
+    for name, protocol in loaded.protocols.items():
+        say(f"\nSessions of condition {name}:")
+        tell_protocol(protocol)
     say("\nOrders, by place:")
     for place, order in enumerate(found.orders, 1):
         say(f"  {place:3}  {', '.join(order)}")

@@ -97,6 +97,18 @@ def test_each_block_of_a_condition_is_drawn_on_the_real_screens_once(home):
     assert sorted(drawn) == sorted(all_kinds)
 
 
+def test_the_check_says_what_the_sessions_of_every_condition_do(home):
+    arguments = ["study", "check", str(home / "study.toml")]
+    told = " ".join(CliRunner().invoke(main, arguments).output.split())
+    for condition, weight in (
+        ("linear", "linear: w_h by bootstrap learning"),
+        ("annealed", "annealed: w_r = 1"),
+    ):
+        sessions_of = told.partition(f"Sessions of condition {condition}:")[2]
+        for topic in ("Games", "Presses", f"Weight {weight}", "Credit feedback-lag", "Compiled", "Reach"):
+            assert topic in sessions_of.partition("Sessions of condition")[0], topic
+
+
 def test_status_of_simulated_participants_is_shown_apart(home):
     arguments = ["study", "status", str(home / "study.toml"), "--recordings", str(home)]
     assert "Nobody has taken part yet" in CliRunner().invoke(main, arguments).output
