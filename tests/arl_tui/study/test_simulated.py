@@ -105,7 +105,7 @@ def test_the_check_says_what_the_sessions_of_every_condition_do(home):
         ("annealed", "annealed: w_r = 1"),
     ):
         sessions_of = told.partition(f"Sessions of condition {condition}:")[2]
-        for topic in ("Games", "Presses", f"Weight {weight}", "Credit feedback-lag", "Compiled", "Reach"):
+        for topic in ("Games", "Presses", f"Weight {weight}", "Credit each participant", "Compiled", "Reach"):
             assert topic in sessions_of.partition("Sessions of condition")[0], topic
 
 
