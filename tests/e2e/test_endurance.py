@@ -1,0 +1,148 @@
+"""Sessions of hours at 30 frames a second: nothing is lost, and neither memory nor delay grows.
+
+By name: `pytest -n 0 -s -m slow tests/e2e/test_endurance.py` (ARL_ENDURANCE_S seconds a game, 7200 by
+default). A session of seconds runs by default, so that the measuring itself is tested.
+"""
+
+import os
+import statistics
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+import pytest
+
+from core.events import FrameShown, KeyPressed
+from core.recording.reader import read_recording
+from core.session.protocol_reading import protocol_from
+from core.session.replay import replay_exactly
+from core.session.session import build_session
+from tests.e2e.processes import left_after, memory_of, worker_of
+from tests.e2e.terminal import Terminal
+
+MS = 1_000_000
+MOST_GROWTH = 20 << 20
+"""Bytes that either process may grow by in a session of any length, after its first tenth."""
+GAME_SETTINGS = {
+    "tetris": "[screen]\ntick_ms = 33\npause_between_episodes_s = 0.3\ncount_down_s = 0\n",
+    "keepaway": "[domain]\ntype = \"keepaway\"\n\n[screen]\npause_between_episodes_s = 0.3\ncount_down_s = 0\n",
+}  # fmt: skip
+PROTOCOL = """
+name = "endurance"
+
+[session]
+episodes = 10000
+unseen_between = 2
+unseen_steps = 30
+watched_steps = 200
+
+[keys]
+max_presses_per_episode = 1000
+
+"""
+
+
+@dataclass
+class Endured:
+    """What was measured of a long session."""
+
+    written: list[tuple[str, int]] = field(default_factory=list)
+    """Keys that were written to the terminal, and when, ns."""
+    to_file_ms: list[float] = field(default_factory=list)
+    """From writing each key to its line in the file."""
+    memory: list[tuple[float, int, int]] = field(default_factory=list)
+    """Seconds since the start, private bytes of the app and of its worker."""
+
+    def growth(self) -> tuple[int, int]:
+        """Return by how many bytes app and worker have grown since the first tenth of the session."""
+        settled = self.memory[len(self.memory) // 10]
+        return self.memory[-1][1] - settled[1], self.memory[-1][2] - settled[2]
+
+
+def new_presses(growing: BinaryIO) -> int:
+    """Return how many presses have been written to a file since it was last asked."""
+    return growing.read().count(b'{"type":"key-pressed"')
+
+
+def endure(terminal: Terminal, recording: BinaryIO, duration_s: float, every_s: float) -> Endured:
+    """Press keys at random moments, and measure; the screen is read and let go, as a terminal would."""
+    rng, found = np.random.default_rng(1), Endured()
+    app, worker = terminal.child.pid, worker_of(terminal.child.pid)
+    next_sample = start = time.monotonic()
+    while time.monotonic() < start + duration_s:
+        if time.monotonic() >= next_sample:
+            found.memory.append((time.monotonic() - start, memory_of(app), memory_of(worker)))
+            app_mb, worker_mb = (grown / 1e6 for grown in found.memory[-1][1:])
+            delay = statistics.median(found.to_file_ms[-40:] or [0.0])
+            print(f"{found.memory[-1][0]:.0f} s: app {app_mb:.1f} MB, worker {worker_mb:.1f} MB, "
+                  f"{len(found.written)} keys, the last in {delay:.1f} ms in the file", flush=True)  # fmt: skip
+            next_sample += every_s
+        terminal.discard(rng.uniform(0.3, 1.2))
+        key = "jf"[rng.integers(2)]
+        new_presses(recording)
+        pressed_ns = terminal.press(key)
+        found.written.append((key, pressed_ns))
+        while new_presses(recording) == 0:
+            assert time.monotonic_ns() < pressed_ns + 10_000 * MS, f"key {len(found.written)} is not recorded"
+            terminal.discard(0.001)
+        found.to_file_ms.append((time.monotonic_ns() - pressed_ns) / MS)
+    return found
+
+
+def play_for(game: str, duration_s: float, every_s: float, tmp_path: Path) -> None:
+    """Play a session, measure, and check."""
+    (tmp_path / "endurance.toml").write_text(PROTOCOL + GAME_SETTINGS[game])
+    arguments = ("play", game, "--protocol", "endurance.toml", "--seed", "1", "--recordings", "r")
+    with Terminal(*arguments, cwd=tmp_path) as terminal:
+        terminal.wait_for("Enter  to start, ")
+        terminal.press("\r")
+        terminal.wait_for("Game 1")
+        (path,) = (tmp_path / "r").glob("*.jsonl")
+        pids = {terminal.child.pid, worker_of(terminal.child.pid)}
+        with path.open("rb") as growing:
+            found = endure(terminal, growing, duration_s, every_s)
+        terminal.child.kill(15)
+        while terminal.child.isalive():
+            terminal.discard(0.1)
+        assert left_after(pids, 2.0) == set()
+    check(game, path, found)
+
+
+def check(game: str, path: Path, found: Endured) -> None:
+    """Check that every key is in the file, and report growth and delay."""
+    recording = read_recording(path, allow_truncated=False)
+    presses = [event for event in recording.events if isinstance(event, KeyPressed)]
+    assert [press.key for press in presses] == [key for key, _ in found.written]
+    stamps = [
+        (press.time_ns - written_ns) / MS
+        for press, (_, written_ns) in zip(presses, found.written, strict=True)
+    ]
+    frames = sum(isinstance(event, FrameShown) for event in recording.events)
+    hours = found.memory[-1][0] / 3600
+    app, worker = found.growth()
+    n = max(1, len(stamps) // 10)
+    print(
+        f"{game}: {hours:.2f} h, {len(stamps)} keys, none lost, {len(recording.events)} events, {frames} "
+        f"frames; growth app {app / 1e6:.1f} MB, worker {worker / 1e6:.1f} MB; key to stamp, median of "
+        f"the first tenth {statistics.median(stamps[:n]):.2f} ms, of the last "
+        f"{statistics.median(stamps[-n:]):.2f} ms; key to file {statistics.median(found.to_file_ms[:n]):.2f} "
+        f"and {statistics.median(found.to_file_ms[-n:]):.2f} ms; load {os.getloadavg()}"
+    )
+    assert app < MOST_GROWTH
+    assert worker < MOST_GROWTH
+    protocol = protocol_from(recording.header.protocol)
+    result = replay_exactly(recording, build_session(protocol, recording.header.root_seed))
+    assert result.difference is None, str(result.difference)
+
+
+@pytest.mark.parametrize("game", GAME_SETTINGS)
+def test_a_session_of_seconds_is_measured(game: str, tmp_path: Path) -> None:
+    play_for(game, 4.0, 1.0, tmp_path)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("game", GAME_SETTINGS)
+def test_a_session_of_hours_grows_neither_in_memory_nor_in_delay(game: str, tmp_path: Path) -> None:
+    play_for(game, float(os.environ.get("ARL_ENDURANCE_S", "7200")), 60.0, tmp_path)
