@@ -117,6 +117,17 @@ class Terminal:
                 raise AssertionError(f"the program ended before {texts} was seen:\n{self.text}")
         raise AssertionError(f"{texts} was not seen within {patience_s:.0f} s:\n{self.text}")
 
+    def start(self) -> None:
+        """Press Enter on the first page, and wait for the first game.
+
+        A machine that takes long to get ready asks for Enter again: nobody may be there any more.
+        """
+        self.wait_for("Enter  to start, ")
+        self.press("\r")
+        while self.wait_for("Game 1", "Ready. ") != "Game 1":
+            self.press("\r")
+            self.pump(1.0)
+
     def press(self, keys: str) -> int:
         """Write keys to the terminal; return the time just before, ns of the monotonic clock."""
         now_ns = time.monotonic_ns()

@@ -96,9 +96,7 @@ def play_for(game: str, duration_s: float, every_s: float, tmp_path: Path) -> No
     (tmp_path / "endurance.toml").write_text(PROTOCOL + GAME_SETTINGS[game])
     arguments = ("play", game, "--protocol", "endurance.toml", "--seed", "1", "--recordings", "r")
     with Terminal(*arguments, cwd=tmp_path) as terminal:
-        terminal.wait_for("Enter  to start, ")
-        terminal.press("\r")
-        terminal.wait_for("Game 1")
+        terminal.start()
         (path,) = (tmp_path / "r").glob("*.jsonl")
         pids = {terminal.child.pid, worker_of(terminal.child.pid)}
         with path.open("rb") as growing:
