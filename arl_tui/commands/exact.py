@@ -54,7 +54,8 @@ def need_outputs(recording: AnyRecording) -> None:
     """Stop where a recording holds nothing that could come out the same, or be learned from."""
     if not recording.n_outputs:
         raise click.ClickException(
-            f"{recording.path}: there is nothing to replay: no game is in the recording. {summary_words(recording)}"
+            f"{recording.path}: there is nothing to replay: no game is in the recording. "
+            f"{summary_words(recording)}"
         )
 
 

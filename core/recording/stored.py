@@ -51,7 +51,7 @@ class StoredRecording:
         """
         file = SealedFile(self.path)
         try:
-            for record in _records(file):
+            for record in _records(file, every_line=False):  # each line's chain was compared before
                 if not isinstance(record, Header | End):
                     yield record
         except UnusualFileError as error:
@@ -68,8 +68,12 @@ AnyRecording = Recording | StoredRecording
 """What can be gone over from the first event to the last."""
 
 
-def stored_recording(path: Path) -> StoredRecording | None:
+def stored_recording(path: Path, *, from_bytes: int | None = None) -> StoredRecording | None:
     """Check a long recording line by line, and leave its events on the disk.
+
+    Args:
+        path: of the file.
+        from_bytes: size from which on a recording is long; left out, `WORTH_STORING`.
 
     Returns:
         None where the file is short, goes on with another recording, or is not exactly as a recorder leaves
@@ -78,7 +82,8 @@ def stored_recording(path: Path) -> StoredRecording | None:
     Raises:
         OSError: the file cannot be read.
     """
-    if not path.is_file() or path.stat().st_size < WORTH_STORING:
+    least = WORTH_STORING if from_bytes is None else from_bytes
+    if not path.is_file() or path.stat().st_size < least:
         return None
     file = SealedFile(path)
     try:
@@ -88,7 +93,7 @@ def stored_recording(path: Path) -> StoredRecording | None:
 
 
 def _gone_over(path: Path, file: SealedFile) -> StoredRecording:
-    records = _records(file)
+    records = _records(file, every_line=True)
     header = next(records)
     if not isinstance(header, Header) or header.resumes is not None:
         raise UnusualFileError
@@ -124,16 +129,15 @@ def _gone_over(path: Path, file: SealedFile) -> StoredRecording:
     )
 
 
-def _records(file: SealedFile) -> Iterator[Line]:
-    """Yield what the lines say, the header first; every line's chain is checked."""
+def _records(file: SealedFile, *, every_line: bool) -> Iterator[Line]:
+    """Yield what the lines say, the header first; `every_line` as in `SealedFile.pieces`."""
     version = VERSION
     first = True
-    for piece in file.pieces(every_line=True):
+    for piece in file.pieces(every_line=every_line):
         for payload in piece.payloads:
+            whole = payload + b"}"
             try:
-                record = (
-                    _decoder.decode(payload + b"}") if version == VERSION else record_of(payload + b"}", version)
-                )
+                record = _decoder.decode(whole) if version == VERSION else record_of(whole, version)
             except (ValueError, RecursionError) as error:
                 raise UnusualFileError from error
             if first and isinstance(record, Header):

@@ -26,9 +26,10 @@ MS = 1_000_000
 MOST_GROWTH = 20 << 20
 """Bytes that either process may grow by in a session of any length, after its first tenth."""
 GAME_SETTINGS = {
-    "tetris": "[screen]\ntick_ms = 33\npause_between_episodes_s = 0.3\ncount_down_s = 0\n",
-    "keepaway": "[domain]\ntype = \"keepaway\"\n\n[screen]\npause_between_episodes_s = 0.3\ncount_down_s = 0\n",
+    "tetris": "tick_ms = 33\n",
+    "keepaway": "\n[domain]\ntype = \"keepaway\"\n",
 }  # fmt: skip
+"""Ends of the protocol."""
 PROTOCOL = """
 name = "endurance"
 
@@ -41,6 +42,9 @@ watched_steps = 200
 [keys]
 max_presses_per_episode = 1000
 
+[screen]
+pause_between_episodes_s = 0.3
+count_down_s = 0
 """
 
 
@@ -74,10 +78,7 @@ def endure(terminal: Terminal, recording: BinaryIO, duration_s: float, every_s: 
     while time.monotonic() < start + duration_s:
         if time.monotonic() >= next_sample:
             found.memory.append((time.monotonic() - start, memory_of(app), memory_of(worker)))
-            app_mb, worker_mb = (grown / 1e6 for grown in found.memory[-1][1:])
-            delay = statistics.median(found.to_file_ms[-40:] or [0.0])
-            print(f"{found.memory[-1][0]:.0f} s: app {app_mb:.1f} MB, worker {worker_mb:.1f} MB, "
-                  f"{len(found.written)} keys, the last in {delay:.1f} ms in the file", flush=True)  # fmt: skip
+            tell(found)
             next_sample += every_s
         terminal.discard(rng.uniform(0.3, 1.2))
         key = "jf"[rng.integers(2)]
@@ -89,6 +90,17 @@ def endure(terminal: Terminal, recording: BinaryIO, duration_s: float, every_s: 
             terminal.discard(0.001)
         found.to_file_ms.append((time.monotonic_ns() - pressed_ns) / MS)
     return found
+
+
+def tell(found: Endured) -> None:
+    """Print how the session goes."""
+    after_s, app, worker = found.memory[-1]
+    delay_ms = statistics.median(found.to_file_ms[-40:] or [0.0])
+    print(
+        f"{after_s:.0f} s: app {app / 1e6:.1f} MB, worker {worker / 1e6:.1f} MB, {len(found.written)} keys, "
+        f"the last in {delay_ms:.1f} ms in the file",
+        flush=True,
+    )
 
 
 def play_for(game: str, duration_s: float, every_s: float, tmp_path: Path) -> None:

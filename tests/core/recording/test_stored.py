@@ -1,4 +1,4 @@
-"""A long recording that stays on the disk: it says what one in memory says, and replays in the same memory."""
+"""A long recording that stays on the disk says what one in memory says, and replays in the same memory."""
 
 import gzip
 import time
@@ -11,7 +11,7 @@ import pytest
 
 from core.events import Event, FrameShown, KeyPressed, Output, StepTaken
 from core.recording import sealed, stored
-from core.recording.reader import Recording, RecordingError, read_recording
+from core.recording.reader import RecordingError, read_recording
 from core.recording.recorder import write_recording
 from core.recording.stored import stored_recording
 from core.recording.summary import summarise_recording
@@ -75,11 +75,10 @@ def test_one_that_was_cut_off_says_so(tmp_path: Path) -> None:
             assert tuple(on_disk.events) == in_memory.events
 
 
-@pytest.mark.parametrize("step", [37, 101])
-def test_what_is_damaged_is_left_to_the_reader(tmp_path: Path, step: int) -> None:
+def test_what_is_damaged_is_left_to_the_reader(tmp_path: Path) -> None:
     content = ORIGINAL.read_bytes()
     path = tmp_path / "damaged.jsonl"
-    for at in range(0, len(content), step * 7):
+    for at in range(0, len(content), 977):
         path.write_bytes(content[:at] + bytes([content[at] ^ 1]) + content[at + 1 :])
         assert stored_recording(path) is None
 
@@ -177,8 +176,7 @@ def test_a_million_events_replay_in_the_same_memory_and_in_proportion(
     monkeypatch.setattr(stored, "WORTH_STORING", 0)
     short, short_s = peak_of_a_replay(tmp_path, 33_400)
     long, long_s = peak_of_a_replay(tmp_path, 334_000)
-    print(
-        f"100,000 events: {short / 1e6:.1f} MB, {short_s:.1f} s; 1,000,000: {long / 1e6:.1f} MB, {long_s:.1f} s"
-    )
+    print(f"100,000 events: {short / 1e6:.1f} MB, {short_s:.1f} s")
+    print(f"1,000,000 events: {long / 1e6:.1f} MB, {long_s:.1f} s")
     assert long < 1.2 * short
     assert long_s < 15 * short_s
