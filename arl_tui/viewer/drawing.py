@@ -65,11 +65,13 @@ def status_line(viewing: Viewing, transport: Transport, moment: Moment) -> list[
     games = f"  game {moment.game + 1}/{len(session.games)}" if moment.game >= 0 else ""
     tag = viewing.tags.near(moment.time_ns, NEAR_NS)
     note = f"  [{tag.tag}] {printable(tag.note, longest=40)}" if tag is not None else ""
+    rest = "" if viewing.whole is None else f"  reading the rest: {viewing.whole.share:.0%}"
     return [
         (f"{state} {at}", BOLD),
-        (f" of {whole}  {speed}", None),
+        (f" of {whole}{'' if viewing.whole is None else ' and more'}  {speed}", None),
         (f"{games}{step}", None),
         (note, BOLD),
+        (rest, DIM),
     ]
 
 
