@@ -116,7 +116,10 @@ class Workers:
 def _index(recording: Path, told: Path) -> None:
     from studies.session_view.index import open_index
 
-    open_index(recording, on_progress=lambda share: told.write_text(f"{share:.3f}") and None)
+    def tell(share: float) -> None:
+        told.write_text(f"{share:.3f}")
+
+    open_index(recording, on_progress=tell)
 
 
 def _own(recording: Path, out: Path) -> str:
