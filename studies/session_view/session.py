@@ -378,7 +378,7 @@ def open_session(path: Path, *, on_progress: OnProgress = lambda share: None) ->
 
 
 def open_at_once(path: Path, *, on_progress: OnProgress = lambda share: None) -> SessionView:
-    """Open a recording: of a long one that has no index yet, the first part (`SessionView.index.whole` tells).
+    """Open a recording: of a long one without an index, the first part (`SessionView.index.whole` tells).
 
     Raises:
         RecordingError: the recording is damaged.
