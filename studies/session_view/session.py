@@ -185,8 +185,7 @@ class SessionView:
     def steps_taken(self, first: int, last: int) -> list[StepTaken]:
         """Return the steps of rows `first` to `last`, both included."""
         offsets = self.steps["offset"]
-        lines = self.index.lines(int(offsets[first]), int(offsets[last]))
-        return [line for line in lines if isinstance(line, StepTaken)]
+        return self.index.steps(int(offsets[first]), int(offsets[last]))
 
     def game_started(self, row: int) -> EpisodeStarted:
         """Return the beginning of a game, read from the file."""
