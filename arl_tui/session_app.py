@@ -303,6 +303,7 @@ class ArlApp(SessionControls):
         if self._recorder is None or self.live.phase not in ("running", "stopping"):
             return
         self._on_disk_news()
+        self._garbage.look(covered=self.live.gate.covered)
         late = self.live.unconfirmed_s() > SAVING_S or self._recorder.unsynced_s() > BEHIND_S
         self.play.feedback.show_saving(late and self._recorder.failure is None)
         silent_s = self.live.silent_s()

@@ -11,7 +11,14 @@ import click
 
 from arl_tui.command_line import say
 from arl_tui.commands.credit import what_if_delays
-from arl_tui.commands.exact import GETTING_READY, need_outputs, protocol_of, read_or_stop, run_again
+from arl_tui.commands.exact import (
+    GETTING_READY,
+    need_outputs,
+    open_or_stop,
+    protocol_of,
+    read_or_stop,
+    run_again,
+)
 from arl_tui.commands.play import read_protocol
 from arl_tui.commands.what_if_table import table, write_csv
 from arl_tui.games.registry import words_of
@@ -77,13 +84,14 @@ def replay_recording(
     allow_truncated: bool,
 ) -> None:
     """Replay exactly, or compare rules if any are named."""
-    recording = read_or_stop(path, allow_truncated=allow_truncated)
     if not credits and not schemes:
+        again = open_or_stop(path, allow_truncated=allow_truncated)
         if csv_path or plot_path:
             raise click.UsageError("--csv and --plot write what --credit and --scheme compare: name a rule")
         say(GETTING_READY, err=True)
-        run_again(recording)
+        run_again(again)
         return
+    recording = read_or_stop(path, allow_truncated=allow_truncated)
     need_outputs(recording)
     chosen = protocol_of(recording) if protocol is None else read_protocol(protocol)
     if protocol is not None:

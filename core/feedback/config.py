@@ -72,7 +72,7 @@ class TrainerConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     """Between the presses of a burst (TAMER's logs: medians of 0.18 to 0.20 s)."""
     fatigue_half_life_episodes: Annotated[float, number("watched episodes", gt=0)] | None = None
     """Watched episodes after which presses have become half as likely; None: never tired."""
-    stops_after_episodes: Annotated[int, number("watched episodes", ge=0)] | None = None
+    stops_after_episodes: Annotated[int, number("watched episodes", ge=0, le=1_000_000_000)] | None = None
     """Says nothing any more after this many watched episodes; None: stays."""
 
     def __post_init__(self) -> None:

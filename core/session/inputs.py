@@ -36,8 +36,9 @@ from core.events import (
 from core.feedback.frames import FrameLedger
 from core.feedback.keys import KeyConfig, PressGate, WrongPressPlan
 from core.feedback.layouts import KeyReader, Reading, possible_readings
-from core.recording.reader import Recording, RecordingError
+from core.recording.reader import RecordingError
 from core.recording.schema import Header
+from core.recording.stored import AnyRecording
 
 CLOCKS_AGREE_NS = (1_000_000, 50_000_000)
 """Times that two processes read from one clock may differ by its resolution in the wrong order: at least and
@@ -50,7 +51,7 @@ class _Impossible(ValueError):
     """An event cannot have happened where it stands."""
 
 
-def check_inputs(recording: Recording, keys: KeyConfig) -> None:
+def check_inputs(recording: AnyRecording, keys: KeyConfig) -> None:
     """Check that every input of a recording can have happened where it stands.
 
     Args:

@@ -82,6 +82,15 @@ class Terminal:
             self._stream.feed(read)
         return True
 
+    def discard(self, duration_s: float) -> None:
+        """Read what arrives for a while and keep none of it: a session of hours writes gigabytes."""
+        end = time.monotonic() + duration_s
+        while (left := end - time.monotonic()) > 0:
+            try:
+                self.child.read_nonblocking(65536, timeout=left)
+            except (pexpect.TIMEOUT, pexpect.EOF):
+                return
+
     def _time_mark(self, read: bytes, now_ns: int) -> None:
         if self.mark:
             recent = self._tail + read  # what is read may begin anywhere in it
@@ -107,6 +116,17 @@ class Terminal:
             if not running:
                 raise AssertionError(f"the program ended before {texts} was seen:\n{self.text}")
         raise AssertionError(f"{texts} was not seen within {patience_s:.0f} s:\n{self.text}")
+
+    def start(self) -> None:
+        """Press Enter on the first page, and wait for the first game.
+
+        A machine that takes long to get ready asks for Enter again: nobody may be there any more.
+        """
+        self.wait_for("Enter  to start, ")
+        self.press("\r")
+        while self.wait_for("Game 1", "Ready. ") != "Game 1":
+            self.press("\r")
+            self.pump(1.0)
 
     def press(self, keys: str) -> int:
         """Write keys to the terminal; return the time just before, ns of the monotonic clock."""

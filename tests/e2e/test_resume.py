@@ -47,9 +47,7 @@ def test_a_session_that_broke_off_in_its_second_game_goes_on(
 ) -> None:
     arguments = ("play", "tetris", "--protocol", str(protocol_file), "--seed", "11", "--participant", "P07")
     with Terminal(*arguments, cwd=tmp_path) as terminal:
-        terminal.wait_for("Enter  to start, ")
-        terminal.press("\r")
-        terminal.wait_for("Game 1")
+        terminal.start()
         terminal.pump(0.8)
         terminal.press("j")
         terminal.wait_for("Game 2")
