@@ -359,14 +359,11 @@ class SessionPlayer:
         """Tell the screen what a press was taken for."""
         assert press.value is not None, "an accepted press means something"
         step = self._steps_shown.taken_for(press)
-        place = self._renderer.place_of(step)
         self._line.send(
             TakenFor(
                 press=press.press,
                 value=press.value,
                 step=step,
-                blocks=place.blocks,
-                player=place.player,
-                target=place.target,
+                place=self._renderer.place_of(step),
             )
         )

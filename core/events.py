@@ -8,7 +8,7 @@ on every input at exactly the same point.
 All times are integer nanoseconds of one monotonic clock (`core.numerics.clock`).
 """
 
-from typing import Literal
+from typing import Literal, Self
 
 import msgspec
 
@@ -27,6 +27,34 @@ class Record(
     omit_defaults=True,
 ):
     """Base of everything that is written to a recording: the field `type` names the class."""
+
+
+class ActionRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """What was done at a step, in a game's own words: the base of one struct per game.
+
+    Each game declares its fields: whole numbers, in the order in which recordings hold them; `UNSET` where an
+    imported recording does not say. `core.plugins.GamePlugin.action` names the struct. A recording holds the
+    fields alone (`StepTaken.detail`), so the game of its header says which struct they are.
+    """
+
+    @classmethod
+    def of(cls, step: "StepTaken") -> Self:
+        """Return the action of a step of this game.
+
+        Raises:
+            ValueError: the step is of another game; the message says what came and what was expected.
+        """
+        try:
+            return msgspec.convert(step.detail, cls)
+        except msgspec.ValidationError as error:
+            raise ValueError(
+                f"step {step.step} was {step.detail}, expected {', '.join(cls.__struct_fields__)}: {error}"
+            ) from error
+
+    def plain(self) -> dict[str, int]:
+        """Return the fields that are set, by name, as `StepTaken.detail` holds them."""
+        fields: dict[str, int] = msgspec.to_builtins(self)
+        return fields
 
 
 # --- inputs: what the screen showed and what the participant did --------------------------------------------
@@ -218,7 +246,8 @@ class StepTaken(Record, frozen=True, kw_only=True, tag="step-taken"):
     human_action: int
     """What the human policy alone would have chosen; -1 while there is no human policy."""
     detail: dict[str, int]
-    """The action in the domain's words (Tetris: piece, orientation, column)."""
+    """The action in the game's words (Tetris: piece, orientation, column), as a table: which one, says the
+    game's own `ActionRecord`, and `ActionRecord.of` reads it."""
     reward: float
     state: list[float] | None = None
     """What the decision was taken on, where only a simulator could tell again (Keepaway: the state variables

@@ -77,12 +77,8 @@ class TakenFor(Record, frozen=True, kw_only=True, tag="taken-for"):
     """What the press says: > 0 good, < 0 bad."""
     step: int
     """The step that gets the largest share of it; -1 where none was on screen."""
-    blocks: tuple[tuple[int, int], ...] = ()
-    """Tetris: (row from the bottom, column) of what is left of the piece on the wall."""
-    player: int = -1
-    """Keepaway: the keeper who chose the option."""
-    target: int = -1
-    """Keepaway: the keeper it passed to; -1 where it held the ball."""
+    place: tuple[tuple[int, ...], ...] = ()
+    """Where that step is to be seen now, in the numbers of the game's own renderer and panel; () nowhere."""
 
 
 class Crashed(Record, frozen=True, kw_only=True, tag="crashed"):

@@ -8,8 +8,10 @@ from typing import Protocol as Interface
 from core.events import EpisodeStarted, StepTaken
 from core.plugins import View
 
-Blocks = tuple[tuple[int, int], ...]
-"""(row from the bottom, column) of blocks on a wall."""
+Place = tuple[tuple[int, ...], ...]
+"""Where a step that was judged is to be seen, in numbers that a game's renderer writes and its panel reads
+(Tetris: row from the bottom and column of each block; Keepaway: the keeper and whom it passed to); () where
+it is to be seen no more."""
 
 
 class TickView(NamedTuple):
@@ -18,17 +20,6 @@ class TickView(NamedTuple):
     view: View
     ahead: View | None = None
     """The picture of the tick after, where what lies between can be shown."""
-
-
-class Place(NamedTuple):
-    """Where a step that was judged is to be seen now."""
-
-    blocks: Blocks = ()
-    """Tetris: what is left of the piece."""
-    player: int = -1
-    """Keepaway: who chose."""
-    target: int = -1
-    """Keepaway: who was passed to; -1 for a hold."""
 
 
 class Renderer(Interface):

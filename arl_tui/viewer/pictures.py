@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from typing import Final, Protocol
 
 import msgspec
+from msgspec import UNSET
 
 from arl_tui.games.rendering import TickView
 from arl_tui.games.tetris.renderer import TetrisRenderer
@@ -11,6 +12,7 @@ from core.events import StepTaken
 from core.feedback.keys import NS_PER_MS
 from core.keepaway.pitch import KeepawayConfig
 from core.plugins import View
+from core.tetris.action import PlacedPiece
 from core.tetris.config import TetrisConfig
 from core.tetris.game import FallingPiece, landing_row, settle
 from core.tetris.picture import Counts, Snapshot, Wall, snapshot
@@ -213,10 +215,11 @@ class BoardPictures:
 
     def _placed(self, step: StepTaken, wall: Wall) -> StepTaken | None:
         """Return a step that says where the piece came to rest; None where an imported log does not tell."""
-        if "orientation" in step.detail:
+        placed = PlacedPiece.of(step)
+        if placed.column is not UNSET:
             return step
         after = tuple((step.observed or {}).get("after", ()))
-        piece = step.detail["piece"]
+        piece = placed.piece
         for orientation in range(len(ORIENTATION_ROWS[piece])):
             for column in range(self._config.columns):
                 if FallingPiece(piece, orientation, 0, column).width + column > self._config.columns:
@@ -225,13 +228,13 @@ class BoardPictures:
                     piece, orientation, landing_row(wall.board, piece, orientation, column), column
                 )
                 if settle(wall.board, rest, self._config.rows).board == after:
-                    return msgspec.structs.replace(
-                        step, detail={"piece": piece, "orientation": orientation, "column": column}
-                    )
+                    found = PlacedPiece(piece, orientation, column)
+                    return msgspec.structs.replace(step, detail=found.plain())
         return None
 
     def _after(self, board: Board, step: StepTaken) -> Board:
-        piece, orientation, column = (step.detail[name] for name in ("piece", "orientation", "column"))
+        placed = PlacedPiece.of(step)
+        piece, (orientation, column) = placed.piece, placed.place
         wall = board.wall
         rest = FallingPiece(piece, orientation, landing_row(wall.board, piece, orientation, column), column)
         settled = settle(

@@ -12,8 +12,10 @@ from numpy.typing import NDArray
 from arl_tui.games.registry import words_of
 from arl_tui.viewer.workers import Working
 from core.feedback.credit import CurrentStep, Delay, PreviousStep, describe
+from core.keepaway.action import ChosenOption
 from core.keepaway.pitch import KeepawayConfig
 from core.session.protocol import Protocol
+from core.tetris.action import PlacedPiece
 from core.tetris.config import TetrisConfig
 from core.tetris.game import Board, FallingPiece, landing_row
 from studies.session_view.credit_strip import PAPER, UNIFORM, CreditStrip, strip_of
@@ -284,7 +286,7 @@ class Viewing:
         return marks
 
     def _piece(self, step: int) -> int:
-        return self.session.step_taken(step).detail["piece"]
+        return PlacedPiece.of(self.session.step_taken(step)).piece
 
     def _candidates_of(self, step: int, board: Board) -> tuple[tuple[int, int], ...]:
         from core.tetris.afterstate import Tetris, TetrisState  # here, not above: compiled code comes with it
@@ -329,7 +331,7 @@ class Viewing:
         row, mates = self.drawn_receivers()
         if row != step:
             return {}
-        keeper = self.session.step_taken(step).detail["keeper"]
+        keeper = ChosenOption.of(self.session.step_taken(step)).keeper
         return {HOLD: keeper, **dict(enumerate(mates, HOLD + 1))}
 
     # --- tags -----------------------------------------------------------------------------------------------

@@ -10,6 +10,7 @@ from core.feedback.config import CreditConfig
 from core.feedback.delays import GammaDelay
 from core.feedback.keys import KeyConfig
 from core.keepaway import REVISION
+from core.keepaway.action import ChosenOption
 from core.keepaway.participant_config import KeepawayPersonConfig
 from core.keepaway.pitch import CYCLE_S, KeepawayConfig
 from core.learners.human_config import TileModel
@@ -36,6 +37,7 @@ class KeepawayPlugin(GamePlugin):
     name = "keepaway"
     title = "Keepaway"
     config = KeepawayConfig
+    action = ChosenOption
     revision = REVISION
     learners = (SarsaConfig,)
     human_models = (TileModel,)

@@ -248,7 +248,7 @@ def play_episode(
             action=decision.action,
             environment_action=decision.environment_action,
             human_action=decision.human_action,
-            detail=domain.detail(step.state, decision.action),
+            detail=domain.action_record(step.state, decision.action).plain(),
             reward=step.reward,
             state=domain.recorded_state(step.state),
         )

@@ -125,7 +125,9 @@ def watched_steps(recording: Recording, protocol: Protocol) -> dict[int, Watched
 
 def _could_be(taken: StepTaken, choices: Choices, domain: Domain[Any], state: Any) -> bool:
     """Return whether a recorded step can be one of these choices in this state."""
-    return 0 <= taken.action < len(choices.ruled_out) and domain.detail(state, taken.action) == taken.detail
+    if not 0 <= taken.action < len(choices.ruled_out):
+        return False
+    return domain.action_record(state, taken.action).plain() == taken.detail
 
 
 def relearn(

@@ -25,6 +25,7 @@ from core.registry import game_of
 from core.session.protocol import Protocol
 from core.session.protocol_reading import protocol_from
 from core.system.private_files import make_private_folder
+from core.tetris.action import PlacedPiece
 from core.tetris.config import TetrisConfig
 from studies.exports.columns import codebook
 from studies.exports.event_rows import press_rows, step_rows
@@ -232,7 +233,7 @@ def _played(
     state = domain.initial(started.episode_seed)
     states, features = [state], []
     for taken in steps:
-        if domain.detail(state, taken.action) != taken.detail:
+        if domain.action_record(state, taken.action).plain() != taken.detail:
             raise NotReplayedError(
                 f"step {taken.step} comes out otherwise than recorded: the game has changed since. Export it "
                 "with the version of this program that is named in its header "
@@ -310,5 +311,5 @@ def _observations(protocol: Protocol, states: list[Any], domain: Any) -> Any:
 
 def _actions(protocol: Protocol, steps: list[StepTaken]) -> list[Any]:
     if isinstance(protocol.domain, TetrisConfig):
-        return [np.array([taken.detail["orientation"], taken.detail["column"]]) for taken in steps]
+        return [np.array(PlacedPiece.of(taken).place) for taken in steps]
     return [taken.action for taken in steps]

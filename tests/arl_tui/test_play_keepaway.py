@@ -251,7 +251,7 @@ async def test_a_press_marks_who_chose_and_is_no_frame(
         worker.show(0, PASSING)
         await pilot.pause(0.05)
         await pilot.press("f")
-        link.say(TakenFor(press=0, value=-1.0, step=0, player=0, target=1))
+        link.say(TakenFor(press=0, value=-1.0, step=0, place=((0, 1),)))
         await pilot.pause(0.05)
         assert "-K1" in screen_text(app)
         assert "K2-" in screen_text(app)
@@ -281,7 +281,7 @@ def test_a_marked_option_looks_as_it_did(snap_compare, app: ArlApp, link: FakeLi
         worker.decide(0)
         worker.show(0, PASSING)
         await pilot.press("j")
-        link.say(TakenFor(press=0, value=1.0, step=0, player=0, target=1))
+        link.say(TakenFor(press=0, value=1.0, step=0, place=((0, 1),)))
         await pilot.pause(0.05)
 
     assert snap_compare(app, terminal_size=size, run_before=play)

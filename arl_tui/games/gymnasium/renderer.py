@@ -6,6 +6,7 @@ import numpy as np
 
 from arl_tui.games.rendering import Place, TickView
 from core.events import EpisodeStarted, StepTaken
+from core.interop.gymnasium.action import EnvAction
 from core.interop.gymnasium.picture import EnvPicture
 from core.plugins import GameError
 
@@ -43,7 +44,7 @@ class GymnasiumRenderer:
 
     def act(self, step: StepTaken) -> tuple[TickView, ...]:
         """Return the picture after a step."""
-        self._env.step(step.detail["action"])
+        self._env.step(EnvAction.of(step).action)
         self._reward += step.reward
         self._steps += 1
         self.picture = self._look()
@@ -55,7 +56,7 @@ class GymnasiumRenderer:
 
     def place_of(self, step: int) -> Place:
         """Return nothing: an environment does not say where an action is to be seen."""
-        return Place()
+        return ()
 
     def _look(self) -> EnvPicture:
         drawn = self._env.render()

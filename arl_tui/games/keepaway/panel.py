@@ -109,15 +109,12 @@ class KeepawayPanel:
 
     def mark(self, taken: TakenFor) -> str:
         """Mark the keeper who chose, and who was passed to."""
-        if taken.step < 0 or taken.player < 0:
+        if taken.step < 0 or not taken.place:
             return "but no option was on screen"
-        self.pitch.mark(taken.player, taken.target, good=taken.value > 0)
-        keeper = f"K{taken.player + 1}"
-        return (
-            f"for {keeper} holding the ball"
-            if taken.target < 0
-            else f"for {keeper}'s pass to K{taken.target + 1}"
-        )
+        ((player, target),) = taken.place
+        self.pitch.mark(player, target, good=taken.value > 0)
+        keeper = f"K{player + 1}"
+        return f"for {keeper} holding the ball" if target < 0 else f"for {keeper}'s pass to K{target + 1}"
 
     def unmark(self) -> None:
         """Take the mark away."""

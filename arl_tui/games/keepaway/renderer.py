@@ -14,6 +14,7 @@ import msgspec
 
 from arl_tui.games.rendering import Place, TickView
 from core.events import EpisodeStarted, StepTaken
+from core.keepaway.action import ChosenOption
 from core.keepaway.picture import PitchFrame
 from core.keepaway.pitch import CYCLE_NS, NO_PLAYER, KeepawayConfig
 
@@ -64,7 +65,7 @@ class KeepawayRenderer:
 
     def could_be(self, step: StepTaken) -> bool:
         """Return whether a recorded step can be the next one: the same keeper decides, and sees the same."""
-        same_keeper = self._play.keeper == step.detail["keeper"]
+        same_keeper = self._play.keeper == ChosenOption.of(step).keeper
         return same_keeper and (step.state is None or self._play.variables.tolist() == step.state)
 
     def begin(self, episode: EpisodeStarted) -> tuple[TickView, ...]:
@@ -78,8 +79,9 @@ class KeepawayRenderer:
 
     def act(self, step: StepTaken) -> tuple[TickView, ...]:
         """Return the pictures from a decision to the cycle before the next one."""
-        keeper, target = step.detail["keeper"], step.detail["target"]
-        self._options.append((step.step, Place(player=keeper, target=target)))
+        chosen = ChosenOption.of(step)
+        keeper, target = chosen.keeper, chosen.target
+        self._options.append((step.step, ((keeper, target),)))
         pictures = [self._now]
         self._play.decide(step.action, lambda match: pictures.append(self._look(match)))
         shown = [msgspec.structs.replace(picture, decider=keeper, target=target) for picture in pictures[:-1]]
@@ -91,7 +93,7 @@ class KeepawayRenderer:
 
     def place_of(self, step: int) -> Place:
         """Return who chose an option, and who was passed to."""
-        return next((place for known, place in reversed(self._options) if known == step), Place())
+        return next((place for known, place in reversed(self._options) if known == step), ())
 
     def _ticks(self, pictures: list[PitchFrame]) -> tuple[TickView, ...]:
         """Return all but the last picture, which belongs to what comes now, each with the one after it."""

@@ -84,8 +84,8 @@ class TetrisPanel:
             return "but no piece had landed"
         if taken.step == self._step and self.board.shows_falling:
             self.board.mark(None, good=taken.value > 0)
-        elif taken.blocks:
-            self.board.mark(taken.blocks, good=taken.value > 0)
+        elif taken.place:
+            self.board.mark([(row, column) for row, column in taken.place], good=taken.value > 0)
         else:
             return "for the last piece, which is gone"
         return "for the marked piece"

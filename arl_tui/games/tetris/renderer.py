@@ -1,8 +1,9 @@
 """From a session's steps to pictures of the board: a piece that is moved and dropped."""
 
-from arl_tui.games.rendering import Blocks, Place, TickView
+from arl_tui.games.rendering import Place, TickView
 from core.events import EpisodeStarted, StepTaken
 from core.feedback.keys import NS_PER_MS
+from core.tetris.action import PlacedPiece
 from core.tetris.config import TetrisConfig
 from core.tetris.game import reachable_placements
 from core.tetris.picture import Counts, PieceAnimation, Snapshot, Wall, animate, snapshot
@@ -27,7 +28,7 @@ class TetrisRenderer:
         self._wall = Wall(config.rows, config.columns)
         self._counts = Counts()
         self._episode_seed = 0
-        self._landed: dict[int, Blocks] = {}
+        self._landed: dict[int, Place] = {}
         """What is left of the last pieces on the wall, by step, oldest first."""
         self._cleared: tuple[int, ...] = ()
         """Rows that the newest piece has cleared; to the older ones that happens when it has landed."""
@@ -48,8 +49,8 @@ class TetrisRenderer:
 
     def act(self, step: StepTaken) -> tuple[TickView, ...]:
         """Return the pictures of a step; the last one stays."""
-        piece = step.detail["piece"]
-        placement = (step.detail["orientation"], step.detail["column"])
+        placed = PlacedPiece.of(step)
+        piece, placement = placed.piece, placed.place
         counts = Counts(
             lines=self._counts.lines,
             pieces=self._counts.pieces,
@@ -76,7 +77,7 @@ class TetrisRenderer:
 
     def place_of(self, step: int) -> Place:
         """Return the piece's blocks on the wall; none where all have been cleared, or it is too long ago."""
-        return Place(blocks=self._landed.get(step, ()))
+        return self._landed.get(step, ())
 
     def _note_landed(self, step: int, shown: PieceAnimation) -> None:
         self._landed = {
@@ -88,7 +89,7 @@ class TetrisRenderer:
         self._landed[step] = _after_clearing(tuple(at_rest.cells()), self._cleared)
 
 
-def _after_clearing(blocks: Blocks, cleared: tuple[int, ...]) -> Blocks:
+def _after_clearing(blocks: Place, cleared: tuple[int, ...]) -> Place:
     """Return where blocks are when rows have gone: what was above them is lower."""
     return tuple(
         (row - sum(gone < row for gone in cleared), column) for row, column in blocks if row not in cleared

@@ -40,6 +40,7 @@ from core.recording.recorder import write_recording
 from core.recording.schema import Header, to_plain
 from core.session.protocol import Protocol, SessionConfig
 from core.system.foreign_text import printable
+from core.tetris.action import PlacedPiece
 from core.tetris.config import TetrisConfig
 
 ROWS, COLUMNS = 20, 10
@@ -385,7 +386,7 @@ def _step(row: Row, following: Row | None, episode: int, step: int, reward: floa
         action=-1,
         environment_action=-1,
         human_action=-1,
-        detail={"piece": row.piece},
+        detail=PlacedPiece(row.piece).plain(),
         reward=reward,
         observed=observed,
     )

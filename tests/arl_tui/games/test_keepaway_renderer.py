@@ -113,6 +113,6 @@ def test_who_chose_an_option_is_known_for_the_last_ones(shown):
             renderer.act(output)
             for step in filter(None, (last, output)):
                 place = renderer.place_of(step.step)
-                assert (place.player, place.target) == (step.detail["keeper"], step.detail["target"])
+                assert place == ((step.detail["keeper"], step.detail["target"]),)
             last = output
-    assert renderer.place_of(10_000).player == -1
+    assert renderer.place_of(10_000) == ()

@@ -27,14 +27,14 @@ def test_the_board_on_screen_is_the_board_of_the_game(seed: int) -> None:
         if len(allowed) == 0:
             break
         action = int(rng.choice(allowed))
-        detail = game.detail(state, action)
+        detail = game.action_record(state, action).plain()
         taken = step_taken(
             step, piece=detail["piece"], orientation=detail["orientation"], column=detail["column"]
         )
         pictures = renderer.act(taken)
         next_state = game.transition(state, action).next_state
         if not game.terminal(next_state):
-            assert pictures[0].view.counts.next_piece == game.detail(next_state, 0)["piece"]
+            assert pictures[0].view.counts.next_piece == game.action_record(next_state, 0).plain()["piece"]
         shown = np.frombuffer(renderer.picture.cells, dtype=np.uint8).reshape(config.rows, config.columns)[
             ::-1
         ]

@@ -173,7 +173,7 @@ def playing(protocol: Protocol, link: FakeLink, tmp_path: Path) -> ArlApp:
 
 
 def taken_for(worker: Worker, step: int, *, press: int = 0, value: float = 1.0) -> TakenFor:
-    return TakenFor(press=press, value=value, step=step, blocks=worker.renderer.place_of(step).blocks)
+    return TakenFor(press=press, value=value, step=step, place=worker.renderer.place_of(step))
 
 
 async def test_a_press_marks_the_landed_piece_and_is_no_frame(
