@@ -73,7 +73,7 @@ def learning_rows(
     theirs = reference.block_means(BLOCK)
     of_seeds, of_runs = ([curve.block_means(BLOCK) for curve in curves] for curves in (seeds, runs))
     n_blocks = min(len(theirs), max(map(len, of_seeds)), len(low) + 1)
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for block in range(n_blocks):
         ours, many = _having(of_seeds, block), _having(of_runs, block)
         whole = block < len(low)
