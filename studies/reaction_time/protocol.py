@@ -67,7 +67,7 @@ class TaskConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     """Words studied before a recognition block."""
     study_item_s: float = 1.0
     """Time each studied word or remembered item is shown, seconds."""
-    game: Literal["tetris", "keepaway"] = "tetris"
+    game: str = "tetris"
     """Game watched in the feedback-lag task."""
     picture_ms: float | None = None
     """How long a picture of the watched game is on screen, milliseconds: a tick of Tetris, a cycle of
