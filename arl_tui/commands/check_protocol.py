@@ -9,7 +9,7 @@ import msgspec
 
 from arl_tui.command_line import say
 from arl_tui.commands.credit import credit_lines
-from core.configuration.reading import printable
+from core.configuration.messages import printable
 from core.feedback.delays import GammaDelay, describe
 from core.session.effects import idle, warnings_of
 from core.session.plan import plan

@@ -5,7 +5,8 @@ from functools import cache
 from typing import TYPE_CHECKING, ClassVar
 
 from core.combination.config import AgentConfig
-from core.configuration.reading import Path, Problem
+from core.configuration.messages import Path
+from core.configuration.reading import Problem
 from core.feedback.config import CreditConfig
 from core.feedback.delays import GammaDelay
 from core.feedback.keys import KeyConfig

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, ClassVar
 import msgspec
 
 from core.combination.config import AgentConfig
-from core.configuration.reading import Path, Problem
+from core.configuration.messages import Path
+from core.configuration.reading import Problem
 from core.feedback.config import CreditConfig, TrainerConfig
 from core.feedback.delays import CurrentStep
 from core.interop.gymnasium import REVISION
