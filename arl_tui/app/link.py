@@ -32,8 +32,8 @@ class Preparing(Record, frozen=True, kw_only=True, tag="preparing"):
     """Kernels that are compiled, or loaded from the cache."""
     needed: int
     """About how many the session needs, >= compiled."""
-    share: float = 0.0
-    """Share of the work that is done, in [0, 1]."""
+    fraction: float = 0.0
+    """Fraction of the work that is done, in [0, 1]."""
 
 
 class Ready(Record, frozen=True, kw_only=True, tag="ready"):
@@ -77,12 +77,8 @@ class TakenFor(Record, frozen=True, kw_only=True, tag="taken-for"):
     """What the press says: > 0 good, < 0 bad."""
     step: int
     """The step that gets the largest share of it; -1 where none was on screen."""
-    blocks: tuple[tuple[int, int], ...] = ()
-    """Tetris: (row from the bottom, column) of what is left of the piece on the wall."""
-    player: int = -1
-    """Keepaway: the keeper who chose the option."""
-    target: int = -1
-    """Keepaway: the keeper it passed to; -1 where it held the ball."""
+    place: tuple[tuple[int, ...], ...] = ()
+    """Where that step is to be seen now, in the numbers of the game's own renderer and panel; () nowhere."""
 
 
 class Crashed(Record, frozen=True, kw_only=True, tag="crashed"):
