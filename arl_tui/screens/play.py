@@ -11,7 +11,7 @@ from textual.screen import Screen
 from textual.widgets import Static
 
 from arl_tui.app.gaps import length_s
-from arl_tui.app.link import Picture, Preparing, TakenFor
+from arl_tui.app.link import AskNow, Picture, Preparing, TakenFor
 from arl_tui.app.live_session import Cover, LiveSession, Occurrence
 from arl_tui.app.outcome import SessionControls
 from arl_tui.app.tally import weight_in_use
@@ -21,6 +21,7 @@ from arl_tui.palette import Palette
 from arl_tui.screens.count_down import CountDown
 from arl_tui.screens.covers import HelpScreen, PauseScreen, SmallWindowScreen, StopScreen, fits_into
 from arl_tui.screens.page import Page, session_keys
+from arl_tui.screens.question import Questioning
 from arl_tui.widgets.feedback_bar import FeedbackBar
 from core.events import (
     EpisodeEnded,
@@ -28,6 +29,8 @@ from core.events import (
     KeyPressed,
     Output,
     PressRetracted,
+    QuestionAnswered,
+    QuestionPosed,
     SessionEnded,
     StopAsked,
     TimeGap,
@@ -90,6 +93,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         self._shows_weight = protocol.screen.show_weight
         self._counts = protocol.screen.count_down_s > 0
         self._count_down = CountDown(self, self.scene.stage(), protocol.screen.count_down_s)
+        self._questioning = Questioning(self, live, self.scene, self.feedback, protocol)
         self._said = ""
         self._silence_shown = False
         self._disk_failed = False
@@ -104,6 +108,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
                 with Horizontal(id="figures"):
                     yield from self.scene.figures()
                 yield self.feedback
+                yield self._questioning.bar
                 yield self._status
         yield Static(session_keys(self._keys), id="session-keys")
 
@@ -130,10 +135,13 @@ class PlayScreen(Screen[None], inherit_bindings=False):
                 self._end_episode(occurrence)
             case Preparing(share=share) if self._live.phase == "running":
                 self._say(f"One moment, this first time:\n{bar(share)}")
+            case QuestionPosed() | AskNow() | QuestionAnswered():
+                self._show_question(occurrence)
             case TimeGap():
                 self._lay_over(PauseScreen(gap_s=length_s(occurrence)), "gap")
             case StopAsked() | SessionEnded():
                 self._count_down.stop()
+                self._questioning.over()
                 self._say("Stopping: everything is being saved ...")
 
     def go_on_after(self, outputs: Iterable[Output]) -> None:
@@ -155,7 +163,29 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         progress = Progress(max(1, self._watched), self._episodes, tuple(self._human_weights), performances)
         self.scene.show(picture, progress)
 
+    def take_question_painted(self) -> bool:
+        """Return whether the options of a question have been drawn that was not on screen before."""
+        question = self._live.question
+        return question is not None and question.needs_frame and self._questioning.bar.take_drawn()
+
+    def _show_question(self, occurrence: QuestionPosed | AskNow | QuestionAnswered) -> None:
+        match occurrence:
+            case QuestionPosed():
+                self._questioning.announce(occurrence)
+                self._say(self._questioning.coming())
+            case AskNow():
+                self._say("")
+                self._questioning.ask(occurrence)
+            case QuestionAnswered():
+                self._say(self._questioning.over(occurrence))
+                self.scene.refresh()
+
     def _show_press(self, press: KeyPressed) -> None:
+        if press.press == self._questioning.answered_press:
+            return
+        if self._questioning.on_screen and press.value is not None:
+            self._questioning.hint()
+            return
         is_command = any(
             (press.read_as or press.key) in (letter, *keys.split(",")) for letter, keys in COMMANDS.values()
         )
@@ -187,6 +217,8 @@ class PlayScreen(Screen[None], inherit_bindings=False):
     def _go_on(self) -> None:
         """Let the game go on, and draw once more: what was drawn before came too early to count."""
         self._live.uncover()
+        if self._questioning.waiting:
+            self._questioning.show()
         self.scene.refresh()
 
     def _end_episode(self, episode: EpisodeEnded) -> None:
@@ -257,6 +289,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         if self._count_down.running:
             self._count_down.stop()
             self._live.uncover()
+        self._questioning.take_down()
         if self._live.phase != "running" or self._live.gate.covered:
             return
         self._live.cover(reason)
@@ -265,7 +298,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
             self._go_on()
             if then is not None:
                 then(answer)
-            if self._live.phase == "running" and self._playing:
+            if self._live.phase == "running" and self._playing and not self._questioning.waiting:
                 self._count()
 
         self.app.push_screen(page, uncover)

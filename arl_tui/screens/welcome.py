@@ -13,6 +13,7 @@ from arl_tui.app.outcome import SessionControls
 from arl_tui.games.pace import pace_warning
 from arl_tui.games.registry import words_of
 from arl_tui.screens.page import Page, feedback_keys
+from arl_tui.screens.question import about_questions
 from core.numerics.clock import NS_PER_S, Clock, MonotonicClock
 from core.session.protocol import Protocol
 
@@ -91,6 +92,8 @@ class WelcomeScreen(Page):
                 "then: "
                 "we want to know how the computer copes with mistakes."
             )
+        if self._protocol.agent.asking.per_episode:
+            yield Static(f"\n{about_questions(self._protocol.agent.asking)}")
         if self._simulated:
             yield Static(
                 "\nThis is a demonstration: a [b]simulated person[/] presses keys as well. You may press, "

@@ -21,6 +21,8 @@ __all__ = ["IntendedPress", "SimulatedTrainer", "TrainerConfig", "draw_delay_s",
 _BLOCK = 64
 """Steps whose draws are made at once: setting up a stream takes longer than drawing from it."""
 _N_DRAWS = 6
+READING_S = 2.0
+"""A simulated participant reads a question for so long before anything else, seconds. (Our choice.)"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -245,6 +247,13 @@ class SimulatedTrainer:
         if mistakes >= config.mistake_rate:
             return ranked[0]
         return ranked[1 + int(which * (len(ranked) - 1))]
+
+    def answer_delay_s(self, step: int) -> float:
+        """Return after how long on screen they answer a question about a step, seconds: they read it first
+        (`READING_S`), and then press as they do otherwise.
+        """
+        rng = stream(self._root_seed, "trainer answer delay", self._episode, step)
+        return READING_S + draw_delay_s(self.config.delay, rng=rng)
 
 
 def draw_delay_s(delay: Density, *, rng: np.random.Generator) -> float:

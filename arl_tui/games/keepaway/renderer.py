@@ -93,6 +93,10 @@ class PitchRenderer:
         """Return who chose an option, and who was passed to."""
         return next((place for known, place in reversed(self._options) if known == step), Place())
 
+    def place_of_option(self, detail: dict[str, int]) -> Place:
+        """Return who has the ball, and who would be passed to."""
+        return Place(player=detail["keeper"], target=detail["target"])
+
     def _shots(self, pictures: list[PitchFrame]) -> tuple[Shot, ...]:
         """Return all but the last picture, which belongs to what comes now, each with the one after it."""
         self._now = pictures[-1]

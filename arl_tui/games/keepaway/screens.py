@@ -42,6 +42,7 @@ WORDS = Words(
     units=("second", "seconds"),
     steps="decisions",
     step="option",
+    question="What should the keeper do?",
 )
 JUDGING = JudgingWords(
     instruction=(
@@ -93,6 +94,10 @@ class KeepawayScreens(GameScreens):
                 mean_presses=KEEPAWAY.trainer.mean_presses,
             ),
         )
+
+    def option(self, detail: dict[str, int], protocol: Protocol) -> str:
+        """Return whom the keeper would pass to."""
+        return "hold the ball" if detail["target"] < 0 else f"pass to K{detail['target'] + 1}"
 
     def renderer(self, protocol: Protocol) -> "PitchRenderer":
         """Return what draws the match cycle by cycle; compiled code comes with it."""

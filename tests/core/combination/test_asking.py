@@ -127,7 +127,7 @@ def test_an_agent_asks_its_top_policies_and_learns_from_the_answer(n_participant
 
 def test_an_answer_outlives_a_press_that_is_taken_back():
     learner = HumanLearner(CreditConfig(delay=CurrentStep()), RidgeModel(), 2)
-    learner.learn_from_answer(samples_of(Question((0, 1), np.eye(2), 0.5), 0, number=0))
+    learner.learn_from_answer(Question((0, 1), np.eye(2), 0.5), 0)
     weights = learner.weights.tolist()
     learner.step_shown(0, np.array([0.0, 1.0]), 0)
     learner.learn_from_press(0, 1, 1.0)
