@@ -13,6 +13,7 @@ from textual.widgets import Static
 from arl_tui.app.gaps import length_s
 from arl_tui.app.link import AskNow, Picture, Preparing, TakenFor
 from arl_tui.app.live_session import Cover, LiveSession, Occurrence
+from arl_tui.app.once import after
 from arl_tui.app.outcome import SessionControls
 from arl_tui.app.tally import weight_in_use
 from arl_tui.games.panel import Progress
@@ -22,7 +23,7 @@ from arl_tui.screens.count_down import CountDown
 from arl_tui.screens.covers import HelpScreen, PauseScreen, SmallWindowScreen, StopScreen, fits_into
 from arl_tui.screens.page import Page, session_keys
 from arl_tui.screens.question import Questioning
-from arl_tui.widgets.feedback_bar import FeedbackBar
+from arl_tui.widgets.feedback_bar import HOLD_S, FeedbackBar
 from core.events import (
     EpisodeEnded,
     EpisodeStarted,
@@ -177,7 +178,9 @@ class PlayScreen(Screen[None], inherit_bindings=False):
                 self._say("")
                 self._questioning.ask(occurrence)
             case QuestionAnswered():
-                self._say(self._questioning.over(occurrence))
+                said = self._questioning.over(occurrence)
+                self._say(said)
+                after(self, HOLD_S, lambda: self._say("" if self._said == said else self._said))
                 self.scene.refresh()
 
     def _show_press(self, press: KeyPressed) -> None:

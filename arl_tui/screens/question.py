@@ -22,7 +22,7 @@ from core.feedback.asking_config import AskingConfig
 from core.session.protocol import Protocol
 
 TITLE = "A question for you"
-COMING = "The computer is about to ask you something.\nFirst you can still judge the last {step}."
+COMING = "A question comes: you may judge\nthe last {step} first."
 NONE_OF_THESE = "none of these"
 TIME_LEFT = "{seconds} s left"
 WHAT_TO_DO = "Press {keys} or {last} to answer"
@@ -38,11 +38,8 @@ BAR_WIDTH = 20
 
 def about_questions(asking: AskingConfig) -> str:
     """Return what participants are told of questions before the first game; in markup."""
-    keys = ", ".join(key_cap(key) for key in asking.keys[: asking.options])
-    return (
-        f"Now and then the game stops and the computer asks you which of {asking.options} things you would "
-        f"do. Press {keys}, or {key_cap(asking.none_key)} for none of them."
-    )
+    keys = " ".join(key_cap(key) for key in asking.keys[: asking.options])
+    return f"Now and then you are asked what to do: {keys}, or {key_cap(asking.none_key)} none"
 
 
 class QuestionBar(Static, inherit_bindings=False, can_focus=False):

@@ -45,7 +45,8 @@ def votes(actions: Sequence[int], probabilities: Sequence[float]) -> dict[int, f
     """
     shares: dict[int, float] = {}
     for action, probability in zip(actions, probabilities, strict=True):
-        shares[action] = shares.get(action, 0.0) + probability
+        if probability > 0:  # a policy that is never played has no vote
+            shares[action] = shares.get(action, 0.0) + probability
     return shares
 
 
@@ -81,7 +82,9 @@ class Asker:
         """
         shares = votes(actions, probabilities)
         ranked = sorted(shares, key=lambda action: (-shares[action], action))
-        return self._ask_if_rare(choices, ranked, disagreement_of(shares))
+        return self._ask_if_rare(
+            choices, ranked, disagreement_of(shares), utmost=len(shares) == sum(p > 0 for p in probabilities)
+        )
 
     def question_by_values(self, choices: Choices, values: NDArray[np.float64]) -> Question | None:
         """Return a question of a learner that has no committee about this decision, or None.
@@ -93,9 +96,11 @@ class Asker:
         allowed = np.flatnonzero(~choices.ruled_out).tolist()
         ranked = sorted(allowed, key=lambda action: (-values[action], action))
         lead = float(values[ranked[0]] - values[ranked[1]]) if len(ranked) > 1 else math.inf
-        return self._ask_if_rare(choices, ranked, 1.0 / (1.0 + lead))
+        return self._ask_if_rare(choices, ranked, 1.0 / (1.0 + lead), utmost=lead == 0.0)
 
-    def _ask_if_rare(self, choices: Choices, ranked: Sequence[int], disagreement: float) -> Question | None:
+    def _ask_if_rare(
+        self, choices: Choices, ranked: Sequence[int], disagreement: float, *, utmost: bool
+    ) -> Question | None:
         """Return a question where few of the decisions before were as unsure as this one."""
         before = sorted(self._seen)
         self._seen.append(disagreement)
@@ -104,10 +109,10 @@ class Asker:
             return None
         # As many as `share` of the decisions before may have had more.
         border = before[math.ceil((1.0 - self.config.share) * len(before)) - 1]
-        # Equal values at the top are as unsure as can be, and a learner that begins has no others: these are
-        # asked about as rarely as the rest.
-        tie = disagreement == 1.0 and self._since_asked > 1.0 / self.config.share
-        if len(ranked) < 2 or not (disagreement > border or tie):
+        # An agent that begins is often as unsure as it can be (`utmost`: no two policies agree, or the best
+        # values are equal), and then nothing is above the border: it asks there as rarely as elsewhere.
+        begins = utmost and self._since_asked > 1.0 / self.config.share
+        if len(ranked) < 2 or not (disagreement > border or begins):
             return None
         self._asked += 1
         self._since_asked = 0

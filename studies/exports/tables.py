@@ -1,7 +1,7 @@
 """The tidy tables: every column with its unit, its levels and its meaning. The codebook is made from them."""
 
 from studies.exports.columns import Column, Table
-from studies.exports.event_tables import CREDIT, FRAMES, INTERRUPTIONS, PRESSES, STEPS
+from studies.exports.event_tables import CREDIT, FRAMES, INTERRUPTIONS, PRESSES, QUESTIONS, STEPS
 from studies.exports.shared_columns import (
     KEYS,
     ORIGINS,
@@ -203,6 +203,6 @@ TRIALS = Table(
     ),
 )
 TABLES = (
-    SESSIONS, SETTINGS, PLAYED, STEPS, PRESSES, CREDIT, FRAMES, INTERRUPTIONS, ANSWERS, TRIALS,
+    SESSIONS, SETTINGS, PLAYED, STEPS, PRESSES, CREDIT, FRAMES, INTERRUPTIONS, QUESTIONS, ANSWERS, TRIALS,
 )  # fmt: skip
 """All tables, in the order of the codebook."""
