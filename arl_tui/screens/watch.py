@@ -129,6 +129,8 @@ class WatchScreen(Screen[None], inherit_bindings=False):
             clock: of the one who watches.
         """
         super().__init__()
+        self.keys: tuple[tuple[str, str], ...] = KEYS
+        """Keys and what they do, for the last line."""
         self.playback: Playback | None = None
         """None until the match is ready."""
         self._heading = heading
@@ -152,7 +154,7 @@ class WatchScreen(Screen[None], inherit_bindings=False):
         with Horizontal():
             yield self.pitch
             yield Static(id="panel")
-        yield Static("   ".join(f"[b]{key}[/] {meaning}" for key, meaning in KEYS), id="watch-keys")
+        yield Static("   ".join(f"[b]{key}[/] {meaning}" for key, meaning in self.keys), id="watch-keys")
 
     def on_mount(self) -> None:
         """Say that the match is not ready yet."""
@@ -183,9 +185,13 @@ class WatchScreen(Screen[None], inherit_bindings=False):
         if self.playback is None:
             return
         self._written_ns = self._clock.now_ns()
-        self.query_one("#panel", Static).update(
-            "\n".join([self._heading, *panel_lines(self.playback, self._palette)])
-        )
+        self.query_one("#panel", Static).update("\n".join(self.panel()))
+
+    def panel(self) -> Iterable[str]:
+        """Yield what stands beside the pitch, in markup."""
+        yield self._heading
+        if self.playback is not None:
+            yield from panel_lines(self.playback, self._palette)
 
     # --- keys -----------------------------------------------------------------------------------------------
 

@@ -227,9 +227,7 @@ QUESTIONS = Table(
         integer("question_index", "Number of the question in the session, from 0, as in the recording."),
         integer("step_index", "The step that was asked about, from 0; it is decided after the answer."),
         integer("options", "How many actions were offered.", "actions"),
-        text(
-            "options_json", "The actions offered, from 0, in the order of their keys."
-        ),
+        text("options_json", "The actions offered, from 0, in the order of their keys."),
         text("option_1", "The first option in words; empty where the game has none."),
         text("option_2", "The second one."),
         text("option_3", "The third one; empty where two were offered."),
