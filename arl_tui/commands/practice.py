@@ -45,14 +45,19 @@ def _drop_pieces(root_seed: int, games: int) -> None:
 
 
 def _keep_the_ball(root_seed: int, games: int) -> None:
-    from arl_tui.commands.watch import run
+    from arl_tui.app.compile_order import session_order
+    from arl_tui.commands.watch import get_ready, run
     from arl_tui.screens.practice_keepaway import KeeperPracticeScreen
     from arl_tui.screens.watch import WatchApp
     from core.keepaway.pitch import KeepawayConfig
+    from core.session.protocol import DEFAULTS
 
-    config = KeepawayConfig()
+    protocol = DEFAULTS["keepaway"]
+    config = protocol.domain
+    assert isinstance(config, KeepawayConfig), "the game of the default protocol"
 
     def prepare() -> "KeeperPractice":
+        get_ready(session_order(protocol))
         from core.keepaway.practice import KeeperPractice
 
         return KeeperPractice(config, root_seed)
