@@ -28,6 +28,7 @@ PASS, HOLD = "pass to {keeper}", "hold the ball: press nothing"
 ROWS = (("P", "pause, and go on"), ("H", "this page"), ("Q", "stop"))
 CALL = "Press [reverse] Space [/] to go on, [reverse] Q [/] to leave"
 PANEL = "[b]Practice[/]\n\nGame {game} of {games}"
+TITLE = "Game {game}"
 KEPT = "Kept {seconds} s"
 PAUSED = "[reverse] PAUSED [/]"
 """What participants read; the keys and marks are those of a session."""
@@ -104,6 +105,12 @@ class KeeperPracticeScreen(WatchScreen, inherit_bindings=False):
         self._practice = cast("KeeperPractice", source)
         super().begin(source)
         self.action_guide()
+
+    def draw(self) -> None:
+        """Draw the picture that is due, named as games of a session are."""
+        if self.playback is not None:
+            self.pitch.title = TITLE.format(game=self.playback.picture().episode)
+        super().draw()
 
     def action_pass(self, keeper: int) -> None:
         """Wish for a pass; a number that no keeper has does nothing."""

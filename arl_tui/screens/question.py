@@ -21,6 +21,7 @@ from core.events import QuestionAnswered, QuestionPosed
 from core.feedback.asking_config import AskingConfig
 from core.session.protocol import Protocol
 
+ANSWERS = "answer when the computer asks you what to do ({none} none of these)"
 TITLE = "A question for you"
 COMING = "A question comes: you may judge\nthe last {step} first."
 NONE_OF_THESE = "none of these"
@@ -39,7 +40,7 @@ BAR_WIDTH = 20
 def about_questions(asking: AskingConfig) -> str:
     """Return what participants are told of questions before the first game; in markup."""
     keys = " ".join(key_cap(key) for key in asking.keys[: asking.options])
-    return f"Now and then you are asked what to do: {keys}, or {key_cap(asking.none_key)} none"
+    return f"  {keys}  {ANSWERS.format(none=key_cap(asking.none_key))}"
 
 
 class QuestionBar(Static, inherit_bindings=False, can_focus=False):

@@ -80,11 +80,15 @@ class WelcomeScreen(Page):
             yield Static(f"[b]Your session goes on after {self._games_done} of {games}.[/]\n")
         practises = words.practises if session.unseen_between else ""
         yield Static(words.welcome.format(games=games, practises=practises))
-        yield Static(f"\n{feedback_keys(keys)}\n")
+        asking = self._protocol.agent.asking
+        answers = f"\n{about_questions(asking)}" if asking.per_episode else ""
+        yield Static(f"\n{feedback_keys(keys)}{answers}\n")
+        # The page is full in the smallest window: a line for answers takes the room of the last sentence.
+        last = "" if answers else " Nothing you press is wrong: only your opinion counts."
         yield Static(
             f"You have [b]{presses} presses in each game[/], so save them for what matters, and press as "
             f"soon as "
-            "you have made up your mind. Nothing you press is wrong: only your opinion counts."
+            f"you have made up your mind.{last}"
         )
         if keys.wrong_press_rate > 0:
             yield Static(
@@ -92,8 +96,6 @@ class WelcomeScreen(Page):
                 "then: "
                 "we want to know how the computer copes with mistakes."
             )
-        if self._protocol.agent.asking.per_episode:
-            yield Static(f"\n{about_questions(self._protocol.agent.asking)}")
         if self._simulated:
             yield Static(
                 "\nThis is a demonstration: a [b]simulated person[/] presses keys as well. You may press, "

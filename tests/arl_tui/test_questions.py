@@ -5,13 +5,13 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from arl_tui.app.link import AskNow, OptionPlace
+from arl_tui.app.link import AskNow, OptionPlace, Ready
 from arl_tui.screens.covers import PauseScreen
 from arl_tui.screens.question import CHOSEN, NOT_CHOSEN
 from arl_tui.session_app import ArlApp
 from core.combination.config import AgentConfig, AskingConfig
 from core.events import FrameShown, KeyPressed, QuestionAnswered, QuestionPosed, Resumed, ScreenCleared
-from core.session.protocol import Protocol
+from core.session.protocol import DEFAULTS, Protocol
 from tests.arl_tui.driving import SIZE, Worker, app_for, begin, recorded, settle
 from tests.arl_tui.fakes import FakeLink
 
@@ -173,4 +173,18 @@ async def test_the_first_page_says_that_there_will_be_questions(app: ArlApp, pro
     async with app.run_test(size=SIZE) as pilot:
         await pilot.pause()
         text = "\n".join(str(widget.render()) for widget in app.screen.query("Static"))
-        assert "asked what to do" in text
+        assert "when the computer asks you what to do" in text
+
+
+@pytest.mark.parametrize("game", ["tetris", "keepaway", "gymnasium"])
+async def test_the_start_key_is_in_sight_in_the_smallest_window(
+    game: str, link: FakeLink, tmp_path: Path
+) -> None:
+    default = DEFAULTS[game]
+    agent = msgspec.structs.replace(default.agent, asking=AskingConfig(per_episode=2))
+    app = app_for(msgspec.structs.replace(default, agent=agent), link, tmp_path)
+    async with app.run_test(size=SIZE) as pilot:
+        link.say(Ready(warm_up_ns=1, reach=0.3, step_s=0.5))  # with the longest warning
+        await pilot.pause()
+        call = app.screen.query_one("#call")
+        assert call.region.y < SIZE[1] - 1  # above the frame of the page
