@@ -176,15 +176,17 @@ async def test_the_first_page_says_that_there_will_be_questions(app: ArlApp, pro
         assert "when the computer asks you what to do" in text
 
 
-@pytest.mark.parametrize("game", ["tetris", "keepaway", "gymnasium"])
+@pytest.mark.parametrize(
+    ("game", "reach"), [("tetris", 0.9), ("tetris", 0.3), ("keepaway", 0.9), ("gymnasium", 0.3)]
+)
 async def test_the_start_key_is_in_sight_in_the_smallest_window(
-    game: str, link: FakeLink, tmp_path: Path
+    game: str, reach: float, link: FakeLink, tmp_path: Path
 ) -> None:
     default = DEFAULTS[game]
     agent = msgspec.structs.replace(default.agent, asking=AskingConfig(per_episode=2))
     app = app_for(msgspec.structs.replace(default, agent=agent), link, tmp_path)
     async with app.run_test(size=SIZE) as pilot:
-        link.say(Ready(warm_up_ns=1, reach=0.3, step_s=0.5))  # with the longest warning
+        link.say(Ready(warm_up_ns=1, reach=reach, step_s=0.5))  # below 0.7 comes a warning
         await pilot.pause()
         call = app.screen.query_one("#call")
         assert call.region.y < SIZE[1] - 1  # above the frame of the page
