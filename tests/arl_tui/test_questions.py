@@ -38,8 +38,8 @@ def ask(worker: Worker, question: int = 0) -> QuestionPosed:
         disagreement=0.6,
     )
     worker.link.say(posed)
-    worker.show(-1, worker.stage.picture)
-    places = [worker.stage.place_of_option(detail) for detail in posed.details]
+    worker.show(-1, worker.renderer.picture)
+    places = [worker.renderer.place_of_option(detail) for detail in posed.details]
     worker.link.say(AskNow(question=question, places=tuple(OptionPlace(place.blocks) for place in places)))
     return posed
 
@@ -60,7 +60,7 @@ async def test_a_question_is_drawn_with_its_keys_and_its_answer_is_recorded_with
         assert not app.play.feedback.display
         assert "columns 4 to 5" in str(bar.render())
         await settle(pilot)
-        board = app.play.scene.board
+        board = app.play.panel.board
         assert board.render_line(17).text.rstrip() == "1111"  # on the piece that has just landed
         assert board.render_line(18).text.rstrip() == "[][]  2222  3333"
         await pilot.pause(ANTICIPATED_S)
