@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from arl_tui.language import bold_cap, tr, trn
+from arl_tui.language import bold_cap, later, tr, trn
 from studies.reaction_time.protocol import NO, YES
 
 
@@ -28,6 +28,8 @@ class Words:
     """What the steps of a game are, in the plural."""
     step: str
     """The same for one."""
+    question: str = later("What should the computer do now?")
+    """What the agent asks when it offers options; at most 31 characters."""
 
     def told(self, performance: float) -> str:
         """Return a performance with its unit."""

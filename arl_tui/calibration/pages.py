@@ -13,7 +13,7 @@ from arl_tui.calibration.plan import Part, Unfinished, minutes_left
 from arl_tui.calibration.texts import SOMETIMES_NOTHING, TITLES, instruction
 from arl_tui.language import later, tr, trn
 from arl_tui.participants import FEEDBACK_LAG, SIMPLE, TaskDelay
-from arl_tui.screens.page import Page
+from arl_tui.screens.page import PageScreen
 from arl_tui.words import judging_text
 from studies.reaction_time.protocol import BlockPlan, Schedule
 
@@ -23,7 +23,7 @@ ENTER_OR_STOP: list[BindingType] = [
 ]
 
 
-class Reading(Page):
+class Reading(PageScreen):
     """A page that is left with yes or no."""
 
     BINDINGS: ClassVar[list[BindingType]] = ENTER_OR_STOP
@@ -69,7 +69,7 @@ class HindrancePage(Reading, inherit_bindings=False):
         yield tr("If you go on, this is written down with the measurement.")
 
 
-class OldSittingPage(Reading, inherit_bindings=False):
+class OldSessionPage(Reading, inherit_bindings=False):
     """A half session of another day."""
 
     HEADING = later("An unfinished session")
@@ -217,7 +217,7 @@ class PausePage(Reading):
         yield tr("Take as long as you like. The last one will come again; nothing else is lost if you stop.")
 
 
-class WaitingPage(Page):
+class WaitingPage(PageScreen):
     """Something is being worked out; the app takes this page away."""
 
     BINDINGS: ClassVar[list[BindingType]] = [

@@ -21,6 +21,12 @@ from arl_tui.command_line import (
     "--participant", callback=pseudonym, default="P00", show_default=True, help="Code of the participant."
 )
 @seed_option
+@click.option(
+    "--practice",
+    is_flag=True,
+    help="Before the session two slow games that do not count, until both keys have been pressed in time. "
+    "They are recorded in a file of their own.",
+)
 @click.option("--episodes", type=click.IntRange(1), help="How many games are watched.")
 @click.option(
     "--credit",
@@ -48,6 +54,7 @@ def play(
     protocol: Path | None,
     participant: str,
     seed: int | None,
+    practice: bool,
     episodes: int | None,
     credit: str | None,
     resume: Path | None,
@@ -71,4 +78,5 @@ def play(
         recordings=recordings,
         credit=credit,
         language=language,
+        practice=practice,
     )

@@ -10,11 +10,11 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from arl_tui.language import key_for, key_name, later, tr, trn
-from arl_tui.screens.page import Page, feedback_keys, session_keys
+from arl_tui.screens.page import PageScreen, feedback_keys, session_keys
 from core.feedback.keys import KeyConfig
 
 
-class PauseScreen(Page):
+class PauseScreen(PageScreen):
     """The game waits."""
 
     HEADING = later("Pause")
@@ -50,7 +50,7 @@ class PauseScreen(Page):
         self.leave(True)
 
 
-class HelpScreen(Page):
+class HelpScreen(PageScreen):
     """All keys and what they do."""
 
     HEADING = later("Help")
@@ -93,7 +93,7 @@ class HelpScreen(Page):
         self.leave(True)
 
 
-class StopScreen(Page):
+class StopScreen(PageScreen):
     """Asks whether to stop."""
 
     HEADING = later("Stop the session?")
@@ -116,7 +116,7 @@ class StopScreen(Page):
         self.leave(False)
 
 
-class SmallWindowScreen(Page):
+class SmallWindowScreen(PageScreen):
     """Asks for a larger window, and leaves by itself when it is there; answers False to stop."""
 
     HEADING = later("This window is too small")

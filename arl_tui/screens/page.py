@@ -16,7 +16,11 @@ IN_SESSION = {"pause": "space", "help": "f1", "stop": "ctrl+q,ctrl+c"}
 the program's own key is one for feedback."""
 
 
-class Page(Screen[bool], inherit_bindings=False):
+key_cap = bold_cap
+"""A key as it is printed on the keyboard, in markup."""
+
+
+class PageScreen(Screen[bool], inherit_bindings=False):
     """A titled box in the middle of the screen; opaque, so that a game beneath it is not seen."""
 
     HEADING = ""

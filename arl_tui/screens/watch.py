@@ -18,10 +18,10 @@ from textual.widgets import Static
 
 from arl_tui.app.plain_app import PlainApp
 from arl_tui.games.keepaway.playback import Playback, Source
-from arl_tui.language import bold_cap
+from arl_tui.language import bold_cap, tr
 from arl_tui.palette import STANDARD, palette_for
 from arl_tui.screens.covers import SmallWindowScreen, fits_into
-from arl_tui.screens.page import Page
+from arl_tui.screens.page import PageScreen
 from arl_tui.widgets.pitch import PitchWidget
 from arl_tui.widgets.pitch_colours import legend
 from arl_tui.widgets.pitch_drawing import smallest
@@ -46,7 +46,7 @@ KEYS = (
 ENDS_SHOWN = 4
 
 
-class HelpPage(Page):
+class HelpPage(PageScreen):
     """What is drawn, and all keys."""
 
     HEADING = "Watching Keepaway"
@@ -130,6 +130,8 @@ class WatchScreen(Screen[None], inherit_bindings=False):
             clock: of the one who watches.
         """
         super().__init__()
+        self.keys: tuple[tuple[str, str], ...] = KEYS
+        """Keys and what they do, for the last line."""
         self.playback: Playback | None = None
         """None until the match is ready."""
         self._heading = heading
@@ -153,12 +155,12 @@ class WatchScreen(Screen[None], inherit_bindings=False):
         with Horizontal():
             yield self.pitch
             yield Static(id="panel")
-        yield Static("   ".join(f"[b]{key}[/] {meaning}" for key, meaning in KEYS), id="watch-keys")
+        yield Static("   ".join(f"[b]{key}[/] {meaning}" for key, meaning in self.keys), id="watch-keys")
 
     def on_mount(self) -> None:
         """Say that the match is not ready yet."""
         if self.playback is None:
-            self.pitch.cover("Getting ready ...\n\nThe first time this may take half a minute")
+            self.pitch.cover(tr("Getting ready ...\n\nThe first time this may take half a minute"))
         self.query_one("#panel", Static).update(self._heading)
         self._timer = self.set_interval(FRAME_S, self.draw)
 
@@ -184,9 +186,13 @@ class WatchScreen(Screen[None], inherit_bindings=False):
         if self.playback is None:
             return
         self._written_ns = self._clock.now_ns()
-        self.query_one("#panel", Static).update(
-            "\n".join([self._heading, *panel_lines(self.playback, self._palette)])
-        )
+        self.query_one("#panel", Static).update("\n".join(self.panel()))
+
+    def panel(self) -> Iterable[str]:
+        """Yield what stands beside the pitch, in markup."""
+        yield self._heading
+        if self.playback is not None:
+            yield from panel_lines(self.playback, self._palette)
 
     # --- keys -----------------------------------------------------------------------------------------------
 
@@ -243,7 +249,7 @@ class WatchScreen(Screen[None], inherit_bindings=False):
         if self.is_active and not fits_into(self._needed, event.size):
             self._lay_over(SmallWindowScreen(self._needed), lambda large: self._leave_if(large is False))
 
-    def _lay_over(self, page: Page, then: Callable[[bool | None], None] = lambda _: None) -> None:
+    def _lay_over(self, page: PageScreen, then: Callable[[bool | None], None] = lambda _: None) -> None:
         playback = self.playback
         went_on = playback is not None and not playback.paused
         if playback is not None:
@@ -297,15 +303,16 @@ class WatchApp(PlainApp[str]):
     CSS_PATH = "../app.tcss"
     TITLE = "arl watch"
 
-    def __init__(self, view: WatchScreen, prepare: Callable[[], Source]) -> None:
+    def __init__(self, view: WatchScreen, prepare: Callable[[], Source], *, language: str = "en") -> None:
         """Prepare.
 
         Args:
             view: the screen.
             prepare: makes the match; takes a minute where everything has to be compiled first, and is called
                 in another thread.
+            language: of the words on screen that participants read.
         """
-        super().__init__()
+        super().__init__(language=language)
         self.view = view
         self.trouble: Exception | None = None
         """Why the match could not be prepared."""

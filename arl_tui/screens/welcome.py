@@ -10,10 +10,11 @@ from textual.widgets import Static
 
 from arl_tui.app.link import Preparing, Ready
 from arl_tui.app.outcome import SessionControls
-from arl_tui.games.pace import pace_warning
+from arl_tui.games.pace import pace_line, pace_warning
 from arl_tui.games.registry import words_of
 from arl_tui.language import later, tr, trn
-from arl_tui.screens.page import Page, feedback_keys
+from arl_tui.screens.page import PageScreen, feedback_keys
+from arl_tui.screens.question import about_questions
 from core.numerics.clock import NS_PER_S, Clock, MonotonicClock
 from core.session.protocol import Protocol
 
@@ -22,7 +23,7 @@ AT_SCREEN_S = 10.0
 CALL = later("Press {key_enter} to start, {key_stop} to leave")
 
 
-class WelcomeScreen(Page):
+class WelcomeScreen(PageScreen):
     """Explains, and waits for the start key while the worker gets ready.
 
     A game begins only in front of a participant: where getting ready took longer than `AT_SCREEN_S` after the
@@ -85,15 +86,20 @@ class WelcomeScreen(Page):
             )
         practises = tr(words.practises) if session.unseen_between else ""
         yield Static(tr(words.welcome, games=games, practises=practises))
-        yield Static(f"\n{feedback_keys(keys)}\n")
+        asking = self._protocol.agent.asking
+        answers = f"\n{about_questions(asking)}" if asking.per_episode else ""
+        yield Static(f"\n{feedback_keys(keys)}{answers}\n")
+        # The page is full in the smallest window: a line for answers takes the room of the last sentence.
+        last = "" if answers else " " + tr("Nothing you press is wrong: only your opinion counts.")
         yield Static(
             trn(
                 "You have [b]{n} press in each game[/], so save it for what matters, and press as soon as "
-                "you have made up your mind. Nothing you press is wrong: only your opinion counts.",
+                "you have made up your mind.",
                 "You have [b]{n} presses in each game[/], so save them for what matters, and press as "
-                "soon as you have made up your mind. Nothing you press is wrong: only your opinion counts.",
+                "soon as you have made up your mind.",
                 presses,
             )
+            + last
         )
         if keys.wrong_press_rate > 0:
             yield Static(
@@ -150,7 +156,9 @@ class WelcomeScreen(Page):
         """Write the last lines."""
         if not self.query("#call"):
             return  # Not laid out yet: `on_mount` comes back here.
-        if warning := self._warning():
+        warning = self._warning()
+        self.query_one("#pace").display = bool(warning)  # an empty line would take the room of the last one
+        if warning:
             self.query_one("#pace", Static).update(Text(f"For the experimenter: {warning}", style="dim"))
             self.query_one("#call").add_class("-close")  # the page is full in the smallest window
         self.query_one("#call", Static).update(self._call())
@@ -164,7 +172,10 @@ class WelcomeScreen(Page):
         if self._worker_ready is not None:
             line = tr(CALL) if self._asked_ns is None else f"{tr('Ready.')} {tr(CALL)}"
             # The warning takes the room of the second line: nothing moves without one.
-            return line if self._warning() else f"{line}\n"
+            if self._warning():
+                return line
+            pace = "" if self._simulated else pace_line(self._protocol, self._worker_ready)
+            return f"{line}\n[dim]{pace and f'For the experimenter: {pace}'}[/]"
         far = tr("getting ready")
         if self._progress is not None and self._progress.compiled:
             far = tr(

@@ -1,12 +1,12 @@
 """Keepaway in the play screen: the pitch, smooth between cycles, and the figures of the game."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from textual.geometry import Size
 from textual.widget import Widget
 from textual.widgets import Static
 
-from arl_tui.app.link import Picture, TakenFor
+from arl_tui.app.link import OptionPlace, Picture, TakenFor
 from arl_tui.games.panel import SMALLEST, Progress
 from arl_tui.language import tr, trn
 from arl_tui.palette import Palette
@@ -62,7 +62,7 @@ class LivePitch(PitchWidget):
         self.show(between(picture.view, picture.ahead, min(fraction, 0.99)), picture.number)
 
 
-class PitchPanel:
+class KeepawayPanel:
     """The pitch, and the score beside it."""
 
     def __init__(self, protocol: Protocol, palette: Palette, *, clock: Clock | None = None) -> None:
@@ -85,7 +85,7 @@ class PitchPanel:
         self.pitch.taken = drawn
         return fresh
 
-    def stage(self) -> PitchWidget:
+    def game_widget(self) -> PitchWidget:
         """Return the pitch."""
         return self.pitch
 
@@ -112,17 +112,27 @@ class PitchPanel:
 
     def mark(self, taken: TakenFor) -> str:
         """Mark the keeper who chose, and who was passed to."""
-        if taken.step < 0 or taken.player < 0:
+        if taken.step < 0 or not taken.place:
             return tr("but no option was on screen")
-        self.pitch.mark(taken.player, taken.target, good=taken.value > 0)
-        keeper = f"K{taken.player + 1}"
-        if taken.target < 0:
+        ((player, target),) = taken.place
+        self.pitch.mark(player, target, good=taken.value > 0)
+        keeper = f"K{player + 1}"
+        if target < 0:
             return tr("for {keeper} holding the ball", keeper=keeper)
-        return tr("for {keeper}'s pass to {target}", keeper=keeper, target=f"K{taken.target + 1}")
+        return tr("for {keeper}'s pass to {target}", keeper=keeper, target=f"K{target + 1}")
 
     def unmark(self) -> None:
         """Take the mark away."""
         self.pitch.unmark()
+
+    def pose(self, places: Sequence[OptionPlace], keys: Sequence[str]) -> None:
+        """Write each option's key beside the keeper who would have the ball."""
+        players = [place.player if place.target < 0 else place.target for place in places]
+        self.pitch.pose(tuple(zip(players, keys, strict=False)))
+
+    def unpose(self) -> None:
+        """Take the keys away."""
+        self.pitch.pose(())
 
     def presses_left(self, presses: int) -> None:
         """Write them into the pitch's boundary, where the eye is."""

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from arl_tui.games.registry import GameScreens
-from arl_tui.language import later, later_n
+from arl_tui.language import later, later_n, tr
 from arl_tui.words import JudgingWords, Words
 from core.feedback.config import TrainerConfig
 from core.keepaway.pitch import CYCLE_S, KeepawayConfig
@@ -14,8 +14,8 @@ from core.session.protocol import Protocol, ScreenConfig, SessionConfig
 from studies.reaction_time.protocol import Schedule
 
 if TYPE_CHECKING:
-    from arl_tui.games.keepaway.panel import PitchPanel
-    from arl_tui.games.keepaway.renderer import PitchRenderer
+    from arl_tui.games.keepaway.panel import KeepawayPanel
+    from arl_tui.games.keepaway.renderer import KeepawayRenderer
     from arl_tui.games.keepaway.trial_view import PitchTrialView
     from arl_tui.palette import Palette
 
@@ -42,7 +42,8 @@ WORDS = Words(
     performance=later("Seconds the ball was kept"),
     units=later_n("second", "seconds"),
     steps=later("decisions"),
-    step="option",
+    step=later("option"),
+    question=later("What should the keeper do?"),
 )
 JUDGING = JudgingWords(
     instruction=later(
@@ -94,18 +95,24 @@ class KeepawayScreens(GameScreens):
             ),
         )
 
-    def renderer(self, protocol: Protocol) -> "PitchRenderer":
+    def option(self, detail: dict[str, int], protocol: Protocol) -> str:
+        """Return whom the keeper would pass to."""
+        if detail["target"] < 0:
+            return tr("hold the ball")
+        return tr("pass to {keeper}", keeper=f"K{detail['target'] + 1}")
+
+    def renderer(self, protocol: Protocol) -> "KeepawayRenderer":
         """Return what draws the match cycle by cycle; compiled code comes with it."""
-        from arl_tui.games.keepaway.renderer import PitchRenderer
+        from arl_tui.games.keepaway.renderer import KeepawayRenderer
 
         assert isinstance(protocol.domain, KeepawayConfig), "a protocol of Keepaway"
-        return PitchRenderer(protocol.domain, protocol.screen.speed)
+        return KeepawayRenderer(protocol.domain, protocol.screen.speed)
 
-    def panel(self, protocol: Protocol, palette: "Palette") -> "PitchPanel":
+    def panel(self, protocol: Protocol, palette: "Palette") -> "KeepawayPanel":
         """Return the pitch and what stands beside it."""
-        from arl_tui.games.keepaway.panel import PitchPanel
+        from arl_tui.games.keepaway.panel import KeepawayPanel
 
-        return PitchPanel(protocol, palette)
+        return KeepawayPanel(protocol, palette)
 
 
 SCREENS = KeepawayScreens()

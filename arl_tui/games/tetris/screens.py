@@ -5,12 +5,13 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from arl_tui.games.registry import GameScreens
-from arl_tui.language import later, later_n
+from arl_tui.language import later, later_n, tr
 from arl_tui.words import JudgingWords, Words
 from core.feedback.config import TrainerConfig
 from core.feedback.keys import NS_PER_MS
 from core.session.protocol import Protocol, ScreenConfig, SessionConfig
 from core.tetris.config import TetrisConfig
+from core.tetris.shapes import ORIENTATION_ROWS
 from studies.reaction_time.protocol import Schedule
 
 if TYPE_CHECKING:
@@ -34,7 +35,8 @@ WORDS = Words(
     performance=later("Lines cleared"),
     units=later_n("line", "lines"),
     steps=later("pieces"),
-    step="piece",
+    step=later("piece"),
+    question=later("Where should the next piece go?"),
 )
 JUDGING = JudgingWords(
     instruction=later(
@@ -79,6 +81,15 @@ class TetrisScreens(GameScreens):
                 trainer or TrainerConfig(), press_probability=0.35, mean_presses=None
             ),
         )
+
+    def option(self, detail: dict[str, int], protocol: Protocol) -> str:
+        """Return which columns the piece would take."""
+        rows = ORIENTATION_ROWS[detail["piece"]][detail["orientation"]]
+        first = detail["column"] + 1
+        last = detail["column"] + max(row.bit_length() for row in rows)
+        if first == last:
+            return tr("column {column}", column=first)
+        return tr("columns {first} to {last}", first=first, last=last)
 
     def renderer(self, protocol: Protocol) -> "TetrisRenderer":
         """Return what draws pieces as they fall."""
