@@ -218,7 +218,7 @@ class SessionPlayer:
         self._demo_participant = demo_participant
         self._stage = screens_of(protocol).renderer(protocol)
         self._break_ns = round(protocol.screen.pause_between_episodes_s * NS_PER_S)
-        self._steps_shown = StepsShown(protocol.agent.credit.delay)
+        self._steps_shown = StepsShown(*(credit.delay for credit in protocol.credit_of_participants))
         self._marks_presses = protocol.screen.mark_presses
         self._arrived: list[Input] = []
         self._begun = False

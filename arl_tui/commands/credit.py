@@ -59,12 +59,34 @@ def settle_credit(
         participant: pseudonym.
     """
     asked = option if option is not None else protocol.delay_of
+    if protocol.people and asked != "rule":
+        return _settle_people(protocol, asked, option, recordings)
     by = {"credit_asked_by": "protocol" if option is None else "command line"}
     if asked == "rule":
         choice = rule_as_written(protocol.agent.credit.delay)
     else:
         choice = _choice_of(protocol, asked, recordings, participant)
     return with_credit(protocol, choice), choice.source | by
+
+
+def _settle_people(
+    protocol: Protocol, asked: str, option: str | None, recordings: Path
+) -> tuple[Protocol, dict[str, str]]:
+    """Return the protocol with the delay of each person at the keyboard in numbers, found under their code,
+    and where each comes from.
+    """
+    people, sources = [], {}
+    for person in protocol.people:
+        choice = _choice_of(protocol, asked, recordings, person.name)
+        people.append(msgspec.structs.replace(person, delay=choice.delay))
+        sources |= {f"{name} of {person.name}": value for name, value in choice.source.items()}
+    rules = "; ".join(f"{person.name} {sources[f'credit_rule of {person.name}']}" for person in people)
+    shared = {
+        "credit": asked,
+        "credit_rule": rules,
+        "credit_asked_by": "protocol" if option is None else "command line",
+    }
+    return msgspec.structs.replace(protocol, people=tuple(people), delay_of="rule"), shared | sources
 
 
 def _choice_of(protocol: Protocol, asked: str, recordings: Path, participant: str) -> CreditChoice:

@@ -12,7 +12,7 @@ from arl_tui.app.link import Preparing, Ready
 from arl_tui.app.outcome import SessionControls
 from arl_tui.games.pace import pace_warning
 from arl_tui.games.registry import words_of
-from arl_tui.screens.page import Page, feedback_keys
+from arl_tui.screens.page import Page, keys_of_all, presses_of_all
 from core.numerics.clock import NS_PER_S, Clock, MonotonicClock
 from core.session.protocol import Protocol
 
@@ -71,7 +71,6 @@ class WelcomeScreen(Page):
         """Return the explanation."""
         keys, session = self._protocol.keys, self._protocol.session
         games = "one game" if session.episodes == 1 else f"{session.episodes} games"
-        presses = keys.max_presses_per_episode
         words = self._words
         if self._practice:
             yield Static("[b]Practice[/]: nothing counts, the game is slow, and marks what you judged.\n")
@@ -79,9 +78,9 @@ class WelcomeScreen(Page):
             yield Static(f"[b]Your session goes on after {self._games_done} of {games}.[/]\n")
         practises = words.practises if session.unseen_between else ""
         yield Static(words.welcome.format(games=games, practises=practises))
-        yield Static(f"\n{feedback_keys(keys)}\n")
+        yield Static(f"\n{keys_of_all(self._protocol)}\n")
         yield Static(
-            f"You have [b]{presses} presses in each game[/], so save them for what matters, and press as "
+            f"You have [b]{presses_of_all(self._protocol)}[/], so save them for what matters, and press as "
             f"soon as "
             "you have made up your mind. Nothing you press is wrong: only your opinion counts."
         )

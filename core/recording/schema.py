@@ -66,6 +66,9 @@ class Header(Record, frozen=True, kw_only=True, omit_defaults=False, tag="header
     study: dict[str, str] = msgspec.field(default_factory=dict)
     """Where the session belongs in a study: its name, version and hash, place, order, sitting, step,
     condition. Empty outside of studies."""
+    participants: list[str] | msgspec.UnsetType = msgspec.UNSET
+    """Codes of several people at one keyboard, in the order of `KeyPressed.person`; not there where one
+    participates, whose code is `participant`."""
     resumes: Resumes | None = None
     """What a resumed session goes on with (`core.recording.joined`); None: it begins with this file."""
 
@@ -104,6 +107,11 @@ DURABLE = frozenset(
 """Records that are forced to the disk at once; the others are on their way to it."""
 
 
+LATER = frozenset({"people", "graded"})
+"""Settings that came after version 2 of the format: left out of a header where they are empty, so that a
+session that does not use them is recorded as it was before there were any."""
+
+
 def encode(line: Line) -> bytes:
     """Return a line as JSON, without chain and newline."""
     return msgspec.json.encode(line)
@@ -113,4 +121,13 @@ def to_plain(value: object) -> dict[str, Any]:
     """Return a configuration as plain JSON types, for `Header.protocol`."""
     plain = msgspec.to_builtins(value)
     assert isinstance(plain, Mapping)
-    return dict(plain)
+    return _without_unused(plain)
+
+
+def _without_unused(table: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a table without the settings of `LATER` that are empty."""
+    return {
+        key: _without_unused(value) if isinstance(value, Mapping) else value
+        for key, value in table.items()
+        if value or key not in LATER
+    }

@@ -1,14 +1,16 @@
 """Replay: run a session again from its recording alone, and compare every output."""
 
 import itertools
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Any
 
 import msgspec
 
 from core.events import CreditGiven, Input, Output, SessionEnded
 from core.feedback.keys import KeyConfig
+from core.feedback.people import PersonConfig, keys_of_person
 from core.numerics.clock import ManualClock
 from core.recording.reader import Recording, RecordingError
 from core.recording.version_1 import as_far_as_recorded
@@ -104,7 +106,7 @@ def replay_exactly(
             f"agent cannot be "
             "run again. Ask what other credit rules and schemes would have learned from it: --credit RULE"
         )
-    check_inputs(recording, msgspec.convert(recording.header.protocol.get("keys", {}), KeyConfig))
+    check_inputs(recording, _keys_of(recording.header.protocol))
     compared = 0
     for recorded, replayed in _run_both(recording, session):
         if recorded is None and replayed is None:
@@ -117,6 +119,13 @@ def replay_exactly(
         if compared % TOLD_EVERY == 0:
             on_progress(TOLD_EVERY)
     return ReplayResult(compared, None)
+
+
+def _keys_of(protocol: Mapping[str, Any]) -> list[KeyConfig]:
+    """Return the keys of each person at the keyboard, from a header's protocol."""
+    shared = msgspec.convert(protocol.get("keys", {}), KeyConfig)
+    people = msgspec.convert(protocol.get("people", []), list[PersonConfig])
+    return [keys_of_person(person, shared) for person in people] or [shared]
 
 
 def _run_both(recording: Recording, session: Session) -> Iterator[tuple[Output | None, Output | None]]:

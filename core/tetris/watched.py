@@ -244,7 +244,7 @@ def _check(protocol: Protocol) -> None:
             protocol.agent.scheme.acts_on != "policy",
             "a scheme whose presses teach the human model, not the learner itself",
         ),
-        (not protocol.others, "one participant: no others"),
+        (protocol.n_participants == 1, "one participant: no others, no people"),
         (
             not protocol.agent.bootstrap.trust.needs.window,
             "a trust rule that needs no window of decisions (give it its chance level)",

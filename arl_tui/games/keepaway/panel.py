@@ -111,7 +111,8 @@ class PitchPanel:
         """Mark the keeper who chose, and who was passed to."""
         if taken.step < 0 or taken.player < 0:
             return "but no option was on screen"
-        self.pitch.mark(taken.player, taken.target, good=taken.value > 0)
+        if taken.value != 0:  # a mark is good or bad
+            self.pitch.mark(taken.player, taken.target, good=taken.value > 0)
         keeper = f"K{taken.player + 1}"
         return (
             f"for {keeper} holding the ball"

@@ -82,6 +82,8 @@ class TetrisPanel:
         """Mark the piece, where it is falling or what is left of it on the wall."""
         if taken.step < 0:
             return "but no piece had landed"
+        if taken.value == 0:
+            return "for the falling piece" if taken.step == self._step else "for the piece that landed"
         if taken.step == self._step and self.board.shows_falling:
             self.board.mark(None, good=taken.value > 0)
         elif taken.blocks:
