@@ -21,7 +21,8 @@ from arl_tui.participants import (
     task_key,
     task_of,
 )
-from core.feedback.delays import Delay
+from core.feedback.delays import Delay, PerValueDelay
+from core.feedback.people import PersonConfig
 from core.recording.reader import Recording
 from core.session.effects import wrong_delay
 from core.session.protocol import Protocol
@@ -75,7 +76,8 @@ def _settle_people(
     """Return the protocol with the delay of each person at the keyboard in numbers, found under their code,
     and where each comes from.
     """
-    people, sources = [], {}
+    people: list[PersonConfig] = []
+    sources: dict[str, str] = {}
     for person in protocol.people:
         choice = _choice_of(protocol, asked, recordings, person.name)
         people.append(msgspec.structs.replace(person, delay=choice.delay))
@@ -160,8 +162,15 @@ def what_if_delays(texts: Sequence[str], recording: Recording, protocol: Protoco
     """
     found: dict[Delay, str] = {}
     for text in texts:
-        if text == "rule":
-            choice = rule_as_written(protocol.agent.credit.delay)
+        own = protocol.agent.credit.delay
+        if text == "rule" or (text == "per-value" and isinstance(own, PerValueDelay)):
+            choice = rule_as_written(own)
+        elif text in MEASURED and protocol.people:
+            names = ", ".join(person.name for person in protocol.people)
+            raise click.ClickException(
+                f"--credit {text}: a what-if credits everybody by one rule, and {names} have delays of their "
+                "own: name a rule, or only --scheme"
+            )
         else:
             choice = _choice_of(protocol, text, home_of(recording.path), recording.header.participant)
         words = "; ".join(f"{name.removeprefix('credit_')} {value}" for name, value in choice.source.items())

@@ -3,6 +3,7 @@
 import csv
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,6 +14,8 @@ if TYPE_CHECKING:
 TRUST_SHOWN = 6
 """Values of trust in the table: evenly spaced over the watched games, the last one among them."""
 NONE = "-"
+PER_VALUE = "per-value:"
+"""Begins the text of a credit rule with a density for each value."""
 
 
 def table(rows: "Iterable[WhatIfRow]", units: str = "lines") -> Iterable[str]:
@@ -20,7 +23,7 @@ def table(rows: "Iterable[WhatIfRow]", units: str = "lines") -> Iterable[str]:
 
     Two, because one is wider than most terminals.
     """
-    rows = list(rows)
+    rows, tables_of_delays = _with_short_names(rows)
     first = rows[0]
     yield (
         f"How well each agent plays as its next episode: number {first.episode}, after {first.watched} "
@@ -57,6 +60,16 @@ def table(rows: "Iterable[WhatIfRow]", units: str = "lines") -> Iterable[str]:
         last_to_the_left=True,
     )
     yield from _remarks(rows)
+    yield from tables_of_delays
+
+
+def _with_short_names(rows: "Iterable[WhatIfRow]") -> "tuple[list[WhatIfRow], list[str]]":
+    """Return the rows with short names for rules that have a density per value, and what these stand for."""
+    rows = list(rows)
+    long = list(dict.fromkeys(row.credit for row in rows if row.credit.startswith(PER_VALUE)))
+    names = {rule: f"per-value {n}" if len(long) > 1 else "per-value" for n, rule in enumerate(long, 1)}
+    short = [replace(row, credit=names.get(row.credit, row.credit)) for row in rows]
+    return short, [f"{name}: {rule.removeprefix(PER_VALUE)}." for rule, name in names.items()]
 
 
 def _aligned(

@@ -122,7 +122,7 @@ PressRule = GammaDelay | UniformDelay | PreviousStep | CurrentStep
 class ValueDelay(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Density of the delay of presses of one value."""
 
-    value: Annotated[float, number("value of a press", ge=-1000, le=1000)]
+    value: Annotated[float, number(ge=-1000, le=1000)]
     """What the press says: -1 or 1; -2, -1, 0, 1 or 2 where feedback is graded."""
     delay: Density = GammaDelay()
     """Density of the delay of these presses."""

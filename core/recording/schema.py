@@ -81,6 +81,19 @@ class Header(Record, frozen=True, kw_only=True, omit_defaults=False, tag="header
             raise ValueError(f"root_seed is >= 0, got {self.root_seed}")
 
 
+def code_of(header: Header, person: int) -> str:
+    """Return the code of whoever made a press: of several people at one keyboard their own.
+
+    Args:
+        header: of the recording.
+        person: as in `KeyPressed.person`; of -1, nobody's key, the code is that of the group.
+    """
+    names = header.participants
+    if isinstance(names, list) and 0 <= person < len(names):
+        return names[person]
+    return header.participant
+
+
 class End(Record, frozen=True, kw_only=True, tag="end"):
     """Last line of a session that was closed properly."""
 

@@ -1,6 +1,7 @@
 """What a recording holds and how its session ended, in the words that every command uses."""
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, cast
 
@@ -99,6 +100,10 @@ class RecordingSummary:
     """Presses that were accepted and not taken back."""
     presses_simulated: int
     """Of these, those of simulated participants."""
+    presses_of_people: tuple[tuple[str, int], ...]
+    """Code and counted presses of each of several people at one keyboard, in order; () where there is one."""
+    presses_by_value: tuple[tuple[float, int], ...]
+    """Counted presses of each value, from the lowest, where feedback was graded; else ()."""
     presses_taken_back: int
     """By the participant, or as a held key's repeats."""
     gaps: int
@@ -114,7 +119,9 @@ class RecordingSummary:
         if self.games_planned is None:
             games = _counted(self.games_begun, "game")
         presses = f"{_counted(self.presses_counted, 'press', 'presses')} counted"
-        about = [f"{self.presses_simulated} simulated"] if self.presses_simulated else []
+        about = [f"{name} {n}" for name, n in self.presses_of_people]
+        about += [f"{n} of {value:+g}" if value else f"{n} of 0" for value, n in self.presses_by_value]
+        about += [f"{self.presses_simulated} simulated"] if self.presses_simulated else []
         about += [f"{self.presses_taken_back} more taken back"] if self.presses_taken_back else []
         presses += f" ({', '.join(about)})" if about else ""
         parts = [f"{self.game}, protocol {self.protocol}"]
@@ -149,11 +156,29 @@ def summarise_recording(recording: Recording) -> RecordingSummary:
         steps=_count(recording, StepTaken) + recording.steps_left_out,
         presses_counted=len(counted),
         presses_simulated=sum(press.source == "simulated" for press in counted),
+        presses_of_people=_of_people(recording.header, counted),
+        presses_by_value=_by_value(protocol, counted),
         presses_taken_back=len(taken_back & presses.keys()),
         gaps=sum(isinstance(event, TimeGap) and not event.joint for event in recording.events),
         focus_lost=_count(recording, FocusLost),
         ending=ending_of(recording),
     )
+
+
+def _of_people(header: Header, counted: Sequence[KeyPressed]) -> tuple[tuple[str, int], ...]:
+    """Return how many presses of each of several people counted."""
+    names = header.participants if isinstance(header.participants, list) else []
+    return tuple(
+        (name, sum(press.person == person for press in counted)) for person, name in enumerate(names)
+    )
+
+
+def _by_value(protocol: Mapping[str, Any], counted: Sequence[KeyPressed]) -> tuple[tuple[float, int], ...]:
+    """Return how many presses of each value counted, where anybody's feedback was graded."""
+    keys = [protocol.get("keys"), *(protocol.get("people") or ())]
+    if not any(isinstance(each, Mapping) and each.get("graded") for each in keys):
+        return ()
+    return tuple(sorted(Counter(press.value or 0.0 for press in counted).items()))
 
 
 def condition_of(header: Header) -> str:

@@ -121,6 +121,7 @@ PLAYED = Table(
         integer("presses_counted", "Presses made in it that were accepted and not taken back.", "presses"),
         integer("presses_good", "Of these, praise.", "presses"),
         integer("presses_bad", "Of these, blame.", "presses"),
+        integer("presses_neither", "Of these, neither (graded feedback).", "presses"),
     ),
 )
 ANSWERS = Table(
