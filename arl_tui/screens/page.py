@@ -1,6 +1,7 @@
 """A page of text in a box: what all screens without a game have in common."""
 
 from collections.abc import Iterable
+from itertools import zip_longest
 
 from textual.app import ComposeResult
 from textual.containers import VerticalScroll
@@ -11,6 +12,11 @@ from textual.widgets import Static
 from arl_tui.feedback_words import short_words, word_of
 from core.feedback.keys import KeyConfig
 from core.session.protocol import Protocol
+
+MOST_LINES = 3
+"""More people than this share lines: the smallest window has no more."""
+PAGE_WIDTH = 74
+"""Columns of a page in the smallest window."""
 
 
 class Page(Screen[bool], inherit_bindings=False):
@@ -54,15 +60,24 @@ def feedback_keys(keys: KeyConfig) -> str:
 
 
 def keys_of_all(protocol: Protocol) -> str:
-    """Return the feedback keys of whoever takes part, in markup: of several people a line for each."""
+    """Return the feedback keys of whoever takes part, in markup: of several people a line for each, or two in
+    a line where there are many.
+    """
     if not protocol.people:
         return feedback_keys(protocol.keys)
     widest = max(len(person.name) for person in protocol.people)
-    lines = []
+    back = "take back" if len(protocol.people) <= MOST_LINES else "back"
+    entries, widths = [], []
     for person, keys in zip(protocol.people, protocol.keys_of_people, strict=True):
-        caps = [*short_words(keys), (keys.retract, "take back")]
-        lines.append(f"  {person.name:{widest}}  " + "  ".join(f"{key_cap(k)} {w}" for k, w in caps))
-    return "\n".join(lines)
+        caps = [*short_words(keys), (keys.retract, back)]
+        named = "  ".join(f"{key_cap(key)} {word}" for key, word in caps)
+        entries.append(f"{person.name:{widest}}  {named}")
+        widths.append(widest + sum(len(word) + 6 for _, word in caps))
+    if len(entries) <= MOST_LINES or 2 * max(widths) + 4 > PAGE_WIDTH:
+        return "\n".join(f"  {entry}" for entry in entries)
+    gaps = [" " * (max(widths) - width + 4) for width in widths]
+    lefts = [f"  {entry}{gap}" for entry, gap in zip(entries[::2], gaps[::2], strict=True)]
+    return "\n".join(left + right for left, right in zip_longest(lefts, entries[1::2], fillvalue=""))
 
 
 def presses_of_all(protocol: Protocol) -> str:

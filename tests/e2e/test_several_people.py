@@ -15,7 +15,7 @@ from core.session.protocol import Protocol
 from core.session.protocol_reading import protocol_from
 from studies.demo import simulated_people
 from tests.e2e.terminal import Terminal
-from tests.e2e.test_play import play, replayed, start, the_recording
+from tests.e2e.test_play import play, replayed, the_recording
 
 PEOPLE = """
 [[people]]
@@ -120,6 +120,15 @@ class AtOneKeyboard:
         events = read_recording(self._recording).events
         yield from events[self._read :]
         self._read = len(events)
+
+
+def start(terminal: Terminal) -> None:
+    """Press the start key, and again where getting ready has taken long: compiling takes its time."""
+    while "Game 1" not in terminal.text:
+        terminal.wait_for("to start, ", "Game 1")
+        if "to start, " in terminal.text:
+            terminal.press("\r")
+            terminal.wait_for("Please wait", "Game 1")
 
 
 def sit_through(terminal: Terminal, folder: Path, *people: TrainerConfig) -> str:
