@@ -19,7 +19,7 @@ TRUE = {-2.0: GammaDelay(2.5, 0.34), 0.0: GammaDelay(3.0, 0.5), 2.0: GammaDelay(
 def presses(n: int = 400) -> list[Press]:
     found = []
     for value, delay in TRUE.items():
-        for time_s in stream(1, "delays", int(value)).gamma(delay.shape, delay.scale_s, n):
+        for time_s in stream(1, f"delays of {value:g}").gamma(delay.shape, delay.scale_s, n):
             found.append(
                 Press(participant="A", file="f", time_s=0.0, value=value, delay_s=float(time_s), burst=0)
             )
