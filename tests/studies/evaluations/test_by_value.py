@@ -53,7 +53,7 @@ def test_what_is_printed_is_a_protocols_credit_rule(tmp_path: Path):
     run = CliRunner()
     imported = run.invoke(main, ["import", "evaluations", str(table), "--recordings", str(tmp_path / "r")])
     assert imported.exit_code == 0, imported.output
-    (path,) = (tmp_path / "r").glob("*.jsonl")
+    (path,) = (tmp_path / "r").rglob("*.jsonl")
     printed = run.invoke(main, ["presses", "--delays-by-value", str(path)])
     assert printed.exit_code == 0, printed.output
     protocol_file = tmp_path / "p.toml"
