@@ -30,7 +30,7 @@ class DemoParticipant:
         """Note that a watched episode begins."""
         self._state = self._domain.initial(episode.episode_seed)
         for parts in self._people:
-            parts.trainer.begin_episode(episode.episode)
+            parts.trainer.watch_episode(episode.episode)
 
     def watch(self, step: StepTaken, *, shown_ns: int, hidden_ns: int) -> list[PressSuggested]:
         """Return the presses about a step that is about to be shown, in order of time.

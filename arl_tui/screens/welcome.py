@@ -12,7 +12,7 @@ from arl_tui.app.link import Preparing, Ready
 from arl_tui.app.outcome import SessionControls
 from arl_tui.games.pace import pace_warning
 from arl_tui.games.registry import words_of
-from arl_tui.screens.page import Page, keys_of_all, presses_of_all
+from arl_tui.screens.page import PageScreen, keys_of_all, presses_of_all
 from core.numerics.clock import NS_PER_S, Clock, MonotonicClock
 from core.session.protocol import Protocol
 
@@ -21,7 +21,7 @@ AT_SCREEN_S = 10.0
 CALL = "Press [reverse] Enter [/] to start, [reverse] Q [/] to leave"
 
 
-class WelcomeScreen(Page):
+class WelcomeScreen(PageScreen):
     """Explains, and waits for the start key while the worker gets ready.
 
     A game begins only in front of a participant: where getting ready took longer than `AT_SCREEN_S` after the

@@ -226,7 +226,7 @@ class _Screen:
         gate.covered = self._covered
         if not self._live and isinstance(gate, PressGate):
             gate.wrong_asked = pressed.asked_wrong  # a simulated participant knows by itself
-        came, *taken_back = gate.press(pressed.key, pressed.time_ns, source=pressed.source)
+        came, *taken_back = gate.judge(pressed.key, pressed.time_ns, source=pressed.source)
         if came != pressed:
             _refuse(f"press {pressed.press}: {_difference(pressed, came)}")
         self._due.extend(taken_back)

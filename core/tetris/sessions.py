@@ -145,7 +145,7 @@ def open_game(
             policy.human_weights,
             seed,
             config,
-            policy.weights,
+            policy.episode_weights,
             handover_seed=policy.handover_seed,
             window=window,
         )
@@ -155,7 +155,7 @@ def open_game(
         policy.human_weights,
         seed,
         config,
-        policy.weights,
+        policy.episode_weights,
         chance_seed=policy.chance_seed,
         handover_seed=policy.handover_seed,
         window=window,

@@ -158,8 +158,7 @@ class GymnasiumDomain:
         if once != again:
             raise GameError(
                 f"{name} cannot be seeded: the same seed and actions gave other observations or rewards. "
-                f"Draw all that is "
-                "random from `self.np_random`, and keep all state in the environment"
+                "Draw all that is random from `self.np_random`, and keep all state in the environment"
             )
 
     def _played(self, actions: Sequence[int]) -> list[tuple[tuple[float, ...], float, bool]]:
@@ -175,7 +174,7 @@ class GymnasiumDomain:
 
 
 class GymnasiumGame(SarsaGame):
-    """The game whose rules are somebody else's."""
+    """The game whose rules come from another package."""
 
     def domain(self, protocol: Protocol) -> GymnasiumDomain:
         """Return the environment that the protocol names."""
@@ -248,8 +247,7 @@ def _ranges(env: Any, config: GymnasiumConfig) -> tuple[Range, ...]:
     if not isinstance(space, gymnasium.spaces.Box) or int(np.prod(space.shape)) > MOST_NUMBERS:
         raise GameError(
             f"{config.env} has the observations {space}: a box of at most {MOST_NUMBERS} numbers or a "
-            f"discrete one can be "
-            "tiled. Wrap it so that it gives features"
+            "discrete one can be tiled. Wrap it so that it gives features"
         )
     most = config.largest
     low = np.where(np.abs(space.low) > 1e6, -most, space.low).astype(float).ravel()

@@ -46,7 +46,7 @@ def test_five_keys_say_minus_2_to_2_from_left_to_right():
 def test_a_press_of_0_counts():
     gate = PressGate(GRADED)
     gate.episode_started()
-    (record,) = gate.press("g", 0)
+    (record,) = gate.judge("g", 0)
     assert (record.value, record.verdict, gate.presses_left) == (0.0, "accepted", 4)
 
 
