@@ -94,7 +94,7 @@ class ArlApp(SessionControls):
         super().__init__(driver_class=stamped_driver(self._flush_clock))
         self.setup = setup
         self.live = LiveSession(
-            keys=setup.protocol.keys,
+            keys=setup.protocol.keys_of_people,
             root_seed=setup.root_seed,
             link=link,
             clock=self._clock,
@@ -226,6 +226,7 @@ class ArlApp(SessionControls):
             departures=protocol.departures(),
             source=dict(self.setup.source) | pace_facts(self._worker_ready),
             study=dict(self.setup.study),
+            participants=protocol.participants,
             resumes=None if self.setup.kept is None else self.setup.kept.resumes,
         )
 
@@ -287,7 +288,7 @@ class ArlApp(SessionControls):
                 self._garbage.collect()
                 if self.setup.practice and len(self._practised) == 2:
                     self.ask_to_stop("practised")
-            case TakenFor(step=step, value=value) if step >= 0:
+            case TakenFor(step=step, value=value) if step >= 0 and value != 0:
                 self._practised.add(value > 0)
             case PressSuggested(key=key, time_ns=time_ns):
                 delay_s = max(0, time_ns - self._clock.now_ns()) / NS_PER_S
@@ -362,6 +363,7 @@ class ArlApp(SessionControls):
                 show_weight=protocol.screen.show_weight,
                 show_file=not self.setup.study,
                 practice=self.setup.practice,
+                protocol=protocol,
             )
         )
 

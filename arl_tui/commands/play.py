@@ -40,10 +40,10 @@ def play_session(
     chosen = read_protocol(protocol, game)
     if episodes is not None:
         chosen = with_episodes(chosen, episodes)
-    if chosen.others:
+    if chosen.others and not chosen.people:
         raise click.ClickException(
-            "a live session has one participant: leave `others` out of the protocol (only simulated sessions "
-            "have them)"
+            "`others` are participants of simulated sessions: leave them out of the protocol; several people "
+            "at one keyboard are listed as [[people]], each with keys of their own"
         )
     from arl_tui.commands.check_protocol import tell_start
     from arl_tui.commands.credit import settle_credit

@@ -24,6 +24,7 @@ from arl_tui.screens.covers import HelpScreen, PauseScreen, SmallWindowScreen, S
 from arl_tui.screens.page import PageScreen, session_keys
 from arl_tui.screens.question import Questioning
 from arl_tui.widgets.feedback_bar import HOLD_S, FeedbackBar
+from arl_tui.widgets.people_bar import PeopleBar
 from core.events import (
     EpisodeEnded,
     EpisodeStarted,
@@ -78,9 +79,14 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         super().__init__()
         self.panel = screens_of(protocol).panel(protocol, palette)
         self.add_class(f"-{protocol.game}")
-        self.feedback = FeedbackBar(protocol.keys)
+        names = [person.name for person in protocol.people]
+        keys = protocol.keys_of_people
+        self.feedback = (
+            PeopleBar(list(zip(names, keys, strict=True))) if names else FeedbackBar(protocol.keys)
+        )
+        self._several = len(keys) > 1
         self._status = Static(id="status")
-        self._keys = protocol.keys
+        self._protocol = protocol
         self._words = words_of(protocol.game)
         self._episodes = protocol.session.episodes
         self._unseen = protocol.session.unseen_between
@@ -98,7 +104,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         self._said = ""
         self._silence_shown = False
         self._disk_failed = False
-        used = {self._keys.good, self._keys.bad, self._keys.retract}
+        used = {letter for each in keys for letter in each.letters}
         self._letters = {letter: action for action, (letter, _) in COMMANDS.items() if letter not in used}
 
     def compose(self) -> ComposeResult:
@@ -111,7 +117,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
                 yield self.feedback
                 yield self._questioning.bar
                 yield self._status
-        yield Static(session_keys(self._keys), id="session-keys")
+        yield Static(session_keys(*self._protocol.keys_of_people), id="session-keys")
 
     # --- what happens ---------------------------------------------------------------------------------------
 
@@ -123,11 +129,11 @@ class PlayScreen(Screen[None], inherit_bindings=False):
             case KeyPressed():
                 self._show_press(occurrence)
             case TakenFor():
-                self.feedback.show_taken(self.panel.mark(occurrence))
+                self.feedback.show_taken(self.panel.mark(occurrence), occurrence.press)
             case PressRetracted():
                 self.panel.unmark()
-                self.feedback.show_retraction(occurrence, self._live.presses_left)
-                self.panel.presses_left(self._live.presses_left)
+                self.feedback.show_retraction(occurrence, self._live.left_of(occurrence))
+                self._tell_presses_left()
             case WrongPressAsked():
                 self.feedback.ask_wrong(True)
             case EpisodeStarted():
@@ -193,9 +199,14 @@ class PlayScreen(Screen[None], inherit_bindings=False):
             (press.read_as or press.key) in (letter, *keys.split(",")) for letter, keys in COMMANDS.values()
         )
         if press.verdict != "other" or not is_command:
-            self.feedback.show_press(press, self._live.presses_left)
+            self.feedback.show_press(press, self._live.left_of(press))
         self.feedback.ask_wrong(self._live.gate.wrong_asked)
-        self.panel.presses_left(self._live.presses_left)
+        self._tell_presses_left()
+
+    def _tell_presses_left(self) -> None:
+        """Write beside the game how many presses are left: of several people the feedback bar says it."""
+        if not self._several:
+            self.panel.presses_left(self._live.presses_left)
 
     def _begin_episode(self, episode: EpisodeStarted) -> None:
         self._watched += 1
@@ -203,7 +214,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         if self._shows_weight:
             self._human_weights.append(weight_in_use(episode))
         self.feedback.begin_game(self._live.presses_left)
-        self.panel.presses_left(self._live.presses_left)
+        self._tell_presses_left()
         self.panel.title(f"Game {self._watched}")
         self.panel.unmark()
         self._say("")
@@ -275,7 +286,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
 
     def action_guide(self) -> None:
         """Show all keys."""
-        self._lay_over(HelpScreen(self._keys, self._words.rules), "help")
+        self._lay_over(HelpScreen(self._protocol, self._words.rules), "help")
 
     def action_leave(self) -> None:
         """Ask whether to stop."""

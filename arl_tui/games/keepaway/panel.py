@@ -6,7 +6,8 @@ from textual.geometry import Size
 from textual.widget import Widget
 from textual.widgets import Static
 
-from arl_tui.app.link import OptionPlace, Picture, TakenFor
+from arl_tui.app.link import Picture, TakenFor
+from arl_tui.games.rendering import Place
 from arl_tui.games.panel import SMALLEST, Progress
 from arl_tui.palette import Palette
 from arl_tui.widgets.pitch import PitchWidget
@@ -112,7 +113,8 @@ class KeepawayPanel:
         if taken.step < 0 or not taken.place:
             return "but no option was on screen"
         ((player, target),) = taken.place
-        self.pitch.mark(player, target, good=taken.value > 0)
+        if taken.value != 0:  # a mark is good or bad
+            self.pitch.mark(player, target, good=taken.value > 0)
         keeper = f"K{player + 1}"
         return f"for {keeper} holding the ball" if target < 0 else f"for {keeper}'s pass to K{target + 1}"
 
@@ -120,9 +122,9 @@ class KeepawayPanel:
         """Take the mark away."""
         self.pitch.unmark()
 
-    def pose(self, places: Sequence[OptionPlace], keys: Sequence[str]) -> None:
+    def pose(self, places: Sequence[Place], keys: Sequence[str]) -> None:
         """Write each option's key beside the keeper who would have the ball."""
-        players = [place.player if place.target < 0 else place.target for place in places]
+        players = [player if target < 0 else target for ((player, target),) in places]
         self.pitch.pose(tuple(zip(players, keys, strict=False)))
 
     def unpose(self) -> None:
