@@ -30,8 +30,8 @@ from core.events import EpisodeEnded, EpisodeStarted, Event, StopReason
 from core.feedback.keys import nanoseconds
 from core.numerics.clock import NS_PER_S, Clock, MonotonicClock, wall_time_utc
 from core.recording.recorder import Recorder
-from core.recording.schema import Header
-from core.session.protocol import Protocol, plain_protocol
+from core.recording.schema import Header, to_plain
+from core.session.protocol import Protocol
 
 if TYPE_CHECKING:
     from core.recording.joined import FinishedPart
@@ -97,7 +97,7 @@ class ArlApp(SessionControls):
         )
         self.setup = setup
         self.live = LiveSession(
-            keys=setup.protocol.keys,
+            keys=setup.protocol.keys_of_people,
             root_seed=setup.root_seed,
             link=link,
             clock=self._clock,
@@ -225,12 +225,13 @@ class ArlApp(SessionControls):
             started_ns=self._clock.now_ns(),
             participant=self.setup.participant,
             root_seed=self.setup.root_seed,
-            protocol=plain_protocol(protocol),
+            protocol=to_plain(protocol),
             software=facts.software(),
             terminal=terminal | timing_facts(self.setup.recordings, terminal, created_utc),
             departures=protocol.departures(),
             source=dict(self.setup.source) | pace_facts(self._worker_ready),
             study=dict(self.setup.study),
+            participants=protocol.participants,
             resumes=None if self.setup.kept is None else self.setup.kept.resumes,
         )
 
@@ -292,7 +293,7 @@ class ArlApp(SessionControls):
                 self._garbage.collect()
                 if self.setup.practice and len(self._practised) == 2:
                     self.ask_to_stop("practised")
-            case TakenFor(step=step, value=value) if step >= 0:
+            case TakenFor(step=step, value=value) if step >= 0 and value != 0:
                 self._practised.add(value > 0)
             case PressSuggested(key=key, time_ns=time_ns):
                 delay_s = max(0, time_ns - self._clock.now_ns()) / NS_PER_S
@@ -367,6 +368,7 @@ class ArlApp(SessionControls):
                 show_weight=protocol.screen.show_weight,
                 show_file=not self.setup.study,
                 practice=self.setup.practice,
+                protocol=protocol,
             )
         )
 

@@ -25,7 +25,6 @@ from arl_tui.app.link import (
     Begin,
     Crashed,
     Line,
-    OptionPlace,
     Picture,
     Preparing,
     Ready,
@@ -35,7 +34,7 @@ from arl_tui.app.link import (
 )
 from arl_tui.app.taken import StepsShown
 from arl_tui.games.registry import screens_of
-from arl_tui.games.rendering import PlacesOptions, TickView
+from arl_tui.games.rendering import Place, PlacesOptions, TickView
 from arl_tui.warm_up import warm_up
 from core.events import (
     EpisodeEnded,
@@ -232,7 +231,7 @@ class SessionPlayer:
         self._demo_participant = demo_participant
         self._renderer = screens_of(protocol).renderer(protocol)
         self._break_ns = round(protocol.screen.pause_between_episodes_s * NS_PER_S)
-        self._steps_shown = StepsShown(protocol.agent.credit.delay)
+        self._steps_shown = StepsShown(*(credit.delay for credit in protocol.credit_of_participants))
         self._marks_presses = protocol.screen.mark_presses
         self._arrived: list[Input] = []
         self._begun = False
@@ -289,10 +288,9 @@ class SessionPlayer:
         self._wait_until_due()
         if self._stopped:
             return
-        places: tuple[OptionPlace, ...] = ()
+        places: tuple[Place, ...] = ()
         if isinstance(self._renderer, PlacesOptions):
-            found = [self._renderer.place_of_option(detail) for detail in posed.details]
-            places = tuple(OptionPlace(place.blocks, place.player, place.target) for place in found)
+            places = tuple(self._renderer.place_of_option(detail) for detail in posed.details)
         self._line.send(AskNow(question=posed.question, places=places))
         if self._demo_participant is not None:
             self._line.send(self._demo_participant.answer(posed, shown_ns=self._clock.now_ns()))

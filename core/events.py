@@ -91,7 +91,7 @@ class KeyPressed(Record, frozen=True, kw_only=True, tag="key-pressed"):
     key: str
     """Name of the key as the terminal reports it."""
     value: float | None
-    """Feedback meant by the key: > 0 good, < 0 bad; None for any other key."""
+    """Feedback meant by the key: > 0 good, < 0 bad, 0 neither (graded feedback); None for any other key."""
     frame: int
     """Frame on screen at `time_ns`; -1 before the first."""
     step: int
@@ -102,8 +102,8 @@ class KeyPressed(Record, frozen=True, kw_only=True, tag="key-pressed"):
     """The participant had been asked to press the wrong key deliberately."""
     source: Literal["participant", "simulated"] = "participant"
     person: int = 0
-    """Who pressed, where several do (simulated sessions): the protocol's trainer is 0, its others are 1, 2,
-    ..."""
+    """Who pressed, where several do: the first of the protocol's people is 0, the others are 1, 2, ...; -1 is
+    a key of none of them. In simulated sessions without people the trainer is 0, its others are 1, 2, ..."""
     read_as: str = ""
     """The letter that stands on this key in the Latin layout, where `key` is of another one; "" where it is
     not."""
@@ -239,10 +239,11 @@ class EpisodeStarted(Record, frozen=True, kw_only=True, tag="episode-started", r
     w_r: float
     """Weight of the environment's values in this episode."""
     trust: float | None
-    """What the rule of trust said of the participant when the episode began (Eq. 4, 5); None: version 1 did not
-    record it."""
+    """What the rule of trust said of the participant when the episode began (Eq. 4, 5); None: version 1 did
+    not record it."""
     weight: float
-    """Weight w_h of the participant's values that the scheme used in this episode; some do not go by trust."""
+    """Weight w_h of the participant's values that the scheme used in this episode; some do not go by
+    trust."""
     handover: float
     """Probability of handing the choice to the human policy in this episode (control sharing), else 0."""
     shaping: float = 0.0

@@ -43,10 +43,10 @@ def play_session(
     chosen = in_language(read_protocol(protocol, game), language, written=protocol is not None)
     if episodes is not None:
         chosen = with_episodes(chosen, episodes)
-    if chosen.others:
+    if chosen.others and not chosen.people:
         raise click.ClickException(
-            "a live session has one participant: leave `others` out of the protocol (only simulated sessions "
-            "have them)"
+            "`others` are participants of simulated sessions: leave them out of the protocol; several people "
+            "at one keyboard are listed as [[people]], each with keys of their own"
         )
     from arl_tui.commands.check_protocol import tell_start
     from arl_tui.commands.credit import settle_credit
@@ -126,8 +126,8 @@ def in_language(protocol: Protocol, language: str | None, *, written: bool) -> P
 
 def refuse_clash(protocol: Protocol) -> None:
     """Stop with a message where a key that the user has set for the program is one for feedback."""
-    keys = protocol.keys
-    reason = clash_with_feedback(needed_settings().changed_keys, (keys.good, keys.bad, keys.retract))
+    letters = {letter for keys in protocol.keys_of_people for letter in keys.letters}
+    reason = clash_with_feedback(needed_settings().changed_keys, letters)
     if reason:
         raise click.ClickException(f"{settings_file()}: {reason}")
 

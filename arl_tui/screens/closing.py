@@ -9,9 +9,11 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from arl_tui.app.outcome import SessionControls, SessionOutcome
+from arl_tui.feedback_words import told
 from arl_tui.language import later, tr, trn
 from arl_tui.screens.page import PageScreen
 from arl_tui.words import Words
+from core.session.protocol import Protocol
 
 
 class ClosingScreen(PageScreen):
@@ -33,6 +35,7 @@ class ClosingScreen(PageScreen):
         show_weight: bool = False,
         show_file: bool = True,
         practice: bool = False,
+        protocol: Protocol | None = None,
     ) -> None:
         """Prepare.
 
@@ -42,10 +45,12 @@ class ClosingScreen(PageScreen):
             show_weight: whether the participant may see the weight that their feedback had.
             show_file: say where the recording is; not to the participant of a study.
             practice: nothing counted.
+            protocol: which keys there were, and whose; without it two of one participant.
         """
         super().__init__()
         self.outcome = outcome
         self._show_weight = show_weight
+        self._protocol = protocol
         self._show_file = show_file
         self._words = words
         self.HEADING = later("That was the practice") if practice else later("Thank you!")
@@ -61,8 +66,9 @@ class ClosingScreen(PageScreen):
             # The end of a traceback says most.
             yield Static(Text("\n".join(details.strip().splitlines()[-10:])), id="trace")
         yield Static(self._what_happened())
-        # Where something failed, the room is for what to do about it.
-        if outcome.trouble is None and len(outcome.tally.practised) >= 2:
+        # Where something failed, the room is for what to do about it; of several people, for their lines.
+        several = self._protocol is not None and bool(self._protocol.people)
+        if outcome.trouble is None and len(outcome.tally.practised) >= 2 and not several:
             from arl_tui.widgets.learning_curve import LearningCurve  # here: nobody needs it before the end
 
             yield Static("\n" + tr("In practice, {unit} per game, block by block:", unit=self._words.unit))
@@ -77,20 +83,35 @@ class ClosingScreen(PageScreen):
             return tr("No game was shown.")
         games = len(tally.performances)
         lines = ", ".join(f"{performance:.4g}" for performance in tally.performances) or "-"
-        told = tr("good {good}, bad {bad}", good=tally.good, bad=tally.bad)
+        what_was_told = self._told()
         if tally.taken_back:
-            told += " " + tr("({taken_back} taken back)", taken_back=tally.taken_back)
+            what_was_told += " " + tr("({taken_back} taken back)", taken_back=tally.taken_back)
         steps = f"{tally.steps} {tr(self._words.steps)}"
         said = [
             trn("You watched {n} game ({steps}).", "You watched {n} games ({steps}).", games, steps=steps),
             f"{tr(self._words.performance)}: {lines}",
-            tr("What you told the computer: {told}", told=told),
+            tr("What you told the computer: {told}", told=what_was_told),
         ]
         if tally.unseen:
             said.append(
                 trn("On its own it practised {n} game.", "On its own it practised {n} games.", tally.unseen)
             )
         return "\n".join([*said, self._weight()]).rstrip()
+
+    def _told(self) -> str:
+        """Return how often each key was pressed, of several people a line for each."""
+        protocol, tally = self._protocol, self.outcome.tally
+        if protocol is None:
+            return tr("good {good}, bad {bad}", good=tally.good, bad=tally.bad)
+        of_each = [
+            told({value: n for (who, value), n in tally.said.items() if who == person}, keys)
+            for person, keys in enumerate(protocol.keys_of_people)
+        ]
+        if not protocol.people:
+            return of_each[0]
+        return "".join(
+            f"\n  {person.name}: {text}" for person, text in zip(protocol.people, of_each, strict=True)
+        )
 
     def _weight(self) -> str:
         weight = self.outcome.tally.weight

@@ -1,6 +1,7 @@
 """A page of text in a box: what all screens without a game have in common."""
 
 from collections.abc import Iterable
+from itertools import zip_longest
 
 from textual.app import ComposeResult
 from textual.containers import VerticalScroll
@@ -8,8 +9,15 @@ from textual.screen import Screen
 from textual.widget import Widget
 from textual.widgets import Static
 
-from arl_tui.language import bold_cap, key_for, tr
+from arl_tui.feedback_words import short_words, word_of
+from arl_tui.language import bold_cap, key_for, tr, trn
 from core.feedback.keys import KeyConfig
+from core.session.protocol import Protocol
+
+MOST_LINES = 3
+"""More people than this share lines: the smallest window has no more."""
+PAGE_WIDTH = 74
+"""Columns of a page in the smallest window."""
 
 IN_SESSION = {"pause": "space", "help": "f1", "stop": "ctrl+q,ctrl+c"}
 """What can be done during a game (`arl_tui.language.OWN_KEYS`), and the keys that are there for it even if
@@ -45,32 +53,67 @@ class PageScreen(Screen[bool], inherit_bindings=False):
 
 
 def feedback_keys(keys: KeyConfig) -> str:
-    """Return the three feedback keys and what they mean, one per line, in markup."""
+    """Return the feedback keys and what they mean, one or two per line, in markup."""
+    if keys.graded:
+        grades = "  ".join(f"{key_cap(key)} {word_of(value)}" for key, value in keys.meanings.items())
+        return f"  {grades}\n  {key_cap(keys.retract)} " + tr("take my last press back")
     return "\n".join(
         [
-            f"  {bold_cap(keys.good)}  " + tr("[$text-success]good[/] - the computer did well"),
-            f"  {bold_cap(keys.bad)}  " + tr("[$text-error]bad[/] - the computer did badly"),
-            f"  {bold_cap(keys.retract)}  " + tr("take my last press back"),
+            f"  {key_cap(keys.good)}  " + tr("[$text-success]good[/] - the computer did well"),
+            f"  {key_cap(keys.bad)}  " + tr("[$text-error]bad[/] - the computer did badly"),
+            f"  {key_cap(keys.retract)}  " + tr("take my last press back"),
         ]
     )
 
 
-def session_keys(keys: KeyConfig) -> str:
-    """Return the keys that steer the session, one per line, in markup."""
-    shown = [bold_cap(session_key(action, keys)) for action in IN_SESSION]
-    pause, guide, leave = shown
+def keys_of_all(protocol: Protocol) -> str:
+    """Return the feedback keys of whoever takes part, in markup: of several people a line for each, or two in
+    a line where there are many.
+    """
+    if not protocol.people:
+        return feedback_keys(protocol.keys)
+    widest = max(len(person.name) for person in protocol.people)
+    back = tr("take back") if len(protocol.people) <= MOST_LINES else tr("back")
+    entries, widths = [], []
+    for person, keys in zip(protocol.people, protocol.keys_of_people, strict=True):
+        caps = [*short_words(keys), (keys.retract, back)]
+        named = "  ".join(f"{key_cap(key)} {word}" for key, word in caps)
+        entries.append(f"{person.name:{widest}}  {named}")
+        widths.append(widest + sum(len(word) + 6 for _, word in caps))
+    if len(entries) <= MOST_LINES or 2 * max(widths) + 4 > PAGE_WIDTH:
+        return "\n".join(f"  {entry}" for entry in entries)
+    gaps = [" " * (max(widths) - width + 4) for width in widths]
+    lefts = [f"  {entry}{gap}" for entry, gap in zip(entries[::2], gaps[::2], strict=True)]
+    return "\n".join(left + right for left, right in zip_longest(lefts, entries[1::2], fillvalue=""))
+
+
+def presses_of_all(protocol: Protocol) -> str:
+    """Return how many presses there are in each game, in words: "5 presses in each game"."""
+    most = [keys.max_presses_per_episode for keys in protocol.keys_of_people]
+    if len(most) == 1:
+        return trn("{n} press in each game", "{n} presses in each game", most[0])
+    if len(set(most)) == 1:
+        return trn("{n} press each in every game", "{n} presses each in every game", most[0])
+    of_each = ", ".join(f"{person.name} {n}" for person, n in zip(protocol.people, most, strict=True))
+    return tr("so many presses in each game: {of_each}", of_each=of_each)
+
+
+def session_keys(*keys: KeyConfig) -> str:
+    """Return the keys that steer the session, one per line, in markup; `keys` are those of each person."""
+    pause, guide, leave = (key_cap(session_key(action, *keys)) for action in IN_SESSION)
     return "  " + "    ".join(
         [f"{pause}  {tr('pause')}", f"{guide}  {tr('help')}", f"{leave}  {tr('stop the session')}"]
     )
 
 
-def session_key(action: str, keys: KeyConfig) -> str:
+def session_key(action: str, *keys: KeyConfig) -> str:
     """Return the key that steers the session: the program's own, or, where that is a key for feedback, the
     one that is always there.
 
     Args:
         action: one of `IN_SESSION`.
-        keys: for feedback.
+        keys: for feedback, of each person.
     """
     own = key_for(action)
-    return IN_SESSION[action].split(",")[0] if own in {keys.good, keys.bad, keys.retract} else own
+    used = {letter for each in keys for letter in each.letters}
+    return IN_SESSION[action].split(",")[0] if own in used else own

@@ -25,6 +25,7 @@ from arl_tui.screens.covers import HelpScreen, PauseScreen, SmallWindowScreen, S
 from arl_tui.screens.page import IN_SESSION, PageScreen, session_key, session_keys
 from arl_tui.screens.question import Questioning
 from arl_tui.widgets.feedback_bar import HOLD_S, FeedbackBar
+from arl_tui.widgets.people_bar import PeopleBar
 from core.events import (
     EpisodeEnded,
     EpisodeStarted,
@@ -74,9 +75,14 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         super().__init__()
         self.panel = screens_of(protocol).panel(protocol, palette)
         self.add_class(f"-{protocol.game}")
-        self.feedback = FeedbackBar(protocol.keys)
+        names = [person.name for person in protocol.people]
+        keys = protocol.keys_of_people
+        self.feedback = (
+            PeopleBar(list(zip(names, keys, strict=True))) if names else FeedbackBar(protocol.keys)
+        )
+        self._several = len(keys) > 1
         self._status = Static(id="status")
-        self._keys = protocol.keys
+        self._protocol = protocol
         self._words = words_of(protocol.game)
         self._episodes = protocol.session.episodes
         self._unseen = protocol.session.unseen_between
@@ -94,11 +100,12 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         self._said = ""
         self._silence_shown = False
         self._disk_failed = False
-        used = {self._keys.good, self._keys.bad, self._keys.retract}
+        self._keys_of_people = keys
+        used = {letter for each in keys for letter in each.letters}
         self._letters = {
             key_for(name): action for name, action in ACTIONS.items() if key_for(name) not in used
         }
-        self._commands = {key for keys in IN_SESSION.values() for key in keys.split(",")}
+        self._commands = {key for fixed in IN_SESSION.values() for key in fixed.split(",")}
         self._commands |= {key_for(name) for name in ACTIONS}
 
     def compose(self) -> ComposeResult:
@@ -111,7 +118,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
                 yield self.feedback
                 yield self._questioning.bar
                 yield self._status
-        yield Static(session_keys(self._keys), id="session-keys")
+        yield Static(session_keys(*self._protocol.keys_of_people), id="session-keys")
 
     # --- what happens ---------------------------------------------------------------------------------------
 
@@ -123,11 +130,11 @@ class PlayScreen(Screen[None], inherit_bindings=False):
             case KeyPressed():
                 self._show_press(occurrence)
             case TakenFor():
-                self.feedback.show_taken(self.panel.mark(occurrence))
+                self.feedback.show_taken(self.panel.mark(occurrence), occurrence.press)
             case PressRetracted():
                 self.panel.unmark()
-                self.feedback.show_retraction(occurrence, self._live.presses_left)
-                self.panel.presses_left(self._live.presses_left)
+                self.feedback.show_retraction(occurrence, self._live.left_of(occurrence))
+                self._tell_presses_left()
             case WrongPressAsked():
                 self.feedback.ask_wrong(True)
             case EpisodeStarted():
@@ -190,9 +197,14 @@ class PlayScreen(Screen[None], inherit_bindings=False):
             self._questioning.hint()
             return
         if press.verdict != "other" or (press.read_as or press.key) not in self._commands:
-            self.feedback.show_press(press, self._live.presses_left)
+            self.feedback.show_press(press, self._live.left_of(press))
         self.feedback.ask_wrong(self._live.gate.wrong_asked)
-        self.panel.presses_left(self._live.presses_left)
+        self._tell_presses_left()
+
+    def _tell_presses_left(self) -> None:
+        """Write beside the game how many presses are left: of several people the feedback bar says it."""
+        if not self._several:
+            self.panel.presses_left(self._live.presses_left)
 
     def _begin_episode(self, episode: EpisodeStarted) -> None:
         self._watched += 1
@@ -200,7 +212,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         if self._shows_weight:
             self._human_weights.append(weight_in_use(episode))
         self.feedback.begin_game(self._live.presses_left)
-        self.panel.presses_left(self._live.presses_left)
+        self._tell_presses_left()
         self.panel.title(tr("Game {number}", number=self._watched))
         self.panel.unmark()
         self._say("")
@@ -261,7 +273,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
                 if self._playing
                 else tr("Still practising for {seconds:.0f} s.", seconds=silent_s)
             )
-            key = key_name(session_key("stop", self._keys))
+            key = key_name(session_key("stop", *self._keys_of_people))
             self._status.update(f"{told}\n" + tr("{key} ends the session; all is kept.", key=key))
         elif self._silence_shown:
             self._say(self._said)
@@ -281,7 +293,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
 
     def action_guide(self) -> None:
         """Show all keys."""
-        self._lay_over(HelpScreen(self._keys, self._words.rules), "help")
+        self._lay_over(HelpScreen(self._protocol, self._words.rules), "help")
 
     def action_leave(self) -> None:
         """Ask whether to stop."""

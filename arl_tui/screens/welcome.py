@@ -13,7 +13,7 @@ from arl_tui.app.outcome import SessionControls
 from arl_tui.games.pace import pace_line, pace_warning
 from arl_tui.games.registry import words_of
 from arl_tui.language import later, tr, trn
-from arl_tui.screens.page import PageScreen, feedback_keys
+from arl_tui.screens.page import PageScreen, keys_of_all, presses_of_all
 from arl_tui.screens.question import about_questions
 from core.numerics.clock import NS_PER_S, Clock, MonotonicClock
 from core.session.protocol import Protocol
@@ -73,7 +73,6 @@ class WelcomeScreen(PageScreen):
         """Return the explanation."""
         keys, session = self._protocol.keys, self._protocol.session
         games = trn("one game", "{n} games", session.episodes)
-        presses = keys.max_presses_per_episode
         words = self._words
         if self._practice:
             yield Static(
@@ -88,16 +87,14 @@ class WelcomeScreen(PageScreen):
         yield Static(tr(words.welcome, games=games, practises=practises))
         asking = self._protocol.agent.asking
         answers = f"\n{about_questions(asking)}" if asking.per_episode else ""
-        yield Static(f"\n{feedback_keys(keys)}{answers}\n")
+        yield Static(f"\n{keys_of_all(self._protocol)}{answers}\n")
         # The page is full in the smallest window: a line for answers takes the room of the last sentence.
         last = "" if answers else " " + tr("Nothing you press is wrong: only your opinion counts.")
         yield Static(
-            trn(
-                "You have [b]{n} press in each game[/], so save it for what matters, and press as soon as "
-                "you have made up your mind.",
-                "You have [b]{n} presses in each game[/], so save them for what matters, and press as "
-                "soon as you have made up your mind.",
-                presses,
+            tr(
+                "You have [b]{presses}[/], so save them for what matters, and press as soon as you have "
+                "made up your mind.",
+                presses=presses_of_all(self._protocol),
             )
             + last
         )

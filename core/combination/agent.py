@@ -3,6 +3,7 @@ trusted.
 """
 
 import hashlib
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +33,7 @@ from core.combination.sides import (
 from core.combination.window import DecisionWindow, Values
 from core.domain import Choices, Features
 from core.events import CreditGiven
+from core.feedback.config import CreditConfig
 from core.learners.contract import EnvironmentLearner, StepwiseLearner
 from core.learners.linear import action_values
 from core.numerics.fixed_point import exact_weights
@@ -65,6 +67,7 @@ class ArlAgent:
         root_seed: int,
         feedback_tiles: Tiling | None = None,
         n_participants: int = 1,
+        credits: Sequence[CreditConfig] = (),
         environment_values: Values | None = None,
         human_values: Values | None = None,
     ) -> None:
@@ -77,6 +80,8 @@ class ArlAgent:
             root_seed: of the session; streams "policy", "explore", "share", "softmax" and "chance".
             feedback_tiles: what psi(s, a) means where it lists active tiles; None for plain features.
             n_participants: who may press, >= 1; each has a human model and a weight.
+            credits: how each participant's presses become samples, one per participant; left out, the same
+                for all: `config.credit`.
             environment_values: R of each action from feature rows (n, F) and theta (F,). Default:
                 `exact_values`.
             human_values: H of each action from feature rows (n, G) and v (G,); a constant does not matter.
@@ -91,7 +96,8 @@ class ArlAgent:
         self.learner = learner
         """The environment's learner; what plays for it in compiled code lets it learn there."""
         human_values = human_values or (tile_values(feedback_tiles) if feedback_tiles else exact_values)
-        self.human = _listeners(config, n_participants, n_feedback_features, feedback_tiles)
+        credits = credits or (config.credit,) * n_participants
+        self.human = _listeners(config, credits, n_feedback_features, feedback_tiles)
         self.window = DecisionWindow(config.bootstrap.window_decisions, environment_values, human_values)
         self.bootstrap = ListenersTrust(config.bootstrap, self.window, self.human, root_seed=root_seed)
         self.so_far = EpisodesSoFar()
@@ -386,7 +392,9 @@ def _check_trust(rule: TrustRule) -> None:
         )
 
 
-def _listeners(config: AgentConfig, n: int, n_features: int, tiles: Tiling | None) -> Listeners:
-    """Return the human models of n participants that have not pressed yet."""
-    models = [HumanLearner(config.credit, config.human_model, n_features, tiles=tiles) for _ in range(n)]
+def _listeners(
+    config: AgentConfig, credits: Sequence[CreditConfig], n_features: int, tiles: Tiling | None
+) -> Listeners:
+    """Return the human models of participants that have not pressed yet, one per entry of `credits`."""
+    models = [HumanLearner(credit, config.human_model, n_features, tiles=tiles) for credit in credits]
     return Listeners(models, tiles.n_weights if tiles else n_features)

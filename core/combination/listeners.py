@@ -147,7 +147,7 @@ class Listeners:
             raise ValueError(
                 f"press {press} is by participant {participant}, but this agent listens to "
                 f"{len(self.learners)}, counted "
-                "from 0: name the others in the protocol"
+                "from 0: name the people in the protocol"
             )
         self._participant_of[press] = participant
         return self.learners[participant].learn_from_press(press, time_ns, value)

@@ -161,7 +161,7 @@ class SimulatedParticipant(Generic[State]):
         while self._due and self._due[0][0] <= until_ns:
             time_ns, _, press, gate = heapq.heappop(self._due)
             self._clock.advance_to_ns(time_ns)
-            key = gate.config.good if press.value > 0 else gate.config.bad
+            key = gate.config.key_of(press.value)
             gate.wrong_asked = press.deliberate
             self._arrived.extend(gate.judge(key, self._clock.now_ns(), source="simulated"))
             gate.wrong_asked = False

@@ -225,7 +225,7 @@ def _posed(
         time_ns=clock.now_ns(),
         inputs=intake.inputs,
         options=list(options),
-        details=[domain.detail(posed.state, option) for option in options],
+        details=[domain.action_record(posed.state, option).plain() for option in options],
         disagreement=posed.question.disagreement,
     )
 

@@ -86,7 +86,7 @@ def watched_steps(recording: Recording, protocol: Protocol) -> dict[int, Watched
         own = protocol_from(recording.header.protocol)
     except ValueError as error:
         raise RecordingError(f"{recording.path}:1: the protocol cannot be used: {error}") from error
-    check_inputs(recording, own.keys, own.agent.asking)
+    check_inputs(recording, own.keys_of_people, own.agent.asking)
     recorded = own.game
     if recorded != protocol.game:
         raise RecordingError(

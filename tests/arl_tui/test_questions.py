@@ -5,7 +5,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from arl_tui.app.link import AskNow, OptionPlace, Ready
+from arl_tui.app.link import AskNow, Ready
 from arl_tui.screens.covers import PauseScreen
 from arl_tui.screens.question import CHOSEN, NOT_CHOSEN
 from arl_tui.session_app import ArlApp
@@ -40,7 +40,7 @@ def ask(worker: Worker, question: int = 0) -> QuestionPosed:
     worker.link.say(posed)
     worker.show(-1, worker.renderer.picture)
     places = [worker.renderer.place_of_option(detail) for detail in posed.details]
-    worker.link.say(AskNow(question=question, places=tuple(OptionPlace(place.blocks) for place in places)))
+    worker.link.say(AskNow(question=question, places=tuple(places)))
     return posed
 
 

@@ -14,7 +14,8 @@ from arl_tui.session_app import ArlApp
 from arl_tui.settings import NAME, Settings, read_settings
 from core.events import StopAsked
 from core.feedback.keys import KeyConfig
-from core.session.protocol import Protocol, ScreenConfig, plain_protocol
+from core.recording.schema import to_plain
+from core.session.protocol import Protocol, ScreenConfig
 from core.session.protocol_reading import protocol_from
 from tests.arl_tui.driving import app_for, begin, recorded, settle, text_of
 from tests.arl_tui.fakes import FakeLink
@@ -144,7 +145,7 @@ async def test_a_german_session_says_so_in_its_header_and_speaks_german(
 
 
 def test_in_english_nothing_new_is_recorded() -> None:
-    assert "language" not in plain_protocol(Protocol())["screen"]
+    assert "language" not in to_plain(Protocol())["screen"]
     german = Protocol(screen=ScreenConfig(language="de"))
-    assert plain_protocol(german)["screen"]["language"] == "de"
-    assert protocol_from(plain_protocol(Protocol())) == Protocol()
+    assert to_plain(german)["screen"]["language"] == "de"
+    assert protocol_from(to_plain(Protocol())) == Protocol()

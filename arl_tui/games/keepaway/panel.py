@@ -6,8 +6,9 @@ from textual.geometry import Size
 from textual.widget import Widget
 from textual.widgets import Static
 
-from arl_tui.app.link import OptionPlace, Picture, TakenFor
+from arl_tui.app.link import Picture, TakenFor
 from arl_tui.games.panel import SMALLEST, Progress
+from arl_tui.games.rendering import Place
 from arl_tui.language import tr, trn
 from arl_tui.palette import Palette
 from arl_tui.widgets.pitch import PitchWidget
@@ -115,7 +116,8 @@ class KeepawayPanel:
         if taken.step < 0 or not taken.place:
             return tr("but no option was on screen")
         ((player, target),) = taken.place
-        self.pitch.mark(player, target, good=taken.value > 0)
+        if taken.value != 0:  # a mark is good or bad
+            self.pitch.mark(player, target, good=taken.value > 0)
         keeper = f"K{player + 1}"
         if target < 0:
             return tr("for {keeper} holding the ball", keeper=keeper)
@@ -125,9 +127,9 @@ class KeepawayPanel:
         """Take the mark away."""
         self.pitch.unmark()
 
-    def pose(self, places: Sequence[OptionPlace], keys: Sequence[str]) -> None:
+    def pose(self, places: Sequence[Place], keys: Sequence[str]) -> None:
         """Write each option's key beside the keeper who would have the ball."""
-        players = [place.player if place.target < 0 else place.target for place in places]
+        players = [player if target < 0 else target for ((player, target),) in places]
         self.pitch.pose(tuple(zip(players, keys, strict=False)))
 
     def unpose(self) -> None:

@@ -97,7 +97,7 @@ class KeepawayRenderer:
 
     def place_of_option(self, detail: dict[str, int]) -> Place:
         """Return who has the ball, and who would be passed to."""
-        return Place(player=detail["keeper"], target=detail["target"])
+        return ((detail["keeper"], detail["target"]),)
 
     def _ticks(self, pictures: list[PitchFrame]) -> tuple[TickView, ...]:
         """Return all but the last picture, which belongs to what comes now, each with the one after it."""

@@ -5,8 +5,9 @@ from collections.abc import Iterable, Sequence
 from textual.geometry import Size
 from textual.widget import Widget
 
-from arl_tui.app.link import OptionPlace, Picture, TakenFor
+from arl_tui.app.link import Picture, TakenFor
 from arl_tui.games.panel import SMALLEST, Progress
+from arl_tui.games.rendering import Place
 from arl_tui.language import tr
 from arl_tui.palette import Palette
 from arl_tui.widgets.blocks import CELLS_PER_BLOCK
@@ -83,6 +84,9 @@ class TetrisPanel:
         """Mark the piece, where it is falling or what is left of it on the wall."""
         if taken.step < 0:
             return tr("but no piece had landed")
+        if taken.value == 0:
+            falling = taken.step == self._step
+            return tr("for the falling piece") if falling else tr("for the piece that landed")
         if taken.step == self._step and self.board.shows_falling:
             self.board.mark(None, good=taken.value > 0)
         elif taken.place:
@@ -95,9 +99,14 @@ class TetrisPanel:
         """Take the mark away."""
         self.board.unmark()
 
-    def pose(self, places: Sequence[OptionPlace], keys: Sequence[str]) -> None:
+    def pose(self, places: Sequence[Place], keys: Sequence[str]) -> None:
         """Draw the piece where each option would put it, by the option's key."""
-        self.board.pose([(place.blocks, key) for place, key in zip(places, keys, strict=False)])
+        self.board.pose(
+            [
+                ([(row, column) for row, column in place], key)
+                for place, key in zip(places, keys, strict=False)
+            ]
+        )
 
     def unpose(self) -> None:
         """Take the options away."""

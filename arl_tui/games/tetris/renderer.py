@@ -83,7 +83,7 @@ class TetrisRenderer:
         """Return where the piece would come to rest."""
         piece, orientation, column = detail["piece"], detail["orientation"], detail["column"]
         row = landing_row(self._wall.board, piece, orientation, column)
-        return Place(blocks=tuple(FallingPiece(piece, orientation, row, column).cells()))
+        return tuple(FallingPiece(piece, orientation, row, column).cells())
 
     def _note_landed(self, step: int, shown: PieceAnimation) -> None:
         self._landed = {
