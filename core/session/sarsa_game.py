@@ -32,8 +32,10 @@ class ObservedDomain(Domain[Any], Interface):
         ...
 
     @property
-    def feedback_tiles(self) -> Tiling:
-        """What the rows of `Choices.feedback_features` index (`core.learners.encoding.ActionTiles`)."""
+    def feedback_tiles(self) -> Tiling | None:
+        """What the rows of `Choices.feedback_features` index (`core.learners.encoding.ActionTiles`); None
+        where they are plain features.
+        """
         ...
 
     @property
