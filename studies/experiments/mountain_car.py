@@ -103,18 +103,18 @@ EXPERIMENT = Experiment(
             "press of ten, and press with the paper's delay"
         ),
         (
-            "every episode is watched, and the human model learns while Sarsa does; Knox & Stone (2010) taught "
-            "a human model first and combined it afterwards"
+            "every episode is watched, and the human model learns while Sarsa does; Knox & Stone (2010) "
+            "taught a human model first and combined it afterwards"
         ),
         "the human model is linear over Sarsa's tiles, learned by gradient descent",
         (
-            "R and H are standardised over the actions of each decision in the linear and annealed schemes, raw "
-            "in action biasing"
+            "R and H are standardised over the actions of each decision in the linear and annealed schemes, "
+            "raw in action biasing"
         ),
         "every episode is a policy of its own in Eq. 4 and Eq. 5: the learner changes all the time",
         (
-            "performance is minus the number of steps: where it is negative, Eq. 4 weighs an episode by how far "
-            "it lies above the worst one compared, and Eq. 5 weighs its two episodes alike"
+            "performance is minus the number of steps: where it is negative, Eq. 4 weighs an episode by how "
+            "far it lies above the worst one compared, and Eq. 5 weighs its two episodes alike"
         ),
     ),
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -101,7 +102,10 @@ def report_page(results: Results) -> Page:
     claimed = [claim for claim in CLAIMS if {claim[0], claim[1]} <= there]
     verdicts = [_faster(results, better, worse, whole) for better, worse, _ in claimed]
     verdicts += [_faster(results, a, b, whole) for a, b in OTHERS if {a, b} <= there]
-    held = {claim[:2]: page.held(verdict) for claim, verdict in zip(claimed, verdicts, strict=False)}
+    held = {
+        (better, worse): page.held(verdict)
+        for (better, worse, _), verdict in zip(claimed, verdicts, strict=False)
+    }
     name, seeds = results.experiment.name, len(results.seeds)
     text = f"""\
 # {results.experiment.title}
@@ -154,7 +158,7 @@ def _faster(results: Results, first: str, second: str, steps: dict[str, Floats])
     )
 
 
-def _literature(results: Results, held: dict[tuple[str, ...], str]) -> str:
+def _literature(results: Results, held: Mapping[tuple[str, str], str]) -> str:
     def said(*claims: tuple[str, str]) -> str:
         return "; ".join(f"{better}: {held.get((better, worse), 'not played')}" for better, worse in claims)
 

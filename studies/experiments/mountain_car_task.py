@@ -21,7 +21,7 @@ from core.numerics.clock import NS_PER_S
 from core.numerics.tile_coding import Range
 from core.registry import Oracle
 from core.session.protocol import Protocol
-from core.session.sarsa_game import SarsaGame
+from core.session.sarsa_game import ObservedDomain, SarsaGame, Tiled
 
 LEFT, NONE, RIGHT = range(3)
 FORCE, GRAVITY = 0.001, 0.0025
@@ -63,8 +63,8 @@ class MountainCar:
             raise ValueError(f"this is MountainCar-v0 with joint tiles, not {config}")
         ends = np.array([[LOWEST, HIGHEST], [-FASTEST, FASTEST]], np.float32).astype(float).tolist()
         ranges = tuple(Range(low, high, (high - low) / config.tiles) for low, high in ends)
-        self._tiles = JointTiles(ranges, config.tilings)
-        self.coder = self._tiles.coder
+        tiles = JointTiles(ranges, config.tilings)
+        self.coder, self.tiled = tiles.coder, tiles.tiled
         self._encoder = ActionTiles(self.coder, self.n_actions)
         self.feedback_tiles = self._encoder.tiling
         self.feedback_feature_names = tuple(f"tile {i}" for i in range(config.tilings))
@@ -80,17 +80,23 @@ class MountainCar:
 
     def choices(self, state: CarState) -> Choices:
         """Return what is seen, and the tiles of each action for the human model."""
-        tiled = self._tiles.tiled(state.observation)
+        if self.terminal(state):
+            raise ValueError("the car is at the flag: a terminal state has no actions")
+        observation = state.observation
         return Choices(
             features=np.empty((self.n_actions, 0)),
-            feedback_features=self._encoder.rows(0, tiled),
+            feedback_features=self._encoder.rows(0, self.tiled(observation)),
             ruled_out=np.zeros(self.n_actions, np.bool_),
             time=state.steps,
-            observation=tiled,
+            observation=observation,
         )
 
     def transition(self, state: CarState, action: int) -> Transition[CarState]:
         """Return where the car is after a step (Moore 1990; Sutton & Barto 2018, example 10.1)."""
+        if not 0 <= action < self.n_actions:
+            raise ValueError(
+                f"there is no action {action}: this decision has actions 0..{self.n_actions - 1}"
+            )
         velocity = state.velocity + ((action - 1) * FORCE + math.cos(3 * state.position) * -GRAVITY)
         velocity = min(max(velocity, -FASTEST), FASTEST)
         position = min(max(state.position + velocity, LOWEST), HIGHEST)
@@ -131,6 +137,11 @@ class MountainCarGame(SarsaGame):
         """Return the task."""
         assert isinstance(protocol.domain, GymnasiumConfig), "a protocol of Gymnasium"
         return MountainCar(protocol.domain)
+
+    def tiled(self, domain: ObservedDomain) -> Tiled | None:
+        """Return what lays tiles over position and velocity together."""
+        assert isinstance(domain, MountainCar), "the domain of this game"
+        return domain.tiled
 
     def oracle(self, protocol: Protocol) -> Oracle:
         """Return the teacher."""

@@ -294,8 +294,8 @@ def _spaces(protocol: Protocol) -> tuple[Any, Any]:
         case KeepawayConfig() as pitch:
             return spaces.keepaway_observations(pitch), spaces.keepaway_actions(pitch)
         case GymnasiumConfig():
-            env = game_of(protocol).domain(protocol).env
-            return env.observation_space, env.action_space
+            domain: Any = game_of(protocol).domain(protocol)
+            return domain.env.observation_space, domain.env.action_space
         case _:
             raise NotReplayedError(f"there is no Minari data set of the game {protocol.game}")
 
@@ -310,7 +310,7 @@ def _observations(protocol: Protocol, states: list[Any], domain: Any) -> Any:
         seen = [tetris_observation(domain, state) for state in states]
         return {part: [one[part] for one in seen] for part in ("board", "piece")}
     if isinstance(protocol.domain, GymnasiumConfig):
-        return [domain.as_given(state) for state in states]
+        return [state.given for state in states]
     return [np.asarray(state.variables, dtype=np.float64) for state in states]
 
 

@@ -20,15 +20,15 @@ from core.interop.gymnasium.environments import (
     make_env,
     named_function,
 )
-from core.interop.gymnasium.states import Copies, Replays
-from core.interop.gymnasium.tiles import AloneTiles, JointTiles, Tiles
+from core.interop.gymnasium.states import Node, States
+from core.interop.gymnasium.tiles import JointTiles
 from core.learners.encoding import ActionTiles
 from core.numerics.clock import NS_PER_S
-from core.numerics.tile_coding import TileCoder, Tiling
+from core.numerics.tile_coding import Tiling, tile_coder
 from core.plugins import GameError
 from core.registry import Oracle
 from core.session.protocol import Protocol
-from core.session.sarsa_game import SarsaGame, recorded_observation
+from core.session.sarsa_game import ObservedDomain, SarsaGame, Tiled, recorded_observation
 
 CHECKED_STEPS = 20
 """Steps over which copies and seeds are compared before an environment is taken."""
@@ -43,8 +43,8 @@ class GymnasiumState:
     steps: int
     key: bytes
     """Digest of the actions so far."""
-    handle: Any = field(repr=False, compare=False)
-    """The environment in this state, or the way to it (`core.interop.gymnasium.states`)."""
+    node: Node = field(repr=False, compare=False)
+    """The way to it, by which the environment finds it again."""
     observation: Numbers
     """As it is learned from and recorded: the observation's numbers, or those of phi."""
     given: Any = field(repr=False, compare=False)
@@ -72,20 +72,25 @@ class GymnasiumDomain:
         """The environment itself, for its spaces; it is not to be stepped."""
         self._first_action, self.n_actions = discrete_actions(self.env, config.env)
         self._seen = Seen(self.env, config)
-        self._tiles = _tiles(self._seen, config)
-        self.coder: TileCoder = self._tiles.coder
+        joint = JointTiles(self._seen.ranges, config.tilings) if self._is_joint(config) else None
+        self.tiled = None if joint is None else joint.tiled
+        n_tilings = 1 if self._seen.whole else config.tilings
+        self.coder = tile_coder(self._seen.ranges, n_tilings) if joint is None else joint.coder
         self.observation_names = self._seen.names
-        self._states: Copies | Replays = Copies(self.env)
+        self._states = States(self.env)
         self._check()
         self._psi = named_function(config.psi) if config.psi else None
         self._encoder = ActionTiles(self.coder, self.n_actions)
         self.feedback_tiles: Tiling | None = None if self._psi else self._encoder.tiling
         self.feedback_feature_names = self._feedback_names()
 
+    def _is_joint(self, config: GymnasiumConfig) -> bool:
+        return config.joint and not self._seen.whole
+
     def initial(self, episode_seed: int) -> GymnasiumState:
         """Return the first state of the episode with this seed (>= 0)."""
-        handle, given = self._states.begin(episode_seed)
-        return GymnasiumState(episode_seed, 0, b"", handle, self._seen.numbers(given), given, 0.0, False)
+        node, given = self._states.begin(episode_seed)
+        return GymnasiumState(episode_seed, 0, b"", node, self._seen.numbers(given), given, 0.0, False)
 
     def terminal(self, state: GymnasiumState) -> bool:
         """Return whether the environment has said that the episode is over."""
@@ -99,15 +104,15 @@ class GymnasiumDomain:
 
     def choices_of(self, observation: Floats, time: int) -> Choices:
         """Return the choices on an observation as recorded, shape (v,), after so many steps."""
-        tiled = self._tiles.tiled(observation)
+        numbers = observation if self.tiled is None else self.tiled(observation)
         return Choices(
             features=np.empty((self.n_actions, 0)),
-            feedback_features=self._encoder.rows(0, tiled)
+            feedback_features=self._encoder.rows(0, numbers)
             if self._psi is None
             else self._psi_rows(observation),
             ruled_out=np.zeros(self.n_actions, np.bool_),
             time=time,
-            observation=tiled,
+            observation=observation,
         )
 
     def transition(self, state: GymnasiumState, action: int) -> Transition[GymnasiumState]:
@@ -116,12 +121,12 @@ class GymnasiumDomain:
             raise ValueError(
                 f"there is no action {action}: this decision has actions 0..{self.n_actions - 1}"
             )
-        handle, (given, reward, over) = self._states.step(state.handle, self._first_action + action)
+        given, reward, over = self._states.step(state.node, self._first_action + action)
         following = GymnasiumState(
             seed=state.seed,
             steps=state.steps + 1,
             key=hashlib.blake2b(state.key + action.to_bytes(4, "little"), digest_size=16).digest(),
-            handle=handle,
+            node=self._states.after(state.node, self._first_action + action),
             observation=self._seen.numbers(given),
             given=given,
             total_reward=state.total_reward + reward,
@@ -169,9 +174,7 @@ class GymnasiumDomain:
         return rows
 
     def _check(self) -> None:
-        """Refuse an environment that does not play the same again; take seeds and actions where it cannot be
-        copied.
-        """
+        """Refuse an environment that does not play the same again from the same seed and actions."""
         name = self.config.env
         rng = np.random.Generator(np.random.PCG64DXSM(0))
         actions = [int(action) for action in rng.integers(self.n_actions, size=CHECKED_STEPS)]
@@ -179,17 +182,8 @@ class GymnasiumDomain:
             once, again = (self._played(actions) for _ in range(2))
         except GameError:
             raise
-        except Exception as cannot_copy:  # noqa: BLE001 - whatever an environment of somebody else raises
-            self._states = Replays(self.env)
-            try:
-                once, again = (self._played(actions) for _ in range(2))
-            except GameError:
-                raise
-            except Exception as error:
-                raise GameError(
-                    f"{name} cannot be played: {type(error).__name__}: {error}. (Nor can it be copied: "
-                    f"{type(cannot_copy).__name__}: {cannot_copy})"
-                ) from error
+        except Exception as error:
+            raise GameError(f"{name} cannot be played: {type(error).__name__}: {error}") from error
         if once != again:
             raise GameError(
                 f"{name} cannot be seeded: the same seed and actions gave other observations or rewards. "
@@ -203,20 +197,16 @@ class GymnasiumDomain:
         for action in actions:
             if state.over:
                 break
-            self.transition(state, (action + 1) % self.n_actions)  # must leave `state` as it was
-            state = self.transition(state, action).next_state
+            following = self.transition(state, action).next_state
+            # The way back is checked as well: what another action would have led to.
+            self.transition(state, (action + 1) % self.n_actions)
+            state = following
             found.append((state.observation, state.total_reward, state.over))
         return found
 
 
 def _numbered(word: str, n: int) -> tuple[str, ...]:
     return tuple(f"{word} {i}" for i in range(n))
-
-
-def _tiles(seen: Seen, config: GymnasiumConfig) -> Tiles:
-    if seen.whole:
-        return AloneTiles(seen.ranges, 1)
-    return (JointTiles if config.joint else AloneTiles)(seen.ranges, config.tilings)
 
 
 class GymnasiumGame(SarsaGame):
@@ -226,6 +216,11 @@ class GymnasiumGame(SarsaGame):
         """Return the environment that the protocol names."""
         assert isinstance(protocol.domain, GymnasiumConfig), "a protocol of Gymnasium"
         return GymnasiumDomain(protocol.domain)
+
+    def tiled(self, domain: ObservedDomain) -> Tiled | None:
+        """Return what lays tiles over several numbers, where the protocol asks for it."""
+        assert isinstance(domain, GymnasiumDomain), "the domain of this game"
+        return domain.tiled
 
     def oracle(self, protocol: Protocol) -> Oracle:
         """Return whoever judges by the reward of the step."""

@@ -32,7 +32,7 @@ ABOVE = 8
 """Rows above the board in which a falling piece may be."""
 
 
-class TetrisEnv(gymnasium.Env[dict[str, Any], Any]):
+class TetrisEnv(gymnasium.Env[dict[str, Any], Any]):  # type: ignore[misc]
     """Tetris: the reward is the number of lines that a step clears; an episode has no time limit.
 
     Observations are a dictionary: `board`, int8, shape (rows, columns), 1 = filled, row 0 the lowest;

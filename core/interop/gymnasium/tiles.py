@@ -1,5 +1,4 @@
-"""Tiles over observations: of each number alone, or of all together (Sutton & Barto 2018, sections 9.5.4 and
-10.1).
+"""Tiles over all numbers of an observation together (Sutton & Barto 2018, sections 9.5.4 and 10.1).
 
 Joint tilings are written as one variable for each tiling, whose value is the number of the active tile: the
 kernels of `core.numerics.tile_coding` then learn them as they learn single numbers, with one tile each.
@@ -13,17 +12,6 @@ from core.plugins import GameError
 
 MOST_TILES = 2**22
 """Of all joint tilings: 32 megabytes of weights for each action."""
-
-
-class AloneTiles:
-    """Tiles of each number alone: what is tiled is what was seen."""
-
-    def __init__(self, ranges: tuple[Range, ...], n_tilings: int) -> None:
-        self.coder: TileCoder = tile_coder(ranges, n_tilings)
-
-    def tiled(self, numbers: Floats) -> Floats:
-        """Return the numbers."""
-        return numbers
 
 
 class JointTiles:
@@ -68,6 +56,3 @@ class JointTiles:
         tiles = (cells.astype(np.int64) + self._shifts) // self._n_tilings
         numbers_of_tiles: Floats = (tiles @ self._strides).astype(np.float64)
         return numbers_of_tiles
-
-
-Tiles = AloneTiles | JointTiles

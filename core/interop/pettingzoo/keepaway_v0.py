@@ -39,7 +39,7 @@ def env(render_mode: str | None = None, **settings: Any) -> Any:
     return parallel_to_aec(KeepawayEnv(render_mode, **settings))
 
 
-class KeepawayEnv(ParallelEnv[str, NDArray[np.float64], int]):
+class KeepawayEnv(ParallelEnv[str, NDArray[np.float64], int]):  # type: ignore[misc]
     """Keepers `keeper_0`, ... keep the ball from takers who play as the benchmark's do.
 
     A keeper observes its own state variables, as it believes them: float64, metres and degrees, in the order

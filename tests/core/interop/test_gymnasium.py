@@ -157,10 +157,11 @@ def test_features_of_ones_own_are_what_is_seen() -> None:
     choices = domain.choices(state)
     assert domain.recorded_state(state) == [place / 8, lamp / 8]
     towards = 1.0 if lamp > place else -1.0
+    assert choices.observation.tolist() == [place / 8, lamp / 8]
+    assert domain.coder.n_tiles == 3 * 9
     assert choices.feedback_features.tolist() == [[-towards, 1.0], [towards, 1.0]]
     assert domain.observation_names == ("phi 0", "phi 1")
     assert domain.feedback_feature_names == ("psi 0", "psi 1")
-    assert choices.observation.shape == (3,)
     # The environment's first action is 5.
     assert domain.detail(state, 1) == {"action": 6, "time": 0}
 

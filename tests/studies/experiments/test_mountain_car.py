@@ -25,8 +25,17 @@ class TestContract(DomainContract):
     def domain(self) -> MountainCar:
         return MountainCar(JOINT)
 
-    def test_an_episode_ends(self, domain: MountainCar) -> None:
-        # Random play does not come up the hill for thousands of steps; the teacher does.
+    def random_episode(self, domain, seed):
+        # By chance the car is up after thousands of steps; every other one is the teacher's.
+        rng, state, trajectory = np.random.default_rng(seed), domain.initial(seed), []
+        while not domain.terminal(state):
+            up = int(np.argmax(teacher(state)))
+            action = up if rng.random() < 0.5 else int(rng.integers(3))
+            trajectory.append((state, action))
+            state = domain.transition(state, action).next_state
+        return [*trajectory, (state, -1)]
+
+    def test_the_teacher_comes_to_the_flag(self, domain: MountainCar) -> None:
         state = domain.initial(0)
         while not domain.terminal(state):
             state = domain.transition(state, int(np.argmax(teacher(state)))).next_state
@@ -35,12 +44,13 @@ class TestContract(DomainContract):
 
 @pytest.mark.parametrize("seed", range(5))
 def test_states_and_tiles_are_those_of_gymnasium_bit_for_bit(seed: int) -> None:
-    ours, theirs = MountainCar(JOINT), GymnasiumDomain(JOINT)
+    ours, theirs, env = MountainCar(JOINT), GymnasiumDomain(JOINT), gymnasium.make("MountainCar-v0").unwrapped
     rng = np.random.default_rng(seed)
     state, other = ours.initial(seed), theirs.initial(seed)
+    env.reset(seed=seed)
     for _ in range(400):
         assert ours.recorded_state(state) == theirs.recorded_state(other)
-        assert (state.position, state.velocity) == tuple(map(float, other.handle.unwrapped.state))
+        assert (state.position, state.velocity) == tuple(map(float, env.state))
         mine, their = ours.choices(state), theirs.choices(other)
         assert np.array_equal(mine.observation, their.observation)
         assert np.array_equal(mine.feedback_features, their.feedback_features)
@@ -48,6 +58,7 @@ def test_states_and_tiles_are_those_of_gymnasium_bit_for_bit(seed: int) -> None:
         up = int(np.argmax(teacher(state)))
         action = up if seed % 2 or rng.random() < 0.5 else int(rng.integers(3))
         state, other = ours.transition(state, action).next_state, theirs.transition(other, action).next_state
+        env.step(action)
         assert ours.performance(state) == theirs.performance(other)
         assert ours.terminal(state) == theirs.terminal(other)
         if ours.terminal(state):
@@ -56,14 +67,16 @@ def test_states_and_tiles_are_those_of_gymnasium_bit_for_bit(seed: int) -> None:
 
 
 def test_the_left_wall_stops_the_car() -> None:
-    ours, theirs = MountainCar(JOINT), GymnasiumDomain(JOINT)
-    state, other, stopped = ours.initial(1), theirs.initial(1), False
+    ours, env = MountainCar(JOINT), gymnasium.make("MountainCar-v0").unwrapped
+    state, stopped = ours.initial(1), False
+    env.reset(seed=1)
     for _ in range(500):
-        action = int(np.argmax(teacher(state))) if state.velocity < 0 or state.position < -0.3 else 1
-        action = 0 if state.position < -0.4 and state.velocity < 0 else action
-        state, other = ours.transition(state, action).next_state, theirs.transition(other, action).next_state
+        # Pushed along with the motion, and left at rest: the swing to the left becomes wide enough.
+        action = 0 if state.velocity <= 0 or state.position > 0.1 else 2
+        state = ours.transition(state, action).next_state
+        env.step(action)
         stopped |= state.position == -1.2 and state.velocity == 0.0
-        assert (state.position, state.velocity) == tuple(map(float, other.handle.unwrapped.state))
+        assert (state.position, state.velocity) == tuple(map(float, env.state))
         if ours.terminal(state):
             break
     assert stopped
