@@ -174,7 +174,7 @@ Input = (
 # --- outputs: what the domain and the agent did -------------------------------------------------------------
 
 
-class EpisodeStarted(Record, frozen=True, kw_only=True, tag="episode-started"):
+class EpisodeStarted(Record, frozen=True, kw_only=True, tag="episode-started", rename={"handover": "share"}):
     """A watched episode begins."""
 
     episode: int
@@ -190,11 +190,12 @@ class EpisodeStarted(Record, frozen=True, kw_only=True, tag="episode-started"):
     w_r: float
     """Weight of the environment's values in this episode."""
     trust: float | None
-    """What the rule of trust said of the human when the episode began (Eq. 4, 5); None: version 1 did not
-    record it."""
+    """What the rule of trust said of the participant when the episode began (Eq. 4, 5); None: version 1 did
+    not record it."""
     weight: float
-    """Weight w_h of the human's values that the scheme used in this episode; some do not go by trust."""
-    share: float
+    """Weight w_h of the participant's values that the scheme used in this episode; some do not go by
+    trust."""
+    handover: float
     """Probability of handing the choice to the human policy in this episode (control sharing), else 0."""
     shaping: float = 0.0
     """Added to the reward of a step per unit of H in this episode (reward shaping), else 0."""
@@ -243,7 +244,7 @@ class EpisodeEnded(Record, frozen=True, kw_only=True, tag="episode-ended"):
     agreed_worst: int
     """Steps at which the environment policy chose the human policy's worst action."""
     trust: float
-    """What the rule of trust says of the human after this episode (of several people: the mean)."""
+    """What the rule of trust says of the participant after this episode (of several people: the mean)."""
     digest: str
     """Fingerprint of everything the agent has learned (hex)."""
     time: int | None = None
@@ -263,7 +264,7 @@ class UnseenPlayed(Record, frozen=True, kw_only=True, tag="unseen-played"):
     agreed: list[int]
     agreed_worst: list[int]
     trust: float
-    """What the rule of trust says of the human after the last of them (of several people: the mean)."""
+    """What the rule of trust says of the participant after the last of them (of several people: the mean)."""
     weights: list[float] | None
     """Weight w_h that the scheme used in each of them; None where version 1 did not record it."""
     digest: str

@@ -32,8 +32,8 @@ class Preparing(Record, frozen=True, kw_only=True, tag="preparing"):
     """Kernels that are compiled, or loaded from the cache."""
     needed: int
     """About how many the session needs, >= compiled."""
-    share: float = 0.0
-    """Share of the work that is done, in [0, 1]."""
+    fraction: float = 0.0
+    """Fraction of the work that is done, in [0, 1]."""
 
 
 class Ready(Record, frozen=True, kw_only=True, tag="ready"):

@@ -16,7 +16,7 @@ from arl_tui.drawing_rate import FRAMES_PER_S
 from arl_tui.recordings import CALIBRATION_FOLDER
 
 if TYPE_CHECKING:
-    from arl_tui.calibration.app import Outcome
+    from arl_tui.calibration.app import CalibrationOutcome
     from arl_tui.calibration.fitting import Fitted
     from arl_tui.calibration.plan import GameName
     from studies.reaction_time.protocol import TaskConfig
@@ -118,7 +118,7 @@ def check_files(recordings: Path, participant: str) -> None:
         raise click.ClickException(f"{error}. Move the file away, and run the command again.") from error
 
 
-def tell(outcome: "Outcome") -> None:
+def tell(outcome: "CalibrationOutcome") -> None:
     """Print where everything is, and the results; leave with status 1 where something failed."""
     for path in outcome.files:
         say(f"Trials: {path}")

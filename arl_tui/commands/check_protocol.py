@@ -20,7 +20,7 @@ WIDEST = 110
 INDENT = 10
 """Columns of the topics."""
 ENOUGH = 0.70
-"""Below this share another pace or credit rule is advised (docs/decisions/pace-of-a-session.md)."""
+"""Below this fraction another pace or credit rule is advised (docs/decisions/pace-of-a-session.md)."""
 
 
 def check_protocol(path: Path, protocol: Protocol) -> None:
@@ -64,7 +64,7 @@ def notes(protocol: Protocol) -> Iterator[str]:
 
 
 def _reach(protocol: Protocol) -> str:
-    """Return the share of a press that reaches the step it was meant for, under the delay in force."""
+    """Return the fraction of a press that reaches the step it was meant for, under the delay in force."""
     from core.session.reach import delay_in_force, reach_of  # here, not above: compiled code comes with it
 
     measured = protocol.delay_of != "rule"
@@ -75,10 +75,10 @@ def _reach(protocol: Protocol) -> str:
         protocol = msgspec.structs.replace(protocol, agent=agent)
     reach = reach_of(protocol)
     text = (
-        f"{reach.share:.0%} of a press reaches the step it was meant for, for a participant with the delay "
-        f"{describe(delay_in_force(protocol))} (a step lasts {reach.step_s:.2g} s)"
+        f"{reach.fraction:.0%} of a press reaches the step it was meant for, for a participant with the "
+        f"delay {describe(delay_in_force(protocol))} (a step lasts {reach.step_s:.2g} s)"
     )
-    return text if reach.share >= ENOUGH else f"{text}: less than {ENOUGH:.0%}; a slower pace reaches more"
+    return text if reach.fraction >= ENOUGH else f"{text}: less than {ENOUGH:.0%}; a slower pace reaches more"
 
 
 def _compiled(protocol: Protocol) -> str:

@@ -148,7 +148,7 @@ def _record(row: "WhatIfRow", sources: Mapping[str, str], units: str) -> dict[st
         "episode": row.episode,
         "watched_games": row.watched,
         "weight": row.weight,
-        "share": row.handover,
+        "handover": row.handover,
         "shaping": row.shaping,
         **_interval(units, row.lines),
         "level": row.lines.level,

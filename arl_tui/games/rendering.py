@@ -12,7 +12,7 @@ Blocks = tuple[tuple[int, int], ...]
 """(row from the bottom, column) of blocks on a wall."""
 
 
-class Shot(NamedTuple):
+class TickView(NamedTuple):
     """A picture for one tick."""
 
     view: View
@@ -44,15 +44,15 @@ class Renderer(Interface):
         """The newest picture, which stays when an episode has ended."""
         ...
 
-    def begin(self, episode: EpisodeStarted) -> tuple[Shot, ...]:
+    def begin(self, episode: EpisodeStarted) -> tuple[TickView, ...]:
         """Return the pictures from the beginning of an episode to its first decision."""
         ...
 
-    def act(self, step: StepTaken) -> tuple[Shot, ...]:
+    def act(self, step: StepTaken) -> tuple[TickView, ...]:
         """Return the pictures of a step; none where another step begins in the same moment."""
         ...
 
-    def judged_after_ns(self, n_shots: int) -> int:
+    def judged_after_ns(self, n_ticks: int) -> int:
         """Return from when on a step of so many pictures can be judged, since it came on screen."""
         ...
 

@@ -12,7 +12,7 @@ from arl_tui.app.link import Preparing, Ready
 from arl_tui.app.outcome import SessionControls
 from arl_tui.games.pace import pace_warning
 from arl_tui.games.registry import words_of
-from arl_tui.screens.page import Page, feedback_keys
+from arl_tui.screens.page import PageScreen, feedback_keys
 from core.numerics.clock import NS_PER_S, Clock, MonotonicClock
 from core.session.protocol import Protocol
 
@@ -21,7 +21,7 @@ AT_SCREEN_S = 10.0
 CALL = "Press [reverse] Enter [/] to start, [reverse] Q [/] to leave"
 
 
-class WelcomeScreen(Page):
+class WelcomeScreen(PageScreen):
     """Explains, and waits for the start key while the worker gets ready.
 
     A game begins only in front of a participant: where getting ready took longer than `AT_SCREEN_S` after the
@@ -82,8 +82,7 @@ class WelcomeScreen(Page):
         yield Static(f"\n{feedback_keys(keys)}\n")
         yield Static(
             f"You have [b]{presses} presses in each game[/], so save them for what matters, and press as "
-            f"soon as "
-            "you have made up your mind. Nothing you press is wrong: only your opinion counts."
+            "soon as you have made up your mind. Nothing you press is wrong: only your opinion counts."
         )
         if keys.wrong_press_rate > 0:
             yield Static(
@@ -99,8 +98,7 @@ class WelcomeScreen(Page):
             )
         yield Static(
             "\n[dim]Your key presses and their times are written to a file on this computer under the "
-            "code[/] "
-            f"[b]{self._participant}[/][dim]. You can pause or stop at any time.[/]"
+            f"code[/] [b]{self._participant}[/][dim]. You can pause or stop at any time.[/]"
         )
         yield Static(id="pace")
         yield Static(id="call", classes="call")

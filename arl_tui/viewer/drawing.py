@@ -46,10 +46,10 @@ def pitch_marks(viewing: Viewing, moment: Moment, view: PitchFrame) -> dict[int,
     """Return a bar for each option: at the receiver, or for holding the ball at the one who decides."""
     return {
         player: (
-            f"{bar(share)}{text}",
+            f"{bar(height)}{text}",
             CANDIDATE if chosen else Style(color="#c4cfc8", bgcolor="#12291d"),
         )
-        for player, (share, text, chosen) in viewing.bars(moment.step).items()
+        for player, (height, text, chosen) in viewing.bars(moment.step).items()
         if player < len(view.players)
     }
 

@@ -147,11 +147,11 @@ class Viewing:
         row = self.session.press_near(time_ns)
         if row < 0:
             return None, None
-        press = self.session.press(row)
+        press = self.session.press_at(row)
         return self._strip(row, self._rule), press
 
     def _strip_of(self, row: int, rule: int) -> CreditStrip | None:
-        press, chosen = self.session.press(row), self.rules[rule]
+        press, chosen = self.session.press_at(row), self.rules[rule]
         if press.kind not in ("good", "bad", "taken back"):
             return None
         return strip_of(self.session, press, chosen.delay, recorded=chosen.recorded)
@@ -305,8 +305,8 @@ class Viewing:
         """Return f(R, H) of each option at a step of Keepaway.
 
         Returns:
-            For each keeper a share of the best, a figure, and whether it was chosen. The bar of holding the
-            ball is the deciding keeper's own.
+            For each keeper a fraction of the best, a figure, and whether it was chosen. The bar of holding
+            the ball is the deciding keeper's own.
         """
         thought = self.own_thought(step) if step >= 0 else None
         if thought is None:
@@ -355,7 +355,7 @@ class Viewing:
             "step": int(steps["number"][moment.step]) if moment.step >= 0 else "",
             "frame": int(frames["number"][moment.frame]) if moment.frame >= 0 else "",
             "last_press": int(self.session.presses["number"][row]) if row >= 0 else "",
-            "last_press_was": self.session.press(row).words if row >= 0 else "",
+            "last_press_was": self.session.press_at(row).words if row >= 0 else "",
             "weight": float(games["weight"][moment.game]) if moment.game >= 0 else "",
         }
 

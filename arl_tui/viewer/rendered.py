@@ -4,8 +4,8 @@ actions.
 
 from typing import Any
 
-from arl_tui.games.rendering import Renderer, Shot
-from arl_tui.viewer.looks import Look, shot_number
+from arl_tui.games.rendering import Renderer, TickView
+from arl_tui.viewer.looks import Look, tick_number
 from core.domain import Domain
 from core.events import StepTaken
 from studies.session_view.session import Moment, SessionView
@@ -30,8 +30,8 @@ class RenderedPictures:
         self._state: Any = None
         self._game = -1
         self._next = -1
-        self._opening: tuple[Shot, ...] = ()
-        self._shots: tuple[Shot, ...] = ()
+        self._opening: tuple[TickView, ...] = ()
+        self._ticks: tuple[TickView, ...] = ()
         self._otherwise = ""
 
     def at(self, moment: Moment) -> Look:
@@ -41,10 +41,10 @@ class RenderedPictures:
         if moment.step < 0:
             return self._between(moment)
         self._play_to(int(self._session.steps["episode"][moment.step]), moment.step)
-        if not self._shots:
+        if not self._ticks:
             return Look(self._renderer.picture, self._otherwise)
-        n = shot_number(self._session, moment, len(self._shots), self._renderer.tick_ns)
-        return Look(self._shots[n].view, self._otherwise)
+        n = tick_number(self._session, moment, len(self._ticks), self._renderer.tick_ns)
+        return Look(self._ticks[n].view, self._otherwise)
 
     def _between(self, moment: Moment) -> Look:
         """Return the last picture of the game before, or the first of one whose steps have not begun."""
@@ -65,7 +65,7 @@ class RenderedPictures:
         self._opening = self._renderer.begin(started)
         self._state = self._domain.initial(started.episode_seed)
         self._game, self._next = game, int(self._session.games["first_step"][game])
-        self._shots, self._otherwise = (), ""
+        self._ticks, self._otherwise = (), ""
 
     def _play_to(self, game: int, row: int) -> None:
         """Play to the end of a step."""
@@ -78,7 +78,7 @@ class RenderedPictures:
                 self._otherwise = OTHERWISE
                 return
             self._state = self._domain.transition(self._state, step.action).next_state
-            self._shots = self._renderer.act(step)
+            self._ticks = self._renderer.act(step)
         self._next = row + 1
 
     def _could_be(self, step: StepTaken) -> bool:

@@ -40,7 +40,7 @@ class Climbing:
         # Of the decision at hand: (gains, probabilities, reference), None where the policy did not decide.
         self._softmax: tuple[Floats, Floats, int] | None = None
 
-    def begin_episode(self, start: EpisodeStart) -> StartedPolicy:
+    def start_policy(self, start: EpisodeStart) -> StartedPolicy:
         """Return a ranked policy where one may be drawn, else the learner's proposal, which then learns."""
         self._climbs = start.draw is None
         self._softmax = None
@@ -55,12 +55,12 @@ class Climbing:
         return self._learner.values(choices) if self._climbs else self._values(choices.features, theta)
 
     def act(self, values: Floats, choices: Choices, preferred: int, human: HumanPreference) -> int:
-        """Draw from the softmax of f(R, H); a ranked policy, and a human who decides alone, take the best
-        action.
+        """Draw from the softmax of f(R, H); a ranked policy, and a participant who decides alone, take the
+        best action.
         """
         n = len(values)
         self._softmax = None
-        weights = human.weights
+        weights = human.episode_weights
         if human.handed_over or not self._climbs or weights.w_r == 0.0:
             return preferred if preferred >= 0 else best_action(values, choices.ruled_out, n)
         logits, gains, probabilities = np.empty(n), np.empty(n), np.empty(n)
@@ -133,10 +133,10 @@ class Coached(Climbing):
         # After each watched step, by the number that presses know it by.
         self._traces: deque[tuple[int, Floats]] = deque(maxlen=KEPT_TRACES)
 
-    def begin_episode(self, start: EpisodeStart) -> StartedPolicy:
+    def start_policy(self, start: EpisodeStart) -> StartedPolicy:
         """Begin an episode with a trace of its own."""
         self._trace = np.zeros(0)
-        return super().begin_episode(start)
+        return super().start_policy(start)
 
     def took(
         self,
@@ -156,7 +156,7 @@ class Coached(Climbing):
         if self._coach.environment_too:
             self._learner.took(score, reward + shaping)
 
-    def press(self, credit: CreditGiven, value: float) -> None:
+    def learn_from_credit(self, credit: CreditGiven, value: float) -> None:
         """Move the policy toward what was praised, away from what was blamed, by each step's share."""
         shares = dict(zip(credit.steps, credit.shares, strict=True))
         for step, trace in self._traces:

@@ -26,7 +26,7 @@ class EnvironmentSide(Protocol):
     kind: ClassVar[LearnerKind]
     """Of its learner: says what a scheme can act on."""
 
-    def begin_episode(self, start: EpisodeStart) -> StartedPolicy:
+    def start_policy(self, start: EpisodeStart) -> StartedPolicy:
         """Return the policy of this episode."""
         ...
 
@@ -76,7 +76,7 @@ class EnvironmentSide(Protocol):
 class TaughtByPresses(Protocol):
     """A side that presses teach directly, not through a human model."""
 
-    def press(self, credit: CreditGiven, value: float) -> None:
+    def learn_from_credit(self, credit: CreditGiven, value: float) -> None:
         """Learn from how a press of this value was shared out among the steps."""
         ...
 
@@ -97,7 +97,7 @@ class PolicySearch:
         self._learner = learner
         self._values = values
 
-    def begin_episode(self, start: EpisodeStart) -> StartedPolicy:
+    def start_policy(self, start: EpisodeStart) -> StartedPolicy:
         """Return a ranked policy where one may be drawn, else the learner's proposal."""
         if start.draw is not None:
             return StartedPolicy(*start.draw(), proposed=False)
@@ -150,7 +150,7 @@ class StepByStep:
     def __init__(self, learner: StepwiseLearner) -> None:
         self._learner = learner
 
-    def begin_episode(self, start: EpisodeStart) -> StartedPolicy:
+    def start_policy(self, start: EpisodeStart) -> StartedPolicy:
         """Begin with what has been learned so far; the episode's number is that of the policy, theta is
         empty.
         """
@@ -203,7 +203,7 @@ def environment_sides(learner: EnvironmentLearner | StepwiseLearner, values: Val
     Args:
         learner: of the environment.
         values: R of action rows and theta, for policies that are played again.
-        scheme: how environment and human are combined.
+        scheme: how environment and participant are combined.
 
     Raises:
         ValueError: the scheme acts on what the learner learns, and this learner cannot be acted on so.

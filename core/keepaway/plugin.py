@@ -117,8 +117,7 @@ class KeepawayPlugin(GamePlugin):
         elif protocol.domain.see_phases is None:
             found.append(
                 "which two of three cycles each player sees in is drawn anew in every episode (the "
-                "reference: once per "
-                "match)"
+                "reference: once per match)"
             )
         return found
 

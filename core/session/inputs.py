@@ -70,8 +70,7 @@ def check_inputs(recording: Recording, keys: KeyConfig) -> None:
         except _Impossible as error:
             raise RecordingError(
                 f"{recording.path}:{recording.line_of(index)}: {error}. No session records this: the file "
-                f"was "
-                "changed after it was recorded, and sealed anew"
+                "was changed after it was recorded, and sealed anew"
             ) from error
 
 
@@ -220,7 +219,7 @@ class _Screen:
         gate.covered = self._covered
         if not self._live:
             gate.wrong_asked = pressed.asked_wrong  # a simulated participant knows by itself
-        came, *taken_back = gate.press(pressed.key, pressed.time_ns, source=pressed.source)
+        came, *taken_back = gate.judge(pressed.key, pressed.time_ns, source=pressed.source)
         if came != pressed:
             _refuse(f"press {pressed.press}: {_difference(pressed, came)}")
         self._due.extend(taken_back)
@@ -235,8 +234,7 @@ class _Screen:
             if self._reader.reading not in possible_readings(pressed.key):
                 _refuse(
                     f"press {pressed.press}: the key {pressed.key!r} does not stand for {pressed.read_as!r} "
-                    f"in the "
-                    f"layout {pressed.layout!r}"
+                    f"in the layout {pressed.layout!r}"
                 )
 
     def _gate_of(self, person: int) -> PressGate:
@@ -254,8 +252,7 @@ class _Screen:
         if not isinstance(event, WrongPressAsked) or event.step != expected.step:
             _refuse(
                 f"expected the request for a wrong press at step {expected.step}, which follows from the "
-                f"seed, found "
-                f"{_told(event)}"
+                f"seed, found {_told(event)}"
             )
         self._note_time(event)
 

@@ -77,8 +77,7 @@ class TetrisPlugin(GamePlugin):
         if isinstance(protocol.domain, TetrisConfig) and protocol.domain.lines_in_value:
             raise ValueError(
                 "lines_in_value is for given policies in compiled play only: a session's learner sees "
-                "features "
-                "alone. Set [domain] lines_in_value = false"
+                "features alone. Set [domain] lines_in_value = false"
             )
 
     def departures(self, protocol: Protocol) -> list[str]:

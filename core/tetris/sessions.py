@@ -144,7 +144,7 @@ def open_game(
             policy.human_weights,
             seed,
             config,
-            policy.weights,
+            policy.episode_weights,
             handover_seed=policy.handover_seed,
             window=window,
         )
@@ -154,7 +154,7 @@ def open_game(
         policy.human_weights,
         seed,
         config,
-        policy.weights,
+        policy.episode_weights,
         chance_seed=policy.chance_seed,
         handover_seed=policy.handover_seed,
         window=window,

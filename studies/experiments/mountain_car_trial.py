@@ -21,7 +21,7 @@ def run_trial(protocol: Protocol, root_seed: int) -> dict[str, Floats]:
 
     Returns:
         Columns with one number per episode: steps, presses that were credited in it (or in the pause before),
-        trust (what the rule of trust said of the teacher), w_h (the weight of the human's values that the
+        trust (what the rule of trust said of the teacher), w_h (the weight of the participant's values that the
         scheme used), reached (1 where the car came to the flag).
     """
     game = MountainCarGame()

@@ -11,7 +11,7 @@ from studies.fidelity.keepaway_fidelity import (
     FINE_NAMES,
     SETTINGS,
     TABLE_HEAD,
-    Comparison,
+    DurationComparison,
     compare,
     compare_fine,
     fine_row,
@@ -42,7 +42,7 @@ class PageError(ValueError):
     """The page has no such table, or the reference's files are not there."""
 
 
-def comparisons(data: Path, note: Note) -> Iterator[tuple[Comparison, bool]]:
+def comparisons(data: Path, note: Note) -> Iterator[tuple[DurationComparison, bool]]:
     """Play every setting beside the reference; yield it with whether phases are drawn anew in each episode.
 
     Args:

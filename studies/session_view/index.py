@@ -40,7 +40,7 @@ from core.recording.schema import VERSION, End, Header, Line
 from core.recording.version_1 import with_schedules
 from studies.session_view.tables import DTYPES, Contents, Growing, Rows, read_tables, write_tables
 
-INDEX_VERSION: Final = 1
+INDEX_VERSION: Final = 2
 SUFFIX: Final = ".index"
 VERDICTS: Final[tuple[str, ...]] = get_args(Verdict)
 """Verdicts of presses by their number in the index."""
@@ -55,7 +55,7 @@ _TELL_EVERY = 1 << 22
 _decoder = msgspec.json.Decoder(Line)
 
 OnProgress = Callable[[float], None]
-"""Is told which share of the file has been read, in [0, 1]."""
+"""Is told which fraction of the file has been read, in [0, 1]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -94,7 +94,7 @@ class Index:
         return found
 
 
-def open_index(path: Path, *, on_progress: OnProgress = lambda share: None) -> Index:
+def open_index(path: Path, *, on_progress: OnProgress = lambda fraction: None) -> Index:
     """Open the index of a recording; build it where there is none, or where it is of another state of the
     file.
 
@@ -348,7 +348,7 @@ class _Building:
         self._step = -2
         self.tables["episodes"].add(
             offset, record.time_ns, -1, record.episode_seed, record.episode, self._n_steps, -1,
-            record.policy, record.form, -1, record.w_r, trust, record.weight, record.share, np.nan, np.nan, -1, -1,  # noqa: E501
+            record.policy, record.form, -1, record.w_r, trust, record.weight, record.handover, np.nan, np.nan, -1, -1,  # noqa: E501
         )  # fmt: skip
 
     def _finish(self, record: EpisodeEnded) -> None:

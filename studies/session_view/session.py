@@ -196,7 +196,7 @@ class SessionView:
 
     # --- presses --------------------------------------------------------------------------------------------
 
-    def press(self, row: int) -> Press:
+    def press_at(self, row: int) -> Press:
         """Return a press by its row."""
         entry = self.presses[row]
         value, verdict = float(entry["value"]), VERDICTS[int(entry["verdict"])]
@@ -356,7 +356,7 @@ class SessionView:
         return int(times[row])
 
 
-def open_session(path: Path, *, on_progress: OnProgress = lambda share: None) -> SessionView:
+def open_session(path: Path, *, on_progress: OnProgress = lambda fraction: None) -> SessionView:
     """Open a recording, with its index.
 
     Raises:

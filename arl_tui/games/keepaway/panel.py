@@ -59,7 +59,7 @@ class LivePitch(PitchWidget):
         self.show(between(picture.view, picture.ahead, min(fraction, 0.99)), picture.number)
 
 
-class PitchPanel:
+class KeepawayPanel:
     """The pitch, and the score beside it."""
 
     def __init__(self, protocol: Protocol, palette: Palette, *, clock: Clock | None = None) -> None:
@@ -82,7 +82,7 @@ class PitchPanel:
         self.pitch.taken = drawn
         return fresh
 
-    def stage(self) -> PitchWidget:
+    def game_widget(self) -> PitchWidget:
         """Return the pitch."""
         return self.pitch
 

@@ -42,7 +42,7 @@ class TetrisPanel:
         """Return whether a line of the board has been drawn since the last call, other than for a mark."""
         return self.board.take_drawn() >= 0
 
-    def stage(self) -> CoverableWidget:
+    def game_widget(self) -> CoverableWidget:
         """Return the board."""
         return self.board
 

@@ -1,6 +1,6 @@
 """From a session's steps to pictures of the board: a piece that is moved and dropped."""
 
-from arl_tui.games.rendering import Blocks, Place, Shot
+from arl_tui.games.rendering import Blocks, Place, TickView
 from core.events import EpisodeStarted, StepTaken
 from core.feedback.keys import NS_PER_MS
 from core.tetris.config import TetrisConfig
@@ -32,21 +32,21 @@ class TetrisRenderer:
         self._cleared: tuple[int, ...] = ()
         """Rows that the newest piece has cleared; to the older ones that happens when it has landed."""
 
-    def begin(self, episode: EpisodeStarted) -> tuple[Shot, ...]:
+    def begin(self, episode: EpisodeStarted) -> tuple[TickView, ...]:
         """Clear the board."""
         self._wall = Wall(self._config.rows, self._config.columns)
         self._landed, self._cleared = {}, ()
         self._episode_seed = episode.episode_seed
         self._counts = Counts(next_piece=self._piece_at(self._episode_seed, 0))
         self.picture = snapshot(self._wall, counts=self._counts)
-        return (Shot(self.picture),)
+        return (TickView(self.picture),)
 
     def stand_at(self, wall: Wall, counts: Counts, episode_seed: int) -> None:
         """Go to any board of an episode, as if its steps so far had been drawn."""
         self._wall, self._counts, self._episode_seed = wall, counts, episode_seed
         self.picture = snapshot(wall, counts=counts)
 
-    def act(self, step: StepTaken) -> tuple[Shot, ...]:
+    def act(self, step: StepTaken) -> tuple[TickView, ...]:
         """Return the pictures of a step; the last one stays."""
         piece = step.detail["piece"]
         placement = (step.detail["orientation"], step.detail["column"])
@@ -68,11 +68,11 @@ class TetrisRenderer:
         self._wall = shown.wall
         self.picture = shown.frames[-1]
         self._counts = self.picture.counts
-        return tuple(Shot(frame) for frame in shown.frames)
+        return tuple(TickView(frame) for frame in shown.frames)
 
-    def judged_after_ns(self, n_shots: int) -> int:
+    def judged_after_ns(self, n_ticks: int) -> int:
         """Return the time on screen: a step is judged when the piece has landed."""
-        return n_shots * self.tick_ns
+        return n_ticks * self.tick_ns
 
     def place_of(self, step: int) -> Place:
         """Return the piece's blocks on the wall; none where all have been cleared, or it is too long ago."""

@@ -210,7 +210,7 @@ def _numbered(word: str, n: int) -> tuple[str, ...]:
 
 
 class GymnasiumGame(SarsaGame):
-    """The game whose rules are somebody else's."""
+    """The game whose rules come from another package."""
 
     def domain(self, protocol: Protocol) -> GymnasiumDomain:
         """Return the environment that the protocol names."""

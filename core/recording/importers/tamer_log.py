@@ -338,7 +338,7 @@ def _outputs(episodes: list[list[Row]]) -> Iterator[Keyed]:
                 # It acted by the human model alone: nothing was weighed.
                 trust=1.0,
                 weight=1.0,
-                share=0.0,
+                handover=0.0,
             ),
         )
         lines = 0

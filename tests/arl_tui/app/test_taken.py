@@ -58,7 +58,7 @@ def test_it_is_the_step_that_the_learner_credits_most(rule: Delay) -> None:
                 assigner.step_hidden(on_screen, time_ms * MS)
             on_screen = -1
         elif kind == 1 and number:
-            given = assigner.press(number, time_ms * MS, 1.0)
+            given = assigner.add_press(number, time_ms * MS, 1.0)
             taken = steps.taken_for(press(time_ms))
             if given.steps:
                 best = max(given.shares)
@@ -93,10 +93,10 @@ def test_blocks_are_where_the_piece_is_while_the_next_one_falls(seed: int) -> No
         taken = step_taken(
             step, piece=detail["piece"], orientation=detail["orientation"], column=detail["column"]
         )
-        shots = stage.act(taken)
+        ticks = stage.act(taken)
         if step:
             # type: ignore[union-attr]
-            codes = np.frombuffer(shots[0].view.codes(), np.uint8).reshape(8, 5)[::-1]
+            codes = np.frombuffer(ticks[0].view.codes(), np.uint8).reshape(8, 5)[::-1]
             blocks = stage.place_of(step - 1).blocks
             gone = 4 - len(blocks)
             assert all(codes[row, column] & 15 == last_piece + 1 for row, column in blocks)

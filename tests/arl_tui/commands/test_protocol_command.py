@@ -7,7 +7,7 @@ import msgspec
 import pytest
 from click.testing import CliRunner, Result
 
-from arl_tui.app.outcome import Outcome
+from arl_tui.app.outcome import SessionOutcome
 from arl_tui.app.tally import Tally
 from arl_tui.cli import main
 from arl_tui.commands import play
@@ -170,10 +170,10 @@ def start(
     protocols: list[Protocol] = []
     sources: list[object] = []
 
-    def run_live(protocol: Protocol, *, source: object, **_: object) -> Outcome:
+    def run_live(protocol: Protocol, *, source: object, **_: object) -> SessionOutcome:
         protocols.append(protocol)
         sources.append(source)
-        return Outcome(None, Tally())
+        return SessionOutcome(None, Tally())
 
     monkeypatch.setattr(play, "need_terminal", lambda *_, **__: None)
     monkeypatch.setattr(play, "run_live", run_live)

@@ -7,7 +7,7 @@ import pytest
 from textual.pilot import Pilot
 
 from arl_tui.app.link import Preparing, Ready
-from arl_tui.app.outcome import Outcome
+from arl_tui.app.outcome import SessionOutcome
 from arl_tui.games.pace import ENOUGH, pace_facts, pace_warning
 from arl_tui.screens.play import PlayScreen
 from arl_tui.screens.welcome import AT_SCREEN_S, WelcomeScreen
@@ -33,8 +33,8 @@ def test_the_limit_is_that_of_the_model() -> None:
 @pytest.mark.parametrize("game", DEFAULTS)
 def test_at_the_default_pace_a_press_usually_reaches_its_step(game: str) -> None:
     found = reach.reach_of(DEFAULTS[game])
-    assert found.share >= ENOUGH
-    assert pace_warning(DEFAULTS[game], Ready(warm_up_ns=1, reach=found.share, step_s=found.step_s)) == ""
+    assert found.fraction >= ENOUGH
+    assert pace_warning(DEFAULTS[game], Ready(warm_up_ns=1, reach=found.fraction, step_s=found.step_s)) == ""
 
 
 def test_the_warning_says_the_figure_the_step_and_what_to_change() -> None:
@@ -128,7 +128,7 @@ def screen_text(app: ArlApp) -> str:
 
 
 async def play_two_games(
-    pilot: Pilot[Outcome], app: ArlApp, link: FakeLink, protocol: Protocol
+    pilot: Pilot[SessionOutcome], app: ArlApp, link: FakeLink, protocol: Protocol
 ) -> tuple[str, str]:
     """Return the screen in the second game, and at the end: the weight is 0.02, the trust 0.25."""
     worker = await begin(pilot, link, protocol, steps=1)

@@ -48,7 +48,7 @@ def listened(rows: list[Row], presses: Presses, delay: Delay, **options: object)
     on_screen = -1
     for time_ns, kind, number in sorted(events):
         if kind == 1:
-            assigner.press(number, time_ns, presses[number][1])
+            assigner.add_press(number, time_ns, presses[number][1])
         elif rows[number].board:
             heights = [float(column.bit_length()) for column in rows[number].board]
             assigner.step_shown(number, time_ns, np.array(heights))
