@@ -12,6 +12,7 @@ from arl_tui.participants import FEEDBACK_LAG
 from arl_tui.recordings import CALIBRATION_FOLDER
 from core.plugins import GameError, plugin_called
 from core.session.protocol import Protocol
+from studies.lab.folder import group_folders
 from studies.reaction_time.protocol import Schedule, Task, TaskConfig
 from studies.reaction_time.schedule import expected_minutes, make_schedule
 from studies.reaction_time.trial_log import LONGEST_PAUSE_H, TrialFile, read_trials
@@ -191,10 +192,13 @@ def unfinished(setup: CalibrationSetup, now_utc: str) -> Unfinished | None:
 def newest_complete(recordings: Path, task: Task, game: str = "tetris") -> Iterator[Path]:
     """Yield the newest finished session of each participant in this task, and in this game where one is
     watched.
+
+    In a study each participant has a folder; `recordings` may be any of them.
     """
     found: dict[str, tuple[str, Path]] = {}
     name = slug(TaskConfig(task=task, game=game))
-    for path in sorted((recordings / CALIBRATION_FOLDER).glob(f"*-{name}-*.jsonl")):
+    folders = [folder / CALIBRATION_FOLDER for folder in group_folders(recordings)]
+    for path in sorted(path for folder in folders for path in folder.glob(f"*-{name}-*.jsonl")):
         file = read_trials(path)
         header = file.header
         if (header.schedule.config.task, header.schedule.config.game) == (

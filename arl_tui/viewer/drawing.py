@@ -25,16 +25,16 @@ def board_marks(
     marks: dict[tuple[int, int], tuple[str, Style]] = {}
     strip, press = viewing.strip(moment.time_ns)
     if strip is not None and press is not None:
-        style = PRAISED if press.value > 0 else BLAMED
+        style = PRAISED if press.value > 0 else BLAMED if press.value < 0 else CANDIDATE
         for row, level in enumerate(look.ids[: view.rows]):
             for column, step in enumerate(level):
                 share = strip.shares.get(step, 0.0)
                 if share >= 0.005:
-                    whole = "++" if press.value > 0 else "--"
+                    whole = "++" if press.value > 0 else "--" if press.value < 0 else "00"
                     text = whole if share >= 0.995 else f"{share * 100:2.0f}"
                     marks[view.rows - 1 - row, column] = (text, style)
     if view.falling is not None and look.before is not None:
-        for cell, mark in viewing.candidates(moment.step, look.before.wall.board).items():
+        for cell, mark in viewing.candidates(moment.step, look.before.columns).items():
             row, column = cell
             if row < view.rows:
                 style = WHAT_IF if mark.endswith("'") else CANDIDATE
@@ -65,12 +65,15 @@ def status_line(viewing: Viewing, transport: Transport, moment: Moment) -> list[
     games = f"  game {moment.game + 1}/{len(session.games)}" if moment.game >= 0 else ""
     tag = viewing.tags.near(moment.time_ns, NEAR_NS)
     note = f"  [{tag.tag}] {printable(tag.note, longest=40)}" if tag is not None else ""
-    return [
+    runs: list[Run] = [
         (f"{state} {at}", BOLD),
-        (f" of {whole}  {speed}", None),
+        (f" of {whole}{'' if viewing.whole is None else ' and more'}  {speed}", None),
         (f"{games}{step}", None),
         (note, BOLD),
     ]
+    if viewing.whole is not None:
+        runs.append((f"  reading the rest: {viewing.whole.share:.0%}", DIM))
+    return runs
 
 
 def decision_lines(viewing: Viewing, moment: Moment, width: int, *, roomy: bool) -> list[list[Run]]:

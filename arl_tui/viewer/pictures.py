@@ -14,6 +14,7 @@ from core.keepaway.pitch import KeepawayConfig
 from core.plugins import View
 from core.tetris.action import PlacedPiece
 from core.tetris.config import TetrisConfig
+from core.tetris.game import Board as BitBoard
 from core.tetris.game import FallingPiece, landing_row, settle
 from core.tetris.picture import Counts, Snapshot, Wall, snapshot
 from core.tetris.practice import PIECE_STREAMS
@@ -48,7 +49,15 @@ class Board:
 
     wall: Wall
     ids: Ids
-    counts: Counts
+    lines: int
+    pieces: int
+    columns: BitBoard
+    """The wall as the learner sees it."""
+
+
+def board_of(wall: Wall, lines: int, pieces: int) -> Board:
+    """Return a board of which nobody knows which step placed what."""
+    return Board(wall, (), lines, pieces, wall.board)
 
 
 class Pictures(Protocol):
@@ -121,7 +130,8 @@ class BoardPictures:
             return Look(self._empty(), "")
         if moment.step < 0:
             board = self._between(moment)
-            return Look(snapshot(board.wall, counts=board.counts), "", None, board.ids)
+            counts = self._counts(moment.game, board)
+            return Look(snapshot(board.wall, counts=counts), "", None, board.ids)
         ticks, before, after = self._step(moment.step)
         n = tick_number(self._session, moment, len(ticks), self._renderer.tick_ns)
         landed = n == len(ticks) - 1
@@ -141,7 +151,7 @@ class BoardPictures:
         first = int(games["first_step"][game])
         last = self._last_of(game)
         if last < first or not 0 <= self._session.steps["shown"][first] <= frame_ns:
-            return Board(Wall(self._config.rows, self._config.columns), (), self._counts_at(game, 0, 0))
+            return board_of(Wall(self._config.rows, self._config.columns), 0, 0)
         return self._step(last)[2]
 
     def _last_of(self, game: int) -> int:
@@ -155,12 +165,12 @@ class BoardPictures:
             before = self._before(row)
             step = self._session.step_taken(row)
             game = int(self._session.steps["episode"][row])
-            placed = self._placed(step, before.wall)
+            placed, counts = self._placed(step, before.columns), self._counts(game, before)
             if placed is None:
-                ticks: tuple[TickView, ...] = (TickView(snapshot(before.wall, counts=before.counts)),)
+                ticks: tuple[TickView, ...] = (TickView(snapshot(before.wall, counts=counts)),)
                 after = before
             else:
-                self._renderer.stand_at(before.wall, before.counts, self._seed(game))
+                self._renderer.stand_at(before.wall, counts, self._seed(game))
                 ticks = self._known_pieces(self._renderer.act(placed))
                 after = self._after(before, placed)
             self._ticks = row, ticks, before, after
@@ -175,9 +185,9 @@ class BoardPictures:
     def _seed(self, game: int) -> int:
         return int(self._session.games["seed"][game])
 
-    def _counts_at(self, game: int, lines: int, pieces: int) -> Counts:
-        following = -1 if self._session.imported else self._piece_at(self._seed(game), pieces)
-        return Counts(lines=lines, pieces=pieces, next_piece=following)
+    def _counts(self, game: int, board: Board) -> Counts:
+        following = -1 if self._session.imported else self._piece_at(self._seed(game), board.pieces)
+        return Counts(lines=board.lines, pieces=board.pieces, next_piece=following)
 
     def _before(self, row: int) -> Board:
         """Return the board on which a step was decided."""
@@ -188,20 +198,17 @@ class BoardPictures:
         known = max((kept for kept in self._kept if kept <= row), default=-1)
         if known < 0:
             known = max(first, row - LOOK_BACK) if self._session.imported else first
-            self._kept[known] = Board(
-                self._seen_wall(known) or Wall(self._config.rows, self._config.columns),
-                (),
-                self._counts_at(game, 0, known - first),
-            )
+            wall = self._seen_wall(known) or Wall(self._config.rows, self._config.columns)
+            self._kept[known] = board_of(wall, 0, known - first)
         board = self._kept[known]
         for step_row, step in enumerate(
             self._session.steps_taken(known, row - 1) if row > known else (), known
         ):
-            placed = self._placed(step, board.wall)
+            placed = self._placed(step, board.columns)
             board = board if placed is None else self._after(board, placed)
             seen = self._seen_wall(step_row + 1)
-            if seen is not None and seen.board != board.wall.board:
-                board = Board(seen, (), board.counts)
+            if seen is not None and seen.board != board.columns:
+                board = board_of(seen, board.lines, board.pieces)
             if (step_row + 1 - first) % KEPT_EVERY == 0 or step_row + 1 == row:
                 self._kept[step_row + 1] = board
         return board
@@ -213,7 +220,7 @@ class BoardPictures:
         observed = self._session.step_taken(row).observed or {}
         return Wall.of_board(tuple(observed["before"]), self._config.rows) if "before" in observed else None
 
-    def _placed(self, step: StepTaken, wall: Wall) -> StepTaken | None:
+    def _placed(self, step: StepTaken, board: BitBoard) -> StepTaken | None:
         """Return a step that says where the piece came to rest; None where an imported log does not tell."""
         placed = PlacedPiece.of(step)
         if placed.column is not UNSET:
@@ -224,10 +231,9 @@ class BoardPictures:
             for column in range(self._config.columns):
                 if FallingPiece(piece, orientation, 0, column).width + column > self._config.columns:
                     continue
-                rest = FallingPiece(
-                    piece, orientation, landing_row(wall.board, piece, orientation, column), column
-                )
-                if settle(wall.board, rest, self._config.rows).board == after:
+                row = landing_row(board, piece, orientation, column)
+                rest = FallingPiece(piece, orientation, row, column)
+                if settle(board, rest, self._config.rows).board == after:
                     found = PlacedPiece(piece, orientation, column)
                     return msgspec.structs.replace(step, detail=found.plain())
         return None
@@ -235,20 +241,22 @@ class BoardPictures:
     def _after(self, board: Board, step: StepTaken) -> Board:
         placed = PlacedPiece.of(step)
         piece, (orientation, column) = placed.piece, placed.place
-        wall = board.wall
-        rest = FallingPiece(piece, orientation, landing_row(wall.board, piece, orientation, column), column)
+        row = landing_row(board.columns, piece, orientation, column)
+        rest = FallingPiece(piece, orientation, row, column)
         settled = settle(
-            wall.board, rest, self._config.rows, clear_on_overflow=self._config.clear_on_overflow
+            board.columns, rest, self._config.rows, clear_on_overflow=self._config.clear_on_overflow
         )
-        filled = wall.with_piece(rest)
-        ids = [list(level) for level in board.ids]
-        ids += [[-1] * self._config.columns for _ in range(len(filled.levels) - len(ids))]
+        filled = board.wall.with_piece(rest)
+        # Only the rows that the piece reaches change.
+        ids = list(board.ids)
+        ids += [(-1,) * self._config.columns] * (len(filled.levels) - len(ids))
         for row, cell in rest.cells():
-            ids[row][cell] = step.step
-        kept = tuple(tuple(level) for row, level in enumerate(ids) if row not in settled.cleared)
-        game = int(self._session.steps["episode"][self._session.step_row(step.step)])
-        counts = self._counts_at(game, board.counts.lines + len(settled.cleared), board.counts.pieces + 1)
-        return Board(filled.without(settled.cleared), kept, counts)
+            ids[row] = (*ids[row][:cell], step.step, *ids[row][cell + 1 :])
+        cleared = settled.cleared
+        if cleared:
+            ids = [level for row, level in enumerate(ids) if row not in cleared]
+            filled = filled.without(cleared)
+        return Board(filled, tuple(ids), board.lines + len(cleared), board.pieces + 1, settled.board)
 
 
 def _without_next(view: View) -> View:

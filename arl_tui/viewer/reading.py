@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arl_tui.games.registry import words_of
-from arl_tui.viewer.workers import Working
+from arl_tui.viewer.workers import WholeIndex, Working
 from core.feedback.credit import CurrentStep, Delay, PreviousStep, describe
 from core.keepaway.action import ChosenOption
 from core.keepaway.pitch import KeepawayConfig
@@ -76,6 +76,7 @@ class Viewing:
         own: Working,
         begin_what_if: Callable[[Protocol], Working],
         what_if: tuple[str, Protocol] | None = None,
+        whole: WholeIndex | None = None,
     ) -> None:
         """Prepare.
 
@@ -87,6 +88,7 @@ class Viewing:
             own: decisions of the session's agent.
             begin_what_if: begins to work out what another protocol's agent thinks.
             what_if: name and protocol that the command asked for; begun at once.
+            whole: the index that is being built, where `session` is the first part of a long recording.
         """
         self.path = path
         self.session = session
@@ -94,6 +96,7 @@ class Viewing:
         self.rules = tuple(rules)
         self.other: Working | None = None
         self.other_name = ""
+        self.whole = whole
         self._rule = 0
         self._own = own
         self._begin = begin_what_if
@@ -114,6 +117,16 @@ class Viewing:
         """Changes whenever something that is drawn has changed, apart from the time."""
         other = None if self.other is None else (self.other.words, len(self.other.thoughts))
         return self.warm, self._rule, self._own.words, other, len(self.tags.all), self.other_name
+
+    def look_again(self) -> None:
+        """Forget what was worked out of the first part of a recording: the whole one is there."""
+        self._strip.cache_clear()
+        self._candidates.cache_clear()
+        self._board = -1, ()
+        self._differences = 0, NO_TIMES
+        protocol = self.session.protocol
+        if protocol is not None and not self.rules[0].recorded:
+            self.rules = (rules_of(self.session)[0], *self.rules[1:])
 
     @property
     def unit(self) -> str:
@@ -154,7 +167,7 @@ class Viewing:
 
     def _strip_of(self, row: int, rule: int) -> CreditStrip | None:
         press, chosen = self.session.press_at(row), self.rules[rule]
-        if press.kind not in ("good", "bad", "taken back"):
+        if press.kind not in ("good", "bad", "neither", "taken back"):
             return None
         return strip_of(self.session, press, chosen.delay, recorded=chosen.recorded)
 

@@ -82,6 +82,16 @@ class Recording:
         """What the domain and the agent did, in order."""
         return tuple(event for event in self.events if isinstance(event, Output))
 
+    @property
+    def n_outputs(self) -> int:
+        """How many outputs there are."""
+        return sum(isinstance(event, Output) for event in self.events)
+
+    @property
+    def last_output(self) -> Output | None:
+        """The last output; None where there is none."""
+        return next((event for event in reversed(self.events) if isinstance(event, Output)), None)
+
 
 def read_recording(path: Path, *, allow_truncated: bool = True) -> Recording:
     """Read and check a recording.
@@ -297,11 +307,7 @@ class _Reading:
                 self._n_line_ends + 1,
                 f"behind the end line stands {tail[:40]!r}; was something appended? Take it away",
             )
-        self._notes.append(
-            f"the file ends within a line, {len(tail):,} bytes behind the last whole one: a power cut, "
-            "or a copy that is not whole. "
-            "Compare its size with the original's"
-        )
+        self._notes.append(cut_note(tail))
         return tail
 
     def _check_end(self, number: int, events: list[Event], end: End | None, *, allow_truncated: bool) -> None:
@@ -338,6 +344,14 @@ def record_of(payload: bytes, version: int) -> Line:
             ) from error
         raise
     return record
+
+
+def cut_note(tail: bytes) -> str:
+    """Say that a file ends within a line, of which `tail` is there."""
+    return (
+        f"the file ends within a line, {len(tail):,} bytes behind the last whole one: a power cut, "
+        "or a copy that is not whole. Compare its size with the original's"
+    )
 
 
 def line_of_file(line: bytes, version: int) -> Line:

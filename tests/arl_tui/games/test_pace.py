@@ -79,6 +79,20 @@ async def test_a_pace_that_misses_is_said_before_the_start_and_kept_in_the_heade
     assert recorded(tmp_path).header.source == pace_facts(LOW)
 
 
+@pytest.mark.parametrize("game", DEFAULTS)
+async def test_the_first_page_says_which_share_of_a_press_reaches_its_step(
+    game: str, link: FakeLink, tmp_path: Path
+) -> None:
+    app = app_for(DEFAULTS[game], link, tmp_path)
+    async with app.run_test(size=SIZE) as pilot:
+        link.say(HIGH)
+        await pilot.pause()
+        text = text_of(app)
+        assert "Enter" in text
+        assert "For the experimenter: about 92% of a press reaches its" in text
+        assert app.screen.query_one(".page").max_scroll_y == 0
+
+
 async def test_the_first_page_says_how_far_it_is(app: ArlApp, link: FakeLink) -> None:
     async with app.run_test(size=SIZE) as pilot:
         link.say(Preparing(compiled=12, needed=53))

@@ -24,7 +24,8 @@ from core.events import (
 )
 from core.recording.reader import RecordingError, read_recording
 from studies.session_view import index as indexing
-from studies.session_view.index import SUFFIX, VERDICTS, open_index
+from studies.session_view.building import VERDICTS
+from studies.session_view.index import SUFFIX, open_index
 from studies.session_view.session import SessionView, open_session
 from tests.studies.session_view.made import MS, RECORDINGS, TETRIS, live_events, pressed, taken, write
 
