@@ -40,7 +40,8 @@ def take_part(lab: Lab, rng: np.random.Generator, kill_after_s: float | None) ->
         end = time.monotonic() + (PATIENCE_S if kill_after_s is None else kill_after_s)
         while time.monotonic() < end:
             if not terminal.pump(rng.uniform(0.05, 0.25)):
-                assert "P1 finished the sitting." in terminal.text, terminal.text
+                status = terminal.wait_for_exit()
+                assert "P1 finished the sitting." in terminal.text, (status, terminal.received[-2000:])
                 return False
             no_secrets(terminal)
             assert TROUBLE not in terminal.text, terminal.text
