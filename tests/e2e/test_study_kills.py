@@ -41,7 +41,8 @@ def take_part(lab: Lab, rng: np.random.Generator, kill_after_s: float | None) ->
         while time.monotonic() < end:
             if not terminal.pump(rng.uniform(0.05, 0.25)):
                 status = terminal.wait_for_exit()
-                assert "P1 finished the sitting." in terminal.text, (status, terminal.received[-2000:])
+                said = f"status {status}, last words {terminal.received[-500:]!r}"
+                assert "P1 finished the sitting." in terminal.text, said
                 return False
             no_secrets(terminal)
             assert TROUBLE not in terminal.text, terminal.text
