@@ -148,9 +148,9 @@ def check(robots: list[Robot], duration_s: float) -> None:
         assert result.difference is None, str(result.difference)
     to_file = [delay for robot in robots for delay in robot.to_file_ms]
     print(
-        f"{len(robots)} robots, {duration_s:.0f} s: {len(stamps)} keys, none lost; frames per second "
-        f"{min(rates):.1f} to {max(rates):.1f}; key to stamp {spread(stamps)}; key to file {spread(to_file)}; "
-        f"load {os.getloadavg()[0]:.1f}, {os.cpu_count()} cores"
+        f"{len(robots)} robots, {duration_s:.0f} s, load {os.getloadavg()[0]:.1f}, {os.cpu_count()} cores: "
+        f"{len(stamps)} keys, none lost; frames per second {min(rates):.1f} to {max(rates):.1f}\n"
+        f"key to stamp {spread(stamps)}; key to file {spread(to_file)}"
     )
 
 
