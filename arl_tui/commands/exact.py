@@ -128,7 +128,6 @@ def why_different(software: Mapping[str, str]) -> str:
         )
     return (
         f"It was recorded with other software: {'; '.join(others)}. Where a game plays otherwise "
-        f"(CHANGELOG), only the "
-        "commit that recorded it can replay it. Its presses can still be learned from, where it holds what "
-        "was on screen: --credit RULE"
+        "(CHANGELOG), only the commit that recorded it can replay it. Its presses can still be learned from, "
+        "where it holds what was on screen: --credit RULE"
     )

@@ -1,6 +1,7 @@
 """`arl replay`: the same session again, or what other rules would have made of it."""
 
 import os
+import shutil
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -34,6 +35,11 @@ OFF_POLICY = (
     "Steps and presses are as recorded (off-policy): another agent would have shown, and been told, "
     "something else."
 )
+
+
+def _width() -> int | None:
+    """Return how wide tables may be in columns: as the terminal; as wide as they need to be in a file."""
+    return shutil.get_terminal_size().columns if sys.stdout.isatty() else None
 
 
 def replay_recordings(paths: Sequence[Path], **options: Any) -> None:
@@ -102,7 +108,7 @@ def replay_recording(
         workers=workers,
     )
     units = words_of(chosen.game).units[1]
-    say("\n".join(table(rows, units)))
+    say("\n".join(table(rows, units, _width())))
     say(OFF_POLICY)
     from studies.statistics import few_trials_note
 

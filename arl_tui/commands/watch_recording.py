@@ -91,7 +91,7 @@ def opened(path: Path, *, at_once: bool = False) -> "SessionView":
         else:
             with click.progressbar(length=1000, label="Reading", file=sys.stderr) as shown:
                 session = open_session(
-                    path, on_progress=lambda share: shown.update(round(share * 1000) - shown.pos)
+                    path, on_progress=lambda fraction: shown.update(round(fraction * 1000) - shown.pos)
                 )
     except (RecordingError, OSError) as error:
         raise click.ClickException(printable(str(error), longest=None)) from error

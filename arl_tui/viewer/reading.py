@@ -12,8 +12,10 @@ from numpy.typing import NDArray
 from arl_tui.games.registry import words_of
 from arl_tui.viewer.workers import WholeIndex, Working
 from core.feedback.credit import CurrentStep, Delay, PreviousStep, describe
+from core.keepaway.action import ChosenOption
 from core.keepaway.pitch import KeepawayConfig
 from core.session.protocol import Protocol
+from core.tetris.action import PlacedPiece
 from core.tetris.config import TetrisConfig
 from core.tetris.game import Board, FallingPiece, landing_row
 from studies.session_view.credit_strip import PAPER, UNIFORM, CreditStrip, strip_of
@@ -160,12 +162,12 @@ class Viewing:
         row = self.session.press_near(time_ns)
         if row < 0:
             return None, None
-        press = self.session.press(row)
+        press = self.session.press_at(row)
         return self._strip(row, self._rule), press
 
     def _strip_of(self, row: int, rule: int) -> CreditStrip | None:
-        press, chosen = self.session.press(row), self.rules[rule]
-        if press.kind not in ("good", "bad", "taken back"):
+        press, chosen = self.session.press_at(row), self.rules[rule]
+        if press.kind not in ("good", "bad", "neither", "taken back"):
             return None
         return strip_of(self.session, press, chosen.delay, recorded=chosen.recorded)
 
@@ -297,7 +299,7 @@ class Viewing:
         return marks
 
     def _piece(self, step: int) -> int:
-        return self.session.step_taken(step).detail["piece"]
+        return PlacedPiece.of(self.session.step_taken(step)).piece
 
     def _candidates_of(self, step: int, board: Board) -> tuple[tuple[int, int], ...]:
         from core.tetris.afterstate import Tetris, TetrisState  # here, not above: compiled code comes with it
@@ -318,8 +320,8 @@ class Viewing:
         """Return f(R, H) of each option at a step of Keepaway.
 
         Returns:
-            For each keeper a share of the best, a figure, and whether it was chosen. The bar of holding the
-            ball is the deciding keeper's own.
+            For each keeper a fraction of the best, a figure, and whether it was chosen. The bar of holding
+            the ball is the deciding keeper's own.
         """
         thought = self.own_thought(step) if step >= 0 else None
         if thought is None:
@@ -342,7 +344,7 @@ class Viewing:
         row, mates = self.drawn_receivers()
         if row != step:
             return {}
-        keeper = self.session.step_taken(step).detail["keeper"]
+        keeper = ChosenOption.of(self.session.step_taken(step)).keeper
         return {HOLD: keeper, **dict(enumerate(mates, HOLD + 1))}
 
     # --- tags -----------------------------------------------------------------------------------------------
@@ -368,7 +370,7 @@ class Viewing:
             "step": int(steps["number"][moment.step]) if moment.step >= 0 else "",
             "frame": int(frames["number"][moment.frame]) if moment.frame >= 0 else "",
             "last_press": int(self.session.presses["number"][row]) if row >= 0 else "",
-            "last_press_was": self.session.press(row).words if row >= 0 else "",
+            "last_press_was": self.session.press_at(row).words if row >= 0 else "",
             "weight": float(games["weight"][moment.game]) if moment.game >= 0 else "",
         }
 

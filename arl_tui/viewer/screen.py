@@ -394,7 +394,7 @@ class ViewerScreen(Screen[str], inherit_bindings=False):
         self.set_focus(None)
         if what == "press":
             number = int(event.value) if event.value.strip().isdecimal() else 0
-            if not self.transport.press(number):
+            if not self.transport.go_to_press(number):
                 self.say(f"There are presses 1 to {len(self.session.times('press'))}")
         elif event.value.strip():
             self._keep_note(event.value.strip())

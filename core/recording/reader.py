@@ -246,8 +246,7 @@ class _Reading:
         raise self._wrong(
             number,
             "a second header: two recordings were joined. Split them before this line: `head -n "
-            f"{number - 1}` and "
-            f"`tail -n +{number}` give one each",
+            f"{number - 1}` and `tail -n +{number}` give one each",
         )
 
     def _header(self, line: bytes) -> Header:
@@ -270,10 +269,9 @@ class _Reading:
         if missing:
             raise self._wrong(
                 1,
-                f"the header was changed after it was recorded: {' and '.join(missing)} was taken out, "
-                "and the chain "
-                f"cannot be checked any more. {TAKE_THE_ORIGINAL}; `arl recordings --publish DIR` makes "
-                "copies without dates",
+                f"the header was changed after it was recorded: {' and '.join(missing)} was taken out, and "
+                f"the chain cannot be checked any more. {TAKE_THE_ORIGINAL}; `arl recordings --publish DIR` "
+                "makes copies without dates",
             )
         header = self._decode(1, line, VERSION)
         assert isinstance(header, Header), "its type was looked at"
@@ -383,9 +381,8 @@ def _broken(number: int, payload: bytes, digits: bytes) -> str:
                     f"{TAKE_THE_ORIGINAL}"
                 )
         return (
-            "the line's chain does not follow from it: the header was changed after it was recorded (a "
-            "date, a code, a "
-            f"version?). {TAKE_THE_ORIGINAL}"
+            "the line's chain does not follow from it: the header was changed after it was recorded (a date, "
+            f"a code, a version?). {TAKE_THE_ORIGINAL}"
         )
     return (
         "the line's chain does not follow from the lines before it: this line was changed, or one before "

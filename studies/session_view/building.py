@@ -159,7 +159,7 @@ class Building:
         self._step = -2
         self.tables["episodes"].add(
             offset, record.time_ns, -1, record.episode_seed, record.episode, self._n_steps, -1,
-            record.policy, record.form, -1, record.w_r, trust, record.weight, record.share, np.nan, np.nan, -1, -1,  # noqa: E501
+            record.policy, record.form, -1, record.w_r, trust, record.weight, record.handover, np.nan, np.nan, -1, -1,  # noqa: E501
         )  # fmt: skip
 
     def _finish(self, record: EpisodeEnded) -> None:

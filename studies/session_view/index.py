@@ -24,7 +24,7 @@ from core.recording.version_1 import with_schedules
 from studies.session_view.building import Building
 from studies.session_view.tables import Contents, Rows, read_tables, write_tables
 
-INDEX_VERSION: Final = 1
+INDEX_VERSION: Final = 2
 SUFFIX: Final = ".index"
 STEP_BEGINS: Final = b'{"type":"step-taken"'
 STRETCH: Final = 1 << 20
@@ -36,7 +36,7 @@ WORTH_PARTS = 1 << 24
 _decoder = msgspec.json.Decoder(Line)
 
 OnProgress = Callable[[float], None]
-"""Is told which share of the file has been read, in [0, 1]."""
+"""Is told which fraction of the file has been read, in [0, 1]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,7 +86,7 @@ class Index:
         return found
 
 
-def open_index(path: Path, *, on_progress: OnProgress = lambda share: None) -> Index:
+def open_index(path: Path, *, on_progress: OnProgress = lambda fraction: None) -> Index:
     """Open the index of a recording; build it where there is none, or where it is of another state of the
     file.
 
@@ -247,7 +247,7 @@ def first_part(path: Path) -> Index | None:
         return None
     building = Building()
     try:
-        _read(path, building, lambda share: None, up_to=FIRST_PART)
+        _read(path, building, lambda fraction: None, up_to=FIRST_PART)
         with _possible(path, 0):
             facts = building.facts(None, ())
         with tempfile.TemporaryDirectory(prefix="arl-watch-") as folder:

@@ -14,6 +14,10 @@ import pyte
 COLUMNS, LINES = 80, 24
 TROUBLE = "had to end early"
 """What the last screen says when something failed."""
+START = "Enter  to start, "
+"""What the first page of a session says."""
+ASKS_AGAIN = "Ready. "
+"""What it says when getting ready took longer than a participant can be expected to have waited."""
 PATIENCE_S = 600.0
 """Compiling everything for the first time takes a minute, and many on a busy machine; nobody waits longer
 than they must."""
@@ -117,22 +121,25 @@ class Terminal:
                 raise AssertionError(f"the program ended before {texts} was seen:\n{self.text}")
         raise AssertionError(f"{texts} was not seen within {patience_s:.0f} s:\n{self.text}")
 
-    def start(self) -> None:
-        """Press Enter on the first page, and wait for the first game.
-
-        A machine that takes long to get ready asks for Enter again: nobody may be there any more.
-        """
-        self.wait_for("Enter  to start, ")
-        self.press("\r")
-        while self.wait_for("Game 1", "Ready. ") != "Game 1":
-            self.press("\r")
-            self.pump(1.0)
-
     def press(self, keys: str) -> int:
         """Write keys to the terminal; return the time just before, ns of the monotonic clock."""
         now_ns = time.monotonic_ns()
         os.write(self.child.child_fd, keys.encode())
         return now_ns
+
+    def begin(self, *seen: str) -> str:
+        """Start the session from its first page, and read until one of the texts is seen; return which.
+
+        A game begins only in front of a participant: where getting ready took longer than a few seconds, the
+        page asks for the start key once more.
+        """
+        self.wait_for(START)
+        self.press("\r")
+        if self.wait_for(ASKS_AGAIN, *seen) == ASKS_AGAIN:
+            self.press("\r")
+        while ASKS_AGAIN in self.text:
+            assert self.pump(), self.text
+        return self.wait_for(*seen)
 
     def wait_for_exit(self, patience_s: float = PATIENCE_S) -> int:
         """Read to the end; return the exit status."""

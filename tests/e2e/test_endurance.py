@@ -116,7 +116,7 @@ def play_for(game: str, duration_s: float, every_s: float, tmp_path: Path) -> No
     (tmp_path / "endurance.toml").write_text(PROTOCOL + GAME_SETTINGS[game])
     arguments = ("play", game, "--protocol", "endurance.toml", "--seed", "1", "--recordings", "r")
     with Terminal(*arguments, cwd=tmp_path) as terminal:
-        terminal.start()
+        terminal.begin("Game 1")
         (path,) = (tmp_path / "r").glob("*.jsonl")
         pids = {terminal.child.pid, worker_of(terminal.child.pid)}
         with path.open("rb") as growing:

@@ -31,7 +31,7 @@ def play(tmp_path: Path, protocol_file: Path, *more: str) -> Terminal:
 
 
 def start(terminal: Terminal) -> None:
-    terminal.start()
+    terminal.begin("Game 1")
 
 
 def the_recording(tmp_path: Path) -> Recording:

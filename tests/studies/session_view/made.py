@@ -60,7 +60,7 @@ def started(time_ns: int, episode: int = 0) -> EpisodeStarted:
         w_r=1.0,
         trust=0.0,
         weight=0.25,
-        share=0.0,
+        handover=0.0,
     )
 
 

@@ -57,7 +57,7 @@ def same(session: SessionView, path: Path) -> None:
     assert [session.step_taken(row) for row in range(len(session.steps))] == of[StepTaken]
     assert [session.game_started(row) for row in range(len(session.games))] == of[EpisodeStarted]
     for row, event in enumerate(of[KeyPressed]):
-        press = session.press(row)
+        press = session.press_at(row)
         assert (press.number, press.time_ns, press.key, press.step) == (
             event.press,
             event.time_ns,
