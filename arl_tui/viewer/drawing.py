@@ -3,8 +3,8 @@
 from rich.style import Style
 
 from arl_tui.viewer.boards import BLAMED, CANDIDATE, PRAISED, WHAT_IF, bar
+from arl_tui.viewer.looks import Look
 from arl_tui.viewer.panels import Detail, beside, thought_lines
-from arl_tui.viewer.pictures import Look
 from arl_tui.viewer.reading import Viewing
 from arl_tui.viewer.rows import BOLD, DIM, Run
 from arl_tui.viewer.timeline import clock_text

@@ -1,17 +1,22 @@
 """What was on screen at a moment of a recording, drawn by the renderer that drew the session."""
 
-from dataclasses import dataclass, field
+import textwrap
 from typing import Final, Protocol
 
 import msgspec
 from msgspec import UNSET
 
+from arl_tui.games.registry import screens_of
 from arl_tui.games.rendering import TickView
 from arl_tui.games.tetris.renderer import TetrisRenderer
+from arl_tui.viewer.looks import Board, Look, tick_number
+from arl_tui.viewer.rendered import RenderedPictures
 from core.events import StepTaken
 from core.feedback.keys import NS_PER_MS
 from core.keepaway.pitch import KeepawayConfig
-from core.plugins import View
+from core.plugins import GameError, View
+from core.registry import game_of
+from core.session.protocol import Protocol as SessionProtocol
 from core.tetris.action import PlacedPiece
 from core.tetris.config import TetrisConfig
 from core.tetris.game import Board as BitBoard
@@ -25,34 +30,6 @@ KEPT_EVERY: Final = 64
 """Of so many boards of a game one is kept, from which the others are found."""
 LOOK_BACK: Final = 24
 """Pieces of an imported log that are followed back to tell which cell belongs to which piece."""
-Ids = tuple[tuple[int, ...], ...]
-"""Rows from the bottom; for each cell the number of the step that placed it, -1 where nobody knows."""
-
-
-@dataclass(frozen=True, slots=True)
-class Look:
-    """A picture, and what the marks on it need."""
-
-    view: View | None
-    """None where nothing was on screen."""
-    words: str = ""
-    """Why there is no picture, or what is unusual about it."""
-    before: "Board | None" = None
-    """Tetris: the board on which the step on screen was decided."""
-    ids: Ids = field(default=())
-    """Tetris: which step placed which settled cell of the picture."""
-
-
-@dataclass(frozen=True, slots=True)
-class Board:
-    """A board of Tetris at rest."""
-
-    wall: Wall
-    ids: Ids
-    lines: int
-    pieces: int
-    columns: BitBoard
-    """The wall as the learner sees it."""
 
 
 def board_of(wall: Wall, lines: int, pieces: int) -> Board:
@@ -79,7 +56,16 @@ def pictures_of(session: SessionView) -> Pictures:
         case TetrisConfig() as board:
             return BoardPictures(session, board, protocol.screen.tick_ms * NS_PER_MS)
         case _:
-            return NoPictures("The viewer draws Tetris and Keepaway\nonly; press, credit and weight are here")
+            return _rendered(session, protocol)
+
+
+def _rendered(session: SessionView, protocol: SessionProtocol) -> Pictures:
+    """Return what draws a game that came as a plug-in, or why it cannot be drawn here."""
+    try:
+        domain = game_of(protocol).domain(protocol)
+        return RenderedPictures(session, screens_of(protocol).renderer(protocol), domain)
+    except GameError as error:
+        return NoPictures("\n".join(textwrap.wrap(str(error), 38)))
 
 
 class NoPictures:
@@ -91,25 +77,6 @@ class NoPictures:
     def at(self, moment: Moment) -> Look:
         """Return no picture, and why."""
         return Look(None, self._reason)
-
-
-def tick_number(session: SessionView, moment: Moment, n_ticks: int, tick_ns: int) -> int:
-    """Return which of a step's pictures was on screen.
-
-    A live session records every picture as a frame: where all of them reached the terminal, they are counted.
-    Where some did not, or where only the first is recorded (simulated and imported sessions), time on screen
-    tells.
-    """
-    frame, frames = moment.frame, session.frames
-    n_frames = session.frames_of(moment.step) if moment.step >= 0 else 0
-    if n_frames == n_ticks:
-        while frame > 0 and frames["nth"][frame] < 0:
-            frame -= 1
-        return int(frames["nth"][frame])
-    visible_ns = moment.visible_ns
-    if n_frames > 1:
-        visible_ns = session.at(int(frames["time"][moment.frame])).visible_ns + tick_ns // 2
-    return min(max(visible_ns // tick_ns, 0), n_ticks - 1)
 
 
 class BoardPictures:

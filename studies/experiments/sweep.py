@@ -90,6 +90,7 @@ MODULES: dict[str, str] = {
     "robustness": "studies.experiments.robustness",
     "robustness-keepaway": "studies.experiments.keepaway_robustness",
     "credit": "studies.experiments.credit",
+    "mountain-car": "studies.experiments.mountain_car",
 }
 """Where each experiment is: a module with `EXPERIMENT` and `report(results) -> Page`. Imported when asked
 for."""
@@ -129,7 +130,8 @@ def experiment_module(name: str) -> Any:
     else:
         raise ValueError(
             f"no experiment {name!r}: there are {', '.join(MODULES)}; one of your own is named by its file "
-            "(my.py) or module (my_package.my)"
+            f"(my.py) or "
+            "module (my_package.my)"
         )
     if not hasattr(module, "EXPERIMENT"):
         raise ValueError(

@@ -24,7 +24,8 @@ class EnvWidget(CoverableWidget, inherit_bindings=False, can_focus=False):
     """Draws what an environment draws of itself."""
 
     DEFAULT_CSS = """
-    EnvWidget { width: 44; height: 22; border: round $foreground 40%; border-title-align: center; }
+    EnvWidget { width: 44; height: 22; max-height: 100%;
+        border: round $foreground 40%; border-title-align: center; border-subtitle-align: center; }
     """
 
     def __init__(self) -> None:
@@ -104,6 +105,8 @@ class GymnasiumPanel:
         view = picture.view
         assert isinstance(view, EnvPicture), "a worker that plays Gymnasium sends its pictures"
         self.widget.show(view, picture.number)
+        # Where nothing stands beside it, as in the viewer, the border says it.
+        self.widget.border_subtitle = f"step {view.steps}, reward {view.reward:.4g}"
         self._figures.update(
             f"{tr('Game'):<11}{tr('{done} of {all}', done=progress.episode, all=progress.episodes)}\n"
             f"{tr('Step'):<11}{view.steps}\n{tr('Reward'):<11}{view.reward:.4g}"

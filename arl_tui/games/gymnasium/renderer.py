@@ -87,7 +87,7 @@ def smaller(picture: Any) -> Any:
 
 def _drawing(env: str) -> Any:
     problems = []
-    from core.interop.gymnasium.game import make_env  # here, not above: compiled code comes with it
+    from core.interop.gymnasium.environments import make_env  # here, not above: compiled code comes with it
 
     for mode in ("rgb_array", "ansi"):
         try:
