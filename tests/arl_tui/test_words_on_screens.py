@@ -13,7 +13,7 @@ from textual.screen import Screen
 
 from arl_tui import language
 from arl_tui.app.link import Preparing, TakenFor
-from arl_tui.app.outcome import Outcome
+from arl_tui.app.outcome import SessionOutcome
 from arl_tui.app.plain_app import PlainApp
 from arl_tui.app.tally import Tally
 from arl_tui.calibration import pages as calibration
@@ -24,15 +24,15 @@ from arl_tui.games.registry import BUILT_IN, words_of
 from arl_tui.language import later, tr
 from arl_tui.screens.closing import ClosingScreen
 from arl_tui.screens.covers import HelpScreen, PauseScreen, SmallWindowScreen, StopScreen
-from arl_tui.screens.practice import PracticeScreen
+from arl_tui.screens.practice import PracticeHelp, PracticeScreen
+from arl_tui.screens.practice_keepaway import ENDS, KeeperHelp
 from arl_tui.screens.welcome import WelcomeScreen
 from arl_tui.study import pages as study
 from arl_tui.study import words as study_words
 from arl_tui.study.question_pages import QuestionPage
 from arl_tui.widgets.pitch_drawing import caption_of
-from core.feedback.keys import KeyConfig
 from core.keepaway.picture import PitchFrame, PlayerView
-from core.keepaway.pitch import OUT, TAKEN
+from core.keepaway.pitch import END_REASONS, OUT, TAKEN
 from core.numerics.clock import ManualClock
 from core.recording.recorder import Kept
 from core.session.protocol import DEFAULTS, Protocol
@@ -122,25 +122,32 @@ PAGES: dict[str, Callable[[], Screen]] = {
     "welcome-going-on": welcome("tetris", games_done=1),
     "welcome-wrong": welcome("tetris", wrong=0.1),
     "welcome-simulated": welcome("tetris", simulated=True),
-    **{f"help-{game}": lambda game=game: HelpScreen(KeyConfig(), words_of(game).rules) for game in BUILT_IN},
+    **{
+        f"help-{game}": lambda game=game: HelpScreen(DEFAULTS[game], words_of(game).rules)
+        for game in BUILT_IN
+    },
     "pause": lambda: PauseScreen(gap_s=12.0),
     "stop": StopScreen,
     "small-window": lambda: SmallWindowScreen(Size(90, 30)),
     "closing": lambda: ClosingScreen(
-        Outcome(Path("x"), TALLY, kept=Kept(recorded=9, written=9, synced=9)),
+        SessionOutcome(Path("x"), TALLY, kept=Kept(recorded=9, written=9, synced=9)),
         words_of("tetris"),
         show_weight=True,
     ),
-    "closing-practice": lambda: ClosingScreen(Outcome(Path("x"), TALLY), words_of("keepaway"), practice=True),
-    "closing-lost": lambda: ClosingScreen(
-        Outcome(Path("x"), TALLY, kept=Kept(recorded=9, written=7, synced=5)), words_of("gymnasium")
+    "closing-practice": lambda: ClosingScreen(
+        SessionOutcome(Path("x"), TALLY), words_of("keepaway"), practice=True
     ),
-    "closing-nothing": lambda: ClosingScreen(Outcome(None, Tally()), words_of("tetris")),
+    "closing-lost": lambda: ClosingScreen(
+        SessionOutcome(Path("x"), TALLY, kept=Kept(recorded=9, written=7, synced=5)), words_of("gymnasium")
+    ),
+    "closing-nothing": lambda: ClosingScreen(SessionOutcome(None, Tally()), words_of("tetris")),
     "play-yourself": PracticeScreen,
+    "help-yourself-tetris": lambda: PracticeHelp(3),
+    "help-yourself-keepaway": lambda: KeeperHelp(3, 3),
     "hindrance": lambda: calibration.HindrancePage(
         [later("a network connection (SSH)"), later("a terminal multiplexer (tmux)")]
     ),
-    "old": lambda: calibration.OldSittingPage(Unfinished(tuple(PARTS), 3, 30.0)),
+    "old": lambda: calibration.OldSessionPage(Unfinished(tuple(PARTS), 3, 30.0)),
     "calibration": lambda: calibration.WelcomePage(PARTS[:3], "P01", resumed=True),
     **{
         f"instruction-{name}": lambda part=part: calibration.InstructionPage(
@@ -217,14 +224,14 @@ async def test_no_word_of_a_session_is_outside_the_catalogue(
     monkeypatch.setattr("arl_tui.app.gaps.GapWatch.look", lambda self: None)  # a busy machine is no gap
     app = app_for(protocol, link, tmp_path)
     async with app.run_test(size=(120, 40)) as pilot:
-        link.say(Preparing(compiled=3, needed=10, share=0.3))
+        link.say(Preparing(compiled=3, needed=10, fraction=0.3))
         await settle(pilot)
         assert latin(drawn(app)) == []
         worker = await begin(pilot, link, protocol, steps=1)
         for key in ("j", "j", "f", "x", "u"):
             await pilot.press(key)
             if key == "j":
-                link.say(TakenFor(press=0, value=1.0, step=0, blocks=((0, 0),)))
+                link.say(TakenFor(press=0, value=1.0, step=0, place=((0, 0),)))
             await settle(pilot)
             assert latin(drawn(app)) == [], key
         app.play.feedback.show_saving(True)
@@ -234,7 +241,7 @@ async def test_no_word_of_a_session_is_outside_the_catalogue(
         assert latin(drawn(app)) == []
         app.play.show_silence(None)
         link.say(episode_ended())
-        worker.show(1, worker.stage.picture)
+        worker.show(1, worker.renderer.picture)
         await settle(pilot)
         assert latin(drawn(app)) == []
 
@@ -291,6 +298,10 @@ def test_captions_of_the_pitch_are_those_of_the_picture(changes: dict, caption: 
     language.use("de")
     assert caption_of(frame) == caption
     language.use("en")
+
+
+def test_the_ends_of_an_episode_are_those_of_the_game():
+    assert ENDS == END_REASONS
 
 
 def test_the_ends_of_a_likert_row_are_those_of_the_question():
