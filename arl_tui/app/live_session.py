@@ -18,6 +18,7 @@ from arl_tui.app.link import (
     FromWorker,
     Link,
     Picture,
+    Practised,
     Preparing,
     PressSuggested,
     Ready,
@@ -49,7 +50,7 @@ from core.numerics.clock import NS_PER_S, Clock
 from core.recording.joined import latest_ns
 
 Cover = Literal["pause", "help", "quit-dialogue", "resize", "gap", "count-down"]
-Occurrence = Event | Picture | PressSuggested | Preparing | Ready | TakenFor
+Occurrence = Event | Picture | PressSuggested | Practised | Preparing | Ready | TakenFor
 
 
 class EventSink(Protocol):
@@ -315,7 +316,7 @@ class LiveSession:
             self._worker_error = f"{message.error}\n\n{message.trace}"
         elif isinstance(message, TakenFor):
             self._note_taken(message)
-        elif isinstance(message, Picture | PressSuggested | Preparing):
+        elif isinstance(message, Picture | PressSuggested | Practised | Preparing):
             self._listener(message)
         elif isinstance(message, Ready):
             self.ready = True

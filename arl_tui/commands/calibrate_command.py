@@ -5,7 +5,7 @@ from typing import Literal
 
 import click
 
-from arl_tui.command_line import FILE, pseudonym, recordings_option, seed_option
+from arl_tui.command_line import FILE, pseudonym, recordings_option, seed_option, theme_option
 
 
 @click.command(short_help="Measure how long a participant takes to react and to judge.")
@@ -39,6 +39,7 @@ from arl_tui.command_line import FILE, pseudonym, recordings_option, seed_option
     is_flag=True,
     help="Measure nothing: fit the newest finished trials again, pooled with everybody there is by now.",
 )
+@theme_option
 def calibrate(
     participant: str,
     tasks: str,

@@ -11,7 +11,7 @@ from textual.screen import Screen
 from textual.widgets import Static
 
 from arl_tui.app.gaps import length_s
-from arl_tui.app.link import Picture, Preparing, TakenFor
+from arl_tui.app.link import Picture, Practised, Preparing, TakenFor
 from arl_tui.app.live_session import Cover, LiveSession, Occurrence
 from arl_tui.app.outcome import SessionControls
 from arl_tui.app.tally import weight_in_use
@@ -19,8 +19,15 @@ from arl_tui.games.panel import Progress
 from arl_tui.games.registry import screens_of, words_of
 from arl_tui.palette import Palette
 from arl_tui.screens.count_down import CountDown
-from arl_tui.screens.covers import HelpScreen, PauseScreen, SmallWindowScreen, StopScreen, fits_into
-from arl_tui.screens.page import Page, session_keys
+from arl_tui.screens.covers import (
+    BreakScreen,
+    HelpScreen,
+    PauseScreen,
+    SmallWindowScreen,
+    StopScreen,
+    fits_into,
+)
+from arl_tui.screens.page import Page, bar, session_keys
 from arl_tui.widgets.feedback_bar import FeedbackBar
 from core.events import (
     EpisodeEnded,
@@ -43,14 +50,9 @@ COMMANDS: dict[str, tuple[str, str]] = {
 }
 
 
-BAR_WIDTH = 20
-"""Cells."""
-
-
-def bar(share: float) -> str:
-    """Return a bar for a share in [0, 1], and the share in per cent."""
-    done = round(share * BAR_WIDTH)
-    return f"{'━' * done}[dim]{'─' * (BAR_WIDTH - done)}[/] {share:.0%}"
+MOVES_S = 0.5
+"""How often something moves while unseen episodes are played, seconds."""
+MOVING = "◐◓◑◒"
 
 
 class PlayScreen(Screen[None], inherit_bindings=False):
@@ -63,23 +65,28 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         Binding(COMMANDS["leave"][1], "leave", "Stop", id="play.stop", tooltip="Stop the session"),
     ]
 
-    def __init__(self, protocol: Protocol, live: LiveSession, palette: Palette) -> None:
+    def __init__(self, protocol: Protocol, live: LiveSession, palette: Palette, *, part: str = "") -> None:
         """Draw a session that has not begun.
 
         Args:
             protocol: size of the board, keys, number of games.
             live: the session; asked only to cover and uncover.
             palette: colours of the game.
+            part: where in a visit the session is, in words ("Block 2 of 3").
         """
         super().__init__()
         self.scene = screens_of(protocol).panel(protocol, palette)
         self.add_class(f"-{protocol.game}")
+        if part:
+            self.scene.part(part)
         self.feedback = FeedbackBar(protocol.keys)
+        self.feedback.rest(True)
         self._status = Static(id="status")
         self._keys = protocol.keys
         self._words = words_of(protocol.game)
         self._episodes = protocol.session.episodes
         self._unseen = protocol.session.unseen_between
+        self._unseen_before = protocol.session.unseen_before
         self._live = live
         self._picture: Picture | None = None
         self._watched = 0
@@ -88,8 +95,15 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         self._human_weights: list[float] = []
         """In use, one per game so far; empty where they are not to be seen."""
         self._shows_weight = protocol.screen.show_weight
+        self._stretch, self._block = protocol.screen.games_per_stretch, protocol.screen.games_per_block
         self._counts = protocol.screen.count_down_s > 0
         self._count_down = CountDown(self, self.scene.stage(), protocol.screen.count_down_s)
+        self._practised: Practised | None = None
+        """How far the unseen episodes are; None while none are played."""
+        self._result = ""
+        """How the last game went, in words."""
+        self._moving = not protocol.screen.reduced_motion
+        self._moved = 0
         self._said = ""
         self._silence_shown = False
         self._disk_failed = False
@@ -107,6 +121,14 @@ class PlayScreen(Screen[None], inherit_bindings=False):
                 yield self._status
         yield Static(session_keys(self._keys), id="session-keys")
 
+    def on_mount(self) -> None:
+        """Let something move while unseen episodes are played, also before the first game."""
+        before = self._unseen if self._watched else self._unseen_before
+        if before:
+            self._practised = Practised(done=0, count=before)
+            self._tell_practised()
+        self.set_interval(MOVES_S, self._move)
+
     # --- what happens ---------------------------------------------------------------------------------------
 
     def show(self, occurrence: Occurrence) -> None:
@@ -121,7 +143,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
             case PressRetracted():
                 self.scene.unmark()
                 self.feedback.show_retraction(occurrence, self._live.presses_left)
-                self.scene.presses_left(self._live.presses_left)
+                self._tell_presses_left()
             case WrongPressAsked():
                 self.feedback.ask_wrong(True)
             case EpisodeStarted():
@@ -129,11 +151,18 @@ class PlayScreen(Screen[None], inherit_bindings=False):
             case EpisodeEnded():
                 self._end_episode(occurrence)
             case Preparing(share=share) if self._live.phase == "running":
-                self._say(f"One moment, this first time:\n{bar(share)}")
+                self._practised = None
+                self._moved += 1
+                self._say(f"{self._sign()} One moment, this first time:\n{bar(share)}")
+            case Practised():
+                self._practised = occurrence
+                self._tell_practised()
             case TimeGap():
                 self._lay_over(PauseScreen(gap_s=length_s(occurrence)), "gap")
             case StopAsked() | SessionEnded():
                 self._count_down.stop()
+                self.feedback.rest(True)
+                self._practised = None
                 self._say("Stopping: everything is being saved ...")
 
     def go_on_after(self, outputs: Iterable[Output]) -> None:
@@ -162,7 +191,12 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         if press.verdict != "other" or not is_command:
             self.feedback.show_press(press, self._live.presses_left)
         self.feedback.ask_wrong(self._live.gate.wrong_asked)
-        self.scene.presses_left(self._live.presses_left)
+        self._tell_presses_left()
+
+    def _tell_presses_left(self) -> None:
+        """Say it at the game, as long as there is something to judge."""
+        if self._playing:
+            self.scene.presses_left(self._live.presses_left)
 
     def _begin_episode(self, episode: EpisodeStarted) -> None:
         self._watched += 1
@@ -170,37 +204,65 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         if self._shows_weight:
             self._human_weights.append(weight_in_use(episode))
         self.feedback.begin_episode(self._live.presses_left)
-        self.scene.presses_left(self._live.presses_left)
+        self._tell_presses_left()
         self.scene.title(f"Game {self._watched}")
         self.scene.unmark()
+        self._practised = None
         self._say("")
-        if not self._live.gate.covered:  # a page lies over the game: the count-down comes when it is left
+        self.feedback.rest(self._live.gate.covered)
+        if self._live.gate.covered:
+            return  # a page lies over the game: the count-down comes when it is left
+        done = self._watched - 1
+        if self._block and done and done % self._block == 0:
+            self._lay_over(BreakScreen(done, self._episodes), "pause")
+        elif done % self._stretch == 0:
             self._count()
 
     def _count(self) -> None:
-        """Count down; no step is on screen meanwhile."""
+        """Count down; no step is on screen meanwhile, and no press is asked for."""
         if not self._counts:
             return
         self._live.count_down()
+        self.feedback.rest(True)
         self._count_down.start(f"Game {self._watched}", self._go_on)
 
     def _go_on(self) -> None:
         """Let the game go on, and draw once more: what was drawn before came too early to count."""
         self._live.uncover()
+        self.feedback.rest(not self._playing)
         self.scene.refresh()
 
     def _end_episode(self, episode: EpisodeEnded) -> None:
         self._playing = False
+        self.feedback.rest(True)
+        self.scene.presses_left(None)
         lines = self._words.told(episode.performance)
         self.scene.title("Game over" if episode.ended == "termination" else "End of this game")
         if self._watched >= self._episodes or self._live.phase != "running":
             self._say(f"That was the last game: {lines}.")
         elif self._unseen:
-            self._say(
-                f"{lines}. Before the next game, the computer\npractises {self._unseen} games on its own."
-            )
+            self._result = f"{lines}."
+            self._practised, self._moved = Practised(done=0, count=self._unseen), 0
+            self._tell_practised()
         else:
             self._say(f"{lines}. The next game is about to begin.")
+
+    def _tell_practised(self) -> None:
+        """Say how many of the unseen games are played: the share is true, and the sign moves meanwhile."""
+        far = self._practised
+        if far is None or self._silence_shown:
+            return
+        told = f"{self._sign()} Practising: {far.done} of {far.count} games\n{bar(far.done / far.count)}"
+        self._say(f"{self._result}\n{told}".strip())
+
+    def _sign(self) -> str:
+        """Return what says that the program goes on: a sign that turns, or the seconds."""
+        return MOVING[self._moved % len(MOVING)] if self._moving else f"{int(self._moved * MOVES_S)} s"
+
+    def _move(self) -> None:
+        if self._practised is not None:
+            self._moved += 1
+            self._tell_practised()
 
     def _say(self, text: str) -> None:
         if self._disk_failed:

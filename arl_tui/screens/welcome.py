@@ -41,6 +41,7 @@ class WelcomeScreen(Page):
         simulated: bool,
         games_done: int = 0,
         practice: bool = False,
+        part: str = "",
         clock: Clock | None = None,
     ) -> None:
         """Prepare.
@@ -51,6 +52,7 @@ class WelcomeScreen(Page):
             simulated: a simulated participant presses keys, too.
             games_done: watched games that were finished before the session broke off.
             practice: nothing counts.
+            part: where in a visit the session is, in words ("Block 2 of 3").
             clock: tells how long ago the start key was pressed.
         """
         super().__init__()
@@ -58,7 +60,7 @@ class WelcomeScreen(Page):
         self._practice = practice
         self._protocol = protocol
         self._words = words_of(protocol.game)
-        self.HEADING = self._words.heading
+        self.HEADING = f"{self._words.heading}  -  {part}" if part else self._words.heading
         self._participant = participant
         self._simulated = simulated
         self._clock = clock or MonotonicClock()
@@ -102,7 +104,9 @@ class WelcomeScreen(Page):
             "code[/] "
             f"[b]{self._participant}[/][dim]. You can pause or stop at any time.[/]"
         )
-        yield Static(id="pace")
+        pace = Static(id="pace")
+        pace.display = False  # an empty line would not fit into the smallest window
+        yield pace
         yield Static(id="call", classes="call")
 
     def on_mount(self) -> None:
@@ -130,7 +134,9 @@ class WelcomeScreen(Page):
         if not self.query("#call"):
             return  # Not laid out yet: `on_mount` comes back here.
         if warning := self._warning():
-            self.query_one("#pace", Static).update(Text(f"For the experimenter: {warning}", style="dim"))
+            pace = self.query_one("#pace", Static)
+            pace.update(Text(f"For the experimenter: {warning}", style="dim"))
+            pace.display = True
             self.query_one("#call").add_class("-close")  # the page is full in the smallest window
         self.query_one("#call", Static).update(self._call())
 

@@ -13,6 +13,7 @@ from textual.screen import Screen
 from textual.widgets import Input
 
 from arl_tui.palette import palette_for
+from arl_tui.themes import theme_in_use
 from arl_tui.viewer.boards import MarkedBoard, MarkedPitch
 from arl_tui.viewer.drawing import NEAR_NS, board_marks, decision_lines, pitch_marks, status_line
 from arl_tui.viewer.help import ViewerHelp
@@ -124,7 +125,12 @@ class ViewerScreen(Screen[str], inherit_bindings=False):
     def compose(self) -> ComposeResult:
         """Lay out the game on the left, everything else beside and below it."""
         colours = self._colours or self.app.console.color_system
-        palette = palette_for("standard", colours, no_color=self.app.no_color and self._colours is None)
+        palette = palette_for(
+            "standard",
+            colours,
+            no_color=self.app.no_color and self._colours is None,
+            theme=theme_in_use(),
+        )
         domain = None if self.session.protocol is None else self.session.protocol.domain
         unit, facts = self.viewing.unit, Facts(self.session)
         with Horizontal(id="upper"):

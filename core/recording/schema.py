@@ -5,7 +5,6 @@ hex digits of the running SHA-256 over all lines so far (without their chains): 
 line is noticed, and where. The format is described for readers of other languages in `recordings/README.md`.
 """
 
-from collections.abc import Mapping
 from typing import Any, Literal
 
 import msgspec
@@ -110,7 +109,24 @@ def encode(line: Line) -> bytes:
 
 
 def to_plain(value: object) -> dict[str, Any]:
-    """Return a configuration as plain JSON types, for `Header.protocol`."""
+    """Return a configuration as plain JSON types, for `Header.protocol`.
+
+    A setting that a table names in `LATER` is left out at its default, so that a session without it is
+    recorded as before there was such a setting.
+    """
     plain = msgspec.to_builtins(value)
-    assert isinstance(plain, Mapping)
-    return dict(plain)
+    assert isinstance(plain, dict)
+    _leave_out_later(value, plain)
+    return plain
+
+
+def _leave_out_later(value: object, plain: object) -> None:
+    if not (isinstance(value, msgspec.Struct) and isinstance(plain, dict)):
+        return
+    later: frozenset[str] = getattr(value, "LATER", frozenset())
+    for field in msgspec.structs.fields(value):
+        held = getattr(value, field.name)
+        if field.name in later and held == field.default:
+            plain.pop(field.encode_name, None)
+        else:
+            _leave_out_later(held, plain.get(field.encode_name))

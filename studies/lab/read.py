@@ -41,6 +41,11 @@ class LoadedStudy:
     protocols: Mapping[str, Protocol]
     """By condition."""
 
+    @property
+    def theme(self) -> str:
+        """Theme of the study's pages: that of its first condition's protocol."""
+        return next(iter(self.protocols.values())).screen.theme
+
     def block_protocol(self, condition: str, step: Block) -> Protocol:
         """Return the protocol of a block. Its name is the study's, so that it says nothing about the
         condition.
@@ -63,6 +68,8 @@ class LoadedStudy:
             tick_ms=min(2000, round(screen.tick_ms * PRACTICE_SLOWER)),
             speed=max(0.05, screen.speed / PRACTICE_SLOWER),
             mark_presses=True,
+            games_per_block=0,
+            games_per_stretch=1,
         )
         keys = msgspec.structs.replace(protocol.keys, wrong_press_rate=0.0)
         if protocol.delay_of != "rule":  # nobody is calibrated yet
