@@ -16,7 +16,7 @@ PAGE_LINES = 10
 """How far the page keys move a text, lines."""
 
 
-class Page(Screen[bool], inherit_bindings=False):
+class PageScreen(Screen[bool], inherit_bindings=False):
     """A titled box in the middle of the screen; opaque, so that a game beneath it is not seen."""
 
     HEADING = ""
@@ -61,10 +61,10 @@ BAR_WIDTH = 20
 """Cells."""
 
 
-def bar(share: float) -> str:
-    """Return a bar for a share in [0, 1], and the share in per cent."""
-    done = round(share * BAR_WIDTH)
-    return f"{'━' * done}[dim]{'─' * (BAR_WIDTH - done)}[/] {share:.0%}"
+def bar(fraction: float) -> str:
+    """Return a bar for a fraction in [0, 1], and the fraction in per cent."""
+    done = round(fraction * BAR_WIDTH)
+    return f"{'━' * done}[dim]{'─' * (BAR_WIDTH - done)}[/] {fraction:.0%}"
 
 
 def key_cap(key: str) -> str:

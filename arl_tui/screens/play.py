@@ -27,7 +27,7 @@ from arl_tui.screens.covers import (
     StopScreen,
     fits_into,
 )
-from arl_tui.screens.page import Page, bar, session_keys
+from arl_tui.screens.page import PageScreen, bar, session_keys
 from arl_tui.widgets.feedback_bar import FeedbackBar
 from core.events import (
     EpisodeEnded,
@@ -75,10 +75,10 @@ class PlayScreen(Screen[None], inherit_bindings=False):
             part: where in a visit the session is, in words ("Block 2 of 3").
         """
         super().__init__()
-        self.scene = screens_of(protocol).panel(protocol, palette)
+        self.panel = screens_of(protocol).panel(protocol, palette)
         self.add_class(f"-{protocol.game}")
         if part:
-            self.scene.part(part)
+            self.panel.part(part)
         self.feedback = FeedbackBar(protocol.keys)
         self.feedback.rest(True)
         self._status = Static(id="status")
@@ -97,7 +97,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         self._shows_weight = protocol.screen.show_weight
         self._stretch, self._block = protocol.screen.games_per_stretch, protocol.screen.games_per_block
         self._counts = protocol.screen.count_down_s > 0
-        self._count_down = CountDown(self, self.scene.stage(), protocol.screen.count_down_s)
+        self._count_down = CountDown(self, self.panel.game_widget(), protocol.screen.count_down_s)
         self._practised: Practised | None = None
         """How far the unseen episodes are; None while none are played."""
         self._result = ""
@@ -112,11 +112,11 @@ class PlayScreen(Screen[None], inherit_bindings=False):
 
     def compose(self) -> ComposeResult:
         """Lay everything out in fixed sizes."""
-        with Horizontal(id="stage"):
-            yield self.scene.stage()
+        with Horizontal(id="play-area"):
+            yield self.panel.game_widget()
             with Vertical(id="side"):
                 with Horizontal(id="figures"):
-                    yield from self.scene.figures()
+                    yield from self.panel.figures()
                 yield self.feedback
                 yield self._status
         yield Static(session_keys(self._keys), id="session-keys")
@@ -139,9 +139,9 @@ class PlayScreen(Screen[None], inherit_bindings=False):
             case KeyPressed():
                 self._show_press(occurrence)
             case TakenFor():
-                self.feedback.show_taken(self.scene.mark(occurrence))
+                self.feedback.show_taken(self.panel.mark(occurrence))
             case PressRetracted():
-                self.scene.unmark()
+                self.panel.unmark()
                 self.feedback.show_retraction(occurrence, self._live.presses_left)
                 self._tell_presses_left()
             case WrongPressAsked():
@@ -150,10 +150,10 @@ class PlayScreen(Screen[None], inherit_bindings=False):
                 self._begin_episode(occurrence)
             case EpisodeEnded():
                 self._end_episode(occurrence)
-            case Preparing(share=share) if self._live.phase == "running":
+            case Preparing(fraction=fraction) if self._live.phase == "running":
                 self._practised = None
                 self._moved += 1
-                self._say(f"{self._sign()} One moment, this first time:\n{bar(share)}")
+                self._say(f"{self._sign()} One moment, this first time:\n{bar(fraction)}")
             case Practised():
                 self._practised = occurrence
                 self._tell_practised()
@@ -175,14 +175,14 @@ class PlayScreen(Screen[None], inherit_bindings=False):
 
     def take_painted(self) -> int | None:
         """Return the step whose picture has been drawn since the last call; None where none has."""
-        drawn = self.scene.take_drawn()
+        drawn = self.panel.take_drawn()
         return self._picture.step if drawn and self._picture is not None else None
 
     def _show_picture(self, picture: Picture) -> None:
         self._picture = picture
         performances = tuple(self._live.tally.performances)
         progress = Progress(max(1, self._watched), self._episodes, tuple(self._human_weights), performances)
-        self.scene.show(picture, progress)
+        self.panel.show(picture, progress)
 
     def _show_press(self, press: KeyPressed) -> None:
         is_command = any(
@@ -196,17 +196,17 @@ class PlayScreen(Screen[None], inherit_bindings=False):
     def _tell_presses_left(self) -> None:
         """Say it at the game, as long as there is something to judge."""
         if self._playing:
-            self.scene.presses_left(self._live.presses_left)
+            self.panel.presses_left(self._live.presses_left)
 
     def _begin_episode(self, episode: EpisodeStarted) -> None:
         self._watched += 1
         self._playing = True
         if self._shows_weight:
             self._human_weights.append(weight_in_use(episode))
-        self.feedback.begin_episode(self._live.presses_left)
+        self.feedback.begin_game(self._live.presses_left)
         self._tell_presses_left()
-        self.scene.title(f"Game {self._watched}")
-        self.scene.unmark()
+        self.panel.title(f"Game {self._watched}")
+        self.panel.unmark()
         self._practised = None
         self._say("")
         self.feedback.rest(self._live.gate.covered)
@@ -230,14 +230,14 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         """Let the game go on, and draw once more: what was drawn before came too early to count."""
         self._live.uncover()
         self.feedback.rest(not self._playing)
-        self.scene.refresh()
+        self.panel.refresh()
 
     def _end_episode(self, episode: EpisodeEnded) -> None:
         self._playing = False
         self.feedback.rest(True)
-        self.scene.presses_left(None)
+        self.panel.presses_left(None)
         lines = self._words.told(episode.performance)
-        self.scene.title("Game over" if episode.ended == "termination" else "End of this game")
+        self.panel.title("Game over" if episode.ended == "termination" else "End of this game")
         if self._watched >= self._episodes or self._live.phase != "running":
             self._say(f"That was the last game: {lines}.")
         elif self._unseen:
@@ -310,12 +310,14 @@ class PlayScreen(Screen[None], inherit_bindings=False):
 
     def on_resize(self, event: events.Resize) -> None:
         """Ask for a larger window where the game does not fit."""
-        if self.is_active and not fits_into(self.scene.needed, event.size):
+        if self.is_active and not fits_into(self.panel.needed, event.size):
             self._lay_over(
-                SmallWindowScreen(self.scene.needed), "resize", lambda large: self._stop_if(large is False)
+                SmallWindowScreen(self.panel.needed), "resize", lambda large: self._stop_if(large is False)
             )
 
-    def _lay_over(self, page: Page, reason: Cover, then: Callable[[bool | None], None] | None = None) -> None:
+    def _lay_over(
+        self, page: PageScreen, reason: Cover, then: Callable[[bool | None], None] | None = None
+    ) -> None:
         if self._count_down.running:
             self._count_down.stop()
             self._live.uncover()

@@ -59,7 +59,7 @@ async def test_the_board_grows_with_the_window(
 ) -> None:
     async with app.run_test(size=size) as pilot:
         await begin(pilot, link, protocol, steps=2)
-        board = app.play.scene.stage()
+        board = app.play.panel.game_widget()
         assert (board.size.width, board.size.height) == (20 * lines, 20 * lines)
         await pilot.resize_terminal(*SIZE)
         await settle(pilot)
@@ -125,7 +125,7 @@ async def test_no_color_gives_textures_and_reaches_the_next_app(
     assert os.environ["NO_COLOR"] == "1"  # a study runs one app after another
     async with app.run_test(size=SIZE) as pilot:
         worker = await begin(pilot, link, protocol, steps=2)
-        assert app.play.scene.board.palette is HIGH_CONTRAST
+        assert app.play.panel.board.palette is HIGH_CONTRAST
         worker.step(2, column=4)
         await settle(pilot)
         text = screen_text(app)
@@ -251,9 +251,9 @@ async def test_games_of_a_stretch_follow_one_another_without_a_count_down(
         worker = await begin(pilot, link, protocol)
         await pilot.pause(1.2)
         await play_games(pilot, link, worker, 1)
-        assert not app.play.scene.stage().covered  # game 2
+        assert not app.play.panel.game_widget().covered  # game 2
         await play_games(pilot, link, worker, 1)
-        assert app.play.scene.stage().covered  # game 3 begins a stretch
+        assert app.play.panel.game_widget().covered  # game 3 begins a stretch
         link.say(episode_ended(), session_ended())
         await settle(pilot)
     reasons = [event.reason for event in recorded(tmp_path).events if isinstance(event, ScreenCleared)]
