@@ -104,6 +104,7 @@ class ArlApp(SessionControls):
             listener=self._on_occurrence,
             on_over=self._on_over,
             earlier=() if setup.kept is None else setup.kept.events,
+            asking=setup.protocol.agent.asking,
         )
         self.live.take_stamps = self._take_stamps
         self.live.gate.reader = self.reader
@@ -258,9 +259,12 @@ class ArlApp(SessionControls):
     def post_display_hook(self) -> None:
         """Note that a picture of the game has just been handed to the terminal's writer."""
         step = self.play.take_painted()
-        if step is None:
+        if self.play.take_question_painted():
+            frame = self.live.question_painted()
+        elif step is None:
             return
-        frame = self.live.painted(step)
+        else:
+            frame = self.live.painted(step)
         if self._flush_clock.running:
             self._flush_clock.mark(frame)
         else:
@@ -395,7 +399,8 @@ def close_recorder(recorder: Recorder, timeout_s: float = CLOSING_S) -> tuple[st
             kept = recorder.kept
             problem = (
                 f"The disk is too slow: all is written, but of {kept.recorded} events only {kept.synced} are "
-                "known to be on the disk. Do not switch the computer off yet"
+                f"known to "
+                "be on the disk. Do not switch the computer off yet"
             )
             return problem, recorder.path
         try:

@@ -12,7 +12,7 @@ from typing import Literal, Self
 
 import msgspec
 
-CoverReason = Literal["pause", "help", "quit-dialogue", "resize", "gap", "count-down"]
+CoverReason = Literal["pause", "help", "quit-dialogue", "resize", "gap", "count-down", "question"]
 """What lay over the game on screen."""
 Verdict = Literal["accepted", "other", "repeat", "no-presses-left", "covered", "not-playing"]
 """What became of a press: only accepted ones are learned from."""
@@ -77,7 +77,8 @@ class ScreenCleared(Record, frozen=True, kw_only=True, tag="screen-cleared"):
     time_ns: int
     reason: CoverReason
     """`gap`: the session paused by itself after a `TimeGap`. `count-down`: a game is about to begin or to go
-    on; the participant sees a number in its place."""
+    on; the participant sees a number in its place. `question`: the agent poses a question (`QuestionPosed`);
+    no later press is credited to what was on screen before."""
 
 
 class KeyPressed(Record, frozen=True, kw_only=True, tag="key-pressed"):
@@ -125,6 +126,25 @@ class WrongPressAsked(Record, frozen=True, kw_only=True, tag="wrong-press-asked"
 
     time_ns: int
     step: int
+
+
+class QuestionAnswered(Record, frozen=True, kw_only=True, tag="question-answered"):
+    """A question of the agent is over: an option was chosen, none was wanted, or time was up."""
+
+    question: int
+    """Number of the question (`QuestionPosed`)."""
+    shown_ns: int
+    """When the options had been handed to the terminal; of several times, because a page lay over them, the
+    last one. `time_ns - shown_ns` is the latency of the answer."""
+    time_ns: int
+    """Of a key the time of its press (`KeyPressed.time_ns`); otherwise when the time was up."""
+    answer: Literal["chosen", "none", "time-limit"]
+    chosen: int = -1
+    """Action that was chosen, one of `QuestionPosed.options`; -1 where none was."""
+    press: int = -1
+    """The key press that gave the answer; -1 where time was up."""
+    person: int = 0
+    """Who answered, as in `KeyPressed.person`."""
 
 
 class Resumed(Record, frozen=True, kw_only=True, tag="resumed"):
@@ -191,6 +211,7 @@ Input = (
     | KeyPressed
     | PressRetracted
     | WrongPressAsked
+    | QuestionAnswered
     | Resumed
     | TimeGap
     | FocusLost
@@ -218,11 +239,10 @@ class EpisodeStarted(Record, frozen=True, kw_only=True, tag="episode-started", r
     w_r: float
     """Weight of the environment's values in this episode."""
     trust: float | None
-    """What the rule of trust said of the participant when the episode began (Eq. 4, 5); None: version 1 did
-    not record it."""
+    """What the rule of trust said of the participant when the episode began (Eq. 4, 5); None: version 1 did not
+    record it."""
     weight: float
-    """Weight w_h of the participant's values that the scheme used in this episode; some do not go by
-    trust."""
+    """Weight w_h of the participant's values that the scheme used in this episode; some do not go by trust."""
     handover: float
     """Probability of handing the choice to the human policy in this episode (control sharing), else 0."""
     shaping: float = 0.0
@@ -256,6 +276,29 @@ class StepTaken(Record, frozen=True, kw_only=True, tag="step-taken"):
     observed: dict[str, list[int]] | None = None
     """State before and after, in the domain's numbers: only in imported recordings, which cannot be
     re-run."""
+
+
+class QuestionPosed(Record, frozen=True, kw_only=True, tag="question-posed"):
+    """The agent asks which of some actions the participant would take (`core.combination.asking`).
+
+    The game stands still until the question is over. The decision that was asked about is the next
+    `StepTaken`; the agent is free to decide otherwise than the answer.
+    """
+
+    question: int
+    """Number of the question in this session, from 0."""
+    episode: int
+    step: int
+    """Number that the decision's step will have."""
+    time_ns: int
+    inputs: int
+    """How many inputs had been taken in before."""
+    options: list[int]
+    """Two or three actions, as in `StepTaken.action`; the first has the first key."""
+    details: list[dict[str, int]]
+    """Each option in the domain's words, as in `StepTaken.detail`."""
+    disagreement: float
+    """How unsure the agent was, in [0, 1] (`core.combination.asking.Question`)."""
 
 
 class EpisodeEnded(Record, frozen=True, kw_only=True, tag="episode-ended"):
@@ -327,5 +370,5 @@ class SessionEnded(Record, frozen=True, kw_only=True, tag="session-ended"):
     digest: str
 
 
-Output = EpisodeStarted | StepTaken | EpisodeEnded | UnseenPlayed | CreditGiven | SessionEnded
+Output = EpisodeStarted | StepTaken | QuestionPosed | EpisodeEnded | UnseenPlayed | CreditGiven | SessionEnded
 Event = Input | Output

@@ -67,6 +67,7 @@ def simulate_session(
         clock,
         game.viewing(protocol),
         others=others,
+        asking=protocol.agent.asking,
     )
     header = Header(
         origin="simulated",

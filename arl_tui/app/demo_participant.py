@@ -6,7 +6,8 @@ The screen makes each suggestion a real key event, so a suggested press takes th
 from typing import TYPE_CHECKING, Any
 
 from arl_tui.app.link import PressSuggested
-from core.events import EpisodeStarted, StepTaken
+from core.events import EpisodeStarted, QuestionPosed, StepTaken
+from core.numerics.clock import NS_PER_S
 from core.session.protocol import Protocol
 
 if TYPE_CHECKING:
@@ -26,6 +27,7 @@ class DemoParticipant:
         self._viewing = game.viewing(protocol)
         self._domain = session.domain
         self._keys = protocol.keys
+        self._asking = protocol.agent.asking
         self._trainer = SimulatedTrainer(protocol.trainer, root_seed=root_seed)
         self._state: Any = None
 
@@ -58,3 +60,12 @@ class DemoParticipant:
         return [
             PressSuggested(key=good if press.value > 0 else bad, time_ns=press.time_ns) for press in presses
         ]
+
+    def answer(self, posed: QuestionPosed, *, shown_ns: int) -> PressSuggested:
+        """Return the press that answers a question which is about to be shown at `shown_ns`."""
+        assert self._state is not None, "an episode starts before its first question"
+        chosen = self._trainer.answer(posed.step, self._oracle(self._state), posed.options)
+        key = self._asking.none_key if chosen is None else self._asking.keys[posed.options.index(chosen)]
+        return PressSuggested(
+            key=key, time_ns=shown_ns + round(self._trainer.answer_delay_s(posed.step) * NS_PER_S)
+        )

@@ -90,6 +90,25 @@ class TakenFor(Record, frozen=True, kw_only=True, tag="taken-for"):
     """Where that step is to be seen now, in the numbers of the game's own renderer and panel; () nowhere."""
 
 
+class OptionPlace(msgspec.Struct, frozen=True, array_like=True):
+    """Where an option of a question is to be seen."""
+
+    blocks: tuple[tuple[int, int], ...] = ()
+    """Tetris: (row from the bottom, column) of the piece at rest."""
+    player: int = -1
+    """Keepaway: the keeper who has the ball."""
+    target: int = -1
+    """Keepaway: the keeper it would be passed to; -1 where it would be held."""
+
+
+class AskNow(Record, frozen=True, kw_only=True, tag="ask-now"):
+    """From the worker: the game stands still, and the question that was posed last is to cover it."""
+
+    question: int
+    places: tuple[OptionPlace, ...]
+    """One per option; empty where the game's pictures have no places for them."""
+
+
 class Crashed(Record, frozen=True, kw_only=True, tag="crashed"):
     """From the worker: its last message."""
 
@@ -107,7 +126,9 @@ ALIVE_EVERY_S = 0.5
 """How often a waiting worker says so, seconds."""
 
 ToWorker = Begin | Input
-FromWorker = Preparing | Practised | Ready | Alive | Picture | PressSuggested | TakenFor | Crashed | Output
+FromWorker = (
+    Preparing | Practised | Ready | Alive | Picture | PressSuggested | TakenFor | AskNow | Crashed | Output
+)
 
 _encoder = msgspec.msgpack.Encoder()
 _to_worker = msgspec.msgpack.Decoder(ToWorker)

@@ -11,8 +11,9 @@ from textual.screen import Screen
 from textual.widgets import Static
 
 from arl_tui.app.gaps import length_s
-from arl_tui.app.link import Picture, Practised, Preparing, TakenFor
+from arl_tui.app.link import AskNow, Picture, Practised, Preparing, TakenFor
 from arl_tui.app.live_session import Cover, LiveSession, Occurrence
+from arl_tui.app.once import after
 from arl_tui.app.outcome import SessionControls
 from arl_tui.app.tally import weight_in_use
 from arl_tui.games.panel import Progress
@@ -28,13 +29,16 @@ from arl_tui.screens.covers import (
     fits_into,
 )
 from arl_tui.screens.page import PageScreen, bar, session_keys
-from arl_tui.widgets.feedback_bar import FeedbackBar
+from arl_tui.screens.question import Questioning
+from arl_tui.widgets.feedback_bar import HOLD_S, FeedbackBar
 from core.events import (
     EpisodeEnded,
     EpisodeStarted,
     KeyPressed,
     Output,
     PressRetracted,
+    QuestionAnswered,
+    QuestionPosed,
     SessionEnded,
     StopAsked,
     TimeGap,
@@ -104,6 +108,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         """How the last game went, in words."""
         self._moving = not protocol.screen.reduced_motion
         self._moved = 0
+        self._questioning = Questioning(self, live, self.panel, self.feedback, protocol)
         self._said = ""
         self._silence_shown = False
         self._disk_failed = False
@@ -118,6 +123,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
                 with Horizontal(id="figures"):
                     yield from self.panel.figures()
                 yield self.feedback
+                yield self._questioning.bar
                 yield self._status
         yield Static(session_keys(self._keys), id="session-keys")
 
@@ -157,12 +163,15 @@ class PlayScreen(Screen[None], inherit_bindings=False):
             case Practised():
                 self._practised = occurrence
                 self._tell_practised()
+            case QuestionPosed() | AskNow() | QuestionAnswered():
+                self._show_question(occurrence)
             case TimeGap():
                 self._lay_over(PauseScreen(gap_s=length_s(occurrence)), "gap")
             case StopAsked() | SessionEnded():
                 self._count_down.stop()
                 self.feedback.rest(True)
                 self._practised = None
+                self._questioning.over()
                 self._say("Stopping: everything is being saved ...")
 
     def go_on_after(self, outputs: Iterable[Output]) -> None:
@@ -184,7 +193,31 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         progress = Progress(max(1, self._watched), self._episodes, tuple(self._human_weights), performances)
         self.panel.show(picture, progress)
 
+    def take_question_painted(self) -> bool:
+        """Return whether the options of a question have been drawn that was not on screen before."""
+        question = self._live.question
+        return question is not None and question.needs_frame and self._questioning.bar.take_drawn()
+
+    def _show_question(self, occurrence: QuestionPosed | AskNow | QuestionAnswered) -> None:
+        match occurrence:
+            case QuestionPosed():
+                self._questioning.announce(occurrence)
+                self._say(self._questioning.coming())
+            case AskNow():
+                self._say("")
+                self._questioning.ask(occurrence)
+            case QuestionAnswered():
+                said = self._questioning.over(occurrence)
+                self._say(said)
+                after(self, HOLD_S, lambda: self._say("" if self._said == said else self._said))
+                self.panel.refresh()
+
     def _show_press(self, press: KeyPressed) -> None:
+        if press.press == self._questioning.answered_press:
+            return
+        if self._questioning.on_screen and press.value is not None:
+            self._questioning.hint()
+            return
         is_command = any(
             (press.read_as or press.key) in (letter, *keys.split(",")) for letter, keys in COMMANDS.values()
         )
@@ -230,6 +263,8 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         """Let the game go on, and draw once more: what was drawn before came too early to count."""
         self._live.uncover()
         self.feedback.rest(not self._playing)
+        if self._questioning.waiting:
+            self._questioning.show()
         self.panel.refresh()
 
     def _end_episode(self, episode: EpisodeEnded) -> None:
@@ -321,6 +356,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         if self._count_down.running:
             self._count_down.stop()
             self._live.uncover()
+        self._questioning.take_down()
         if self._live.phase != "running" or self._live.gate.covered:
             return
         self._live.cover(reason)
@@ -329,7 +365,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
             self._go_on()
             if then is not None:
                 then(answer)
-            if self._live.phase == "running" and self._playing:
+            if self._live.phase == "running" and self._playing and not self._questioning.waiting:
                 self._count()
 
         self.app.push_screen(page, uncover)

@@ -1,7 +1,7 @@
 """The board of Tetris."""
 
 from asyncio import TimerHandle
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import ClassVar
 
 from rich.segment import Segment
@@ -25,7 +25,7 @@ class TetrisBoard(BlockWidget, CoverableWidget):
     what stands around it, it grows with the window, by whole lines per block.
     """
 
-    COMPONENT_CLASSES: ClassVar[set[str]] = {"board--cover"}
+    COMPONENT_CLASSES: ClassVar[set[str]] = {"board--cover", "board--option"}
     DEFAULT_CSS: ClassVar[str] = """
     TetrisBoard {
         width: auto;
@@ -34,6 +34,7 @@ class TetrisBoard(BlockWidget, CoverableWidget):
         border-title-color: $foreground 75%;
         border-title-align: center;
     }
+    TetrisBoard > .board--option { background: $foreground; color: $background; text-style: bold; }
     TetrisBoard > .board--cover { background: $surface; color: $foreground; text-style: bold; }
     """
 
@@ -71,6 +72,8 @@ class TetrisBoard(BlockWidget, CoverableWidget):
         self._mark: tuple[frozenset[int] | None, int] | None = None
         """What is marked (places in the codes; None for the falling piece), and with which code."""
         self._mark_timer: TimerHandle | None = None
+        self._options: dict[int, str] = {}
+        """What is written on a place (in the codes) for the options of a question: two characters."""
         self._due = False
         """Whether a picture is to be drawn, other than for a mark."""
         self._silent = False
@@ -110,8 +113,8 @@ class TetrisBoard(BlockWidget, CoverableWidget):
         """
         if (snapshot.rows, snapshot.columns) != (self.rows, self.columns):
             raise ValueError(
-                f"a board of {self.rows} x {self.columns} cannot show a snapshot of {snapshot.rows} x "
-                f"{snapshot.columns}: make the widget in the size of the game"
+                f"a board of {self.rows} x {self.columns} cannot show a snapshot of "
+                f"{snapshot.rows} x {snapshot.columns}: make the widget in the size of the game"
             )
         if snapshot.cleared:
             self._forget_mark()  # what is above these rows is about to be elsewhere
@@ -159,6 +162,36 @@ class TetrisBoard(BlockWidget, CoverableWidget):
         """Take the mark away."""
         self._forget_mark()
         self._remark(None)
+
+    def pose(self, options: Sequence[tuple[Iterable[tuple[int, int]], str]]) -> None:
+        """Draw the options of a question over the picture; none takes them away.
+
+        Args:
+            options: (row from the bottom, column) of the piece at rest, and the option's key, one character.
+                Where two options share a block both keys stand on it.
+        """
+        keys: dict[int, str] = {}
+        for blocks, key in options:
+            for row, column in blocks:
+                if row < self.rows:
+                    place = (self.rows - 1 - row) * self.columns + column
+                    keys[place] = keys.get(place, "") + key
+        self._options = {place: (held * CELLS_PER_BLOCK)[:CELLS_PER_BLOCK] for place, held in keys.items()}
+        self._silent = not self._due
+        self.refresh()
+
+    def _with_options(self, row: int, strip: Strip) -> Strip:
+        """Return a line of a row of the board with the options on it."""
+        style = self.get_component_rich_style("board--option")
+        lines = self.lines_per_block
+        width = CELLS_PER_BLOCK * lines
+        pieces: list[Strip] = []
+        for column in range(self.columns):
+            start = column * width
+            text = self._options.get(row * self.columns + column)
+            cell = strip.crop(start, start + width)
+            pieces.append(cell if text is None else Strip([Segment(text * lines, style)], width))
+        return Strip.join(pieces)
 
     def _forget_mark(self) -> None:
         self._mark = None
@@ -208,7 +241,8 @@ class TetrisBoard(BlockWidget, CoverableWidget):
             self.drawn_frame = self.frame
         row, line = divmod(y, lines)
         codes = self._codes[row * self.columns : (row + 1) * self.columns]
-        return self.strip(codes, lines, last=line == lines - 1)
+        strip = self.strip(codes, lines, last=line == lines - 1)
+        return self._with_options(row, strip) if self._options else strip
 
     def _cover_line(self, words: str) -> Strip:
         width = self.columns * CELLS_PER_BLOCK * self.lines_per_block

@@ -7,7 +7,7 @@ import hashlib
 import numpy as np
 from numpy.typing import NDArray
 
-from core.combination.asking import Asker, Question, samples_of
+from core.combination.asking import Asker, Question
 from core.combination.config import (
     ENVIRONMENT_WEIGHTS,
     AgentConfig,
@@ -100,7 +100,6 @@ class ArlAgent:
             learner, environment_values, config.scheme
         )
         self._asker = Asker(config.asking)
-        self._answers = 0
         self._root_seed = root_seed
         self._human_values = human_values
         self._policy_values = environment_values
@@ -275,11 +274,16 @@ class ArlAgent:
         """Return a choice to pose at this decision of a watched episode; None where there is nothing worth
         asking.
 
-        The committee are the top policies; a learner that changes at every step has none
-        (`docs/decisions/asking.md`).
+        The committee are the top policies. A learner that changes at every step has none, and asks by its
+        values of now (`docs/decisions/asking.md`).
         """
+        if self.config.asking.per_episode == 0:
+            return None
+        if self._environment.kind == "stepwise":
+            values = self._environment.values(choices, np.empty(0))
+            return self._asker.question_by_values(choices, values)
         committee = [policy.theta for policy in self.bootstrap.ranked if len(policy.theta)]
-        if self.config.asking.per_episode == 0 or len(committee) < 2:
+        if len(committee) < 2:
             return None
         actions = [
             best_action(
@@ -291,8 +295,7 @@ class ArlAgent:
 
     def learn_from_answer(self, question: Question, chosen: int, participant: int = 0) -> None:
         """Learn which of a question's options a participant has chosen."""
-        self.human.learn_from_answer(samples_of(question, chosen, number=self._answers), participant)
-        self._answers += 1
+        self.human.learn_from_answer(question, chosen, participant)
 
     def retract(self, press: int) -> None:
         """Forget a press as if it had never been made."""
@@ -378,7 +381,8 @@ def _check_trust(rule: TrustRule) -> None:
     if rule.needs.side_by_side:
         raise ValueError(
             "this rule of trust needs learners side by side, and an agent has one: choose another one, or "
-            f"play compiled Keepaway (core.keepaway.arl_autoplay); got {rule}"
+            "play "
+            f"compiled Keepaway (core.keepaway.arl_autoplay); got {rule}"
         )
 
 

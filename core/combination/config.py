@@ -11,7 +11,7 @@ from typing import Annotated, ClassVar, Literal, get_args
 import msgspec
 
 from core.combination.agreement import MatchKind
-from core.combination.bootstrap_config import AskingConfig, BootstrapConfig
+from core.combination.bootstrap_config import BootstrapConfig
 from core.combination.episode_weights import (
     ADVISE,
     ENVIRONMENT_WEIGHTS,
@@ -32,6 +32,7 @@ from core.combination.trust import (
     TrustRule,
 )
 from core.configuration.fields import number
+from core.feedback.asking_config import AskingConfig
 from core.feedback.config import CreditConfig
 from core.learners.human_config import HumanModelConfig, RidgeModel
 from core.learners.kinds import LearnerKind
@@ -234,8 +235,8 @@ class Advise(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="advis
     """a = argmax pi_R(a) pi_H(a): policy shaping by the Advise rule (Griffith et al. 2013).
 
     pi_R is the softmax of R; pi_H = C^d / (C^d + (1 - C)^d), d being how much more often the action has been
-    called right than wrong, and C how consistent the participant is. Where states do not come back nobody
-    counts: d is H, standardised over the actions of the decision as R is (`docs/decisions/more-schemes.md`).
+    called right than wrong, and C how consistent the participant is. Where states do not come back nobody counts: d
+    is H, standardised over the actions of the decision as R is (`docs/decisions/more-schemes.md`).
     """
 
     acts_on: ClassVar[ActsOn] = "choice"
@@ -317,8 +318,7 @@ class Coach(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="coach"
     trace_decay: Annotated[float, number(ge=0, le=1)] = 0.95
     """lambda of the trace, in [0, 1] (the source, for plain presses)."""
     environment_too: bool = True
-    """The environment's reward goes on teaching; False: the source, where the participant is the only
-    teacher."""
+    """The environment's reward goes on teaching; False: the source, where the participant is the only teacher."""
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.step_size) and self.step_size > 0 and 0 <= self.trace_decay <= 1):
@@ -368,7 +368,8 @@ def check_learner(scheme: Scheme, kind: LearnerKind, name: str) -> None:
     if scheme.acts_on not in OFFERS[kind]:
         raise ValueError(
             f"scheme {scheme.__struct_config__.tag} needs {NEEDED[scheme.acts_on]}; got {name}: choose "
-            "another scheme ([agent.scheme] type) or another learner ([learner] type)"
+            f"another "
+            "scheme ([agent.scheme] type) or another learner ([learner] type)"
         )
 
 

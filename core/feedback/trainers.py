@@ -21,6 +21,8 @@ __all__ = ["IntendedPress", "SimulatedTrainer", "TrainerConfig", "draw_delay_s",
 _BLOCK = 64
 """Steps whose draws are made at once: setting up a stream takes longer than drawing from it."""
 _N_DRAWS = 6
+READING_S = 2.0
+"""A simulated participant reads a question for so long before anything else, seconds. (Our choice.)"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,8 +55,7 @@ def judgement(
         oracle_values: the oracle's value of each action, shape (n,); -inf for a fatal one.
         action: the chosen one.
         good_share: an action is good if fewer than this fraction of the n actions are better.
-        skip_margin: nothing is said if the fraction of better actions is less than this away from
-            `good_share`.
+        skip_margin: nothing is said if the fraction of better actions is less than this away from `good_share`.
         equal_margin: nothing is said of an action (not a fatal one) whose value is less than this many sd of
             the finite values away from the middle between the worst good and the best bad value; nor where
             all are alike.
@@ -246,6 +247,13 @@ class SimulatedTrainer:
         if mistakes >= config.mistake_rate:
             return ranked[0]
         return ranked[1 + int(which * (len(ranked) - 1))]
+
+    def answer_delay_s(self, step: int) -> float:
+        """Return after how long on screen they answer a question about a step, seconds: they read it first
+        (`READING_S`), and then press as they do otherwise.
+        """
+        rng = stream(self._root_seed, "trainer answer delay", self._episode, step)
+        return READING_S + draw_delay_s(self.config.delay, rng=rng)
 
 
 def draw_delay_s(delay: Density, *, rng: np.random.Generator) -> float:

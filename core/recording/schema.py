@@ -92,6 +92,7 @@ DURABLE = frozenset(
     {
         "KeyPressed",
         "PressRetracted",
+        "QuestionAnswered",
         "TimeGap",
         "EpisodeEnded",
         "UnseenPlayed",

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import msgspec
 
 from core.events import CreditGiven, Input, Output, SessionEnded
+from core.feedback.asking_config import AskingConfig
 from core.feedback.keys import KeyConfig
 from core.numerics.clock import ManualClock
 from core.recording.reader import RecordingError
@@ -107,10 +108,16 @@ def replay_exactly(
     if recording.header.origin == "imported":
         raise RecordingError(
             f"{recording.path}: imported from {recording.header.source.get('format', 'elsewhere')}: its "
-            "agent cannot be run again. Ask what other credit rules and schemes would have learned from it: "
-            "--credit RULE"
+            f"agent cannot be "
+            "run again. Ask what other credit rules and schemes would have learned from it: --credit RULE"
         )
-    check_inputs(recording, msgspec.convert(recording.header.protocol.get("keys", {}), KeyConfig))
+    protocol = recording.header.protocol
+    asking = protocol.get("agent", {}).get("asking", {})
+    check_inputs(
+        recording,
+        msgspec.convert(protocol.get("keys", {}), KeyConfig),
+        msgspec.convert(asking, AskingConfig, strict=False),
+    )
     compared = 0
     for recorded, replayed in _run_both(recording, session):
         if recorded is None and replayed is None:

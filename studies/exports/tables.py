@@ -1,7 +1,7 @@
 """The tidy tables: every column with its unit, its levels and its meaning. The codebook is made from them."""
 
 from studies.exports.columns import Column, Table
-from studies.exports.event_tables import CREDIT, FRAMES, INTERRUPTIONS, PRESSES, STEPS
+from studies.exports.event_tables import CREDIT, FRAMES, INTERRUPTIONS, PRESSES, QUESTIONS, STEPS
 from studies.exports.shared_columns import (
     KEYS,
     ORIGINS,
@@ -97,8 +97,7 @@ PLAYED = Table(
         ),
         number(
             "weight",
-            "Weight w_h of the participant's values that the scheme used; empty where version 1 did not "
-            "record it.",
+            "Weight w_h of the participant's values that the scheme used; empty where version 1 did not record it.",
         ),
         number("environment_weight", "Weight w_r of the environment's values; empty for unseen games."),
         number(
@@ -175,7 +174,8 @@ TRIALS = Table(
         seconds(
             "onset_s",
             "When the stimulus's frame was handed to the terminal; in catch trials, when it would have been. "
-            "Empty if it never was.",
+            "Empty "
+            "if it never was.",
         ),
         text("key", "First allowed key at or after the onset; empty without one."),
         seconds("rt_s", "Reaction time; empty without a key."),
@@ -203,6 +203,6 @@ TRIALS = Table(
     ),
 )
 TABLES = (
-    SESSIONS, SETTINGS, PLAYED, STEPS, PRESSES, CREDIT, FRAMES, INTERRUPTIONS, ANSWERS, TRIALS,
+    SESSIONS, SETTINGS, PLAYED, STEPS, PRESSES, CREDIT, FRAMES, INTERRUPTIONS, QUESTIONS, ANSWERS, TRIALS,
 )  # fmt: skip
 """All tables, in the order of the codebook."""

@@ -1,12 +1,12 @@
 """Keepaway in the play screen: the pitch, smooth between cycles, and the figures of the game."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from textual.geometry import Size
 from textual.widget import Widget
 from textual.widgets import Static
 
-from arl_tui.app.link import Picture, TakenFor
+from arl_tui.app.link import OptionPlace, Picture, TakenFor
 from arl_tui.games.panel import SMALLEST, Progress
 from arl_tui.palette import Palette
 from arl_tui.widgets.pitch import PitchWidget
@@ -126,6 +126,15 @@ class KeepawayPanel:
     def unmark(self) -> None:
         """Take the mark away."""
         self.pitch.unmark()
+
+    def pose(self, places: Sequence[OptionPlace], keys: Sequence[str]) -> None:
+        """Write each option's key beside the keeper who would have the ball."""
+        players = [place.player if place.target < 0 else place.target for place in places]
+        self.pitch.pose(tuple(zip(players, keys, strict=False)))
+
+    def unpose(self) -> None:
+        """Take the keys away."""
+        self.pitch.pose(())
 
     def presses_left(self, presses: int | None) -> None:
         """Write them into the pitch's boundary, where the eye is."""

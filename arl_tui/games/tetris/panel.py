@@ -1,11 +1,11 @@
 """Tetris in the play screen: the board, the next piece, and the score."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from textual.geometry import Size
 from textual.widget import Widget
 
-from arl_tui.app.link import Picture, TakenFor
+from arl_tui.app.link import OptionPlace, Picture, TakenFor
 from arl_tui.games.panel import SMALLEST, Progress
 from arl_tui.palette import Palette
 from arl_tui.widgets.blocks import CELLS_PER_BLOCK
@@ -105,6 +105,14 @@ class TetrisPanel:
     def unmark(self) -> None:
         """Take the mark away."""
         self.board.unmark()
+
+    def pose(self, places: Sequence[OptionPlace], keys: Sequence[str]) -> None:
+        """Draw the piece where each option would put it, by the option's key."""
+        self.board.pose([(place.blocks, key) for place, key in zip(places, keys, strict=False)])
+
+    def unpose(self) -> None:
+        """Take the options away."""
+        self.board.pose(())
 
     def presses_left(self, presses: int | None) -> None:
         """Say nothing: the feedback bar is near enough."""
