@@ -173,7 +173,7 @@ async def test_the_first_page_says_that_there_will_be_questions(app: ArlApp, pro
     async with app.run_test(size=SIZE) as pilot:
         await pilot.pause()
         text = "\n".join(str(widget.render()) for widget in app.screen.query("Static"))
-        assert "when the computer asks you what to do" in text
+        assert "answer the computer's questions" in text
 
 
 @pytest.mark.parametrize(
