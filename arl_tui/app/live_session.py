@@ -50,6 +50,7 @@ from core.events import (
 from core.feedback.asking_config import AskingConfig
 from core.feedback.frames import FrameLedger
 from core.feedback.keys import KeyConfig, PressGate, WrongPressPlan
+from core.feedback.people import new_gate
 from core.numerics.clock import NS_PER_S, Clock
 from core.recording.joined import latest_ns
 
@@ -100,7 +101,7 @@ class LiveSession:
     def __init__(
         self,
         *,
-        keys: KeyConfig,
+        keys: KeyConfig | Sequence[KeyConfig],
         root_seed: int,
         link: Link,
         clock: Clock,
@@ -112,7 +113,7 @@ class LiveSession:
         """Prepare; nothing is recorded before `begin`.
 
         Args:
-            keys: which keys mean what.
+            keys: which keys mean what; of several people those of each.
             root_seed: the session's seed (stream "wrong-press" says which presses are asked to be wrong).
             link: the worker.
             clock: the clock of key and flush times.
@@ -122,7 +123,8 @@ class LiveSession:
             asking: keys and limit of answers to questions; None: the defaults.
         """
         presses = [event.press for event in earlier if isinstance(event, KeyPressed)]
-        self.gate = PressGate(keys, numbers=count(max(presses, default=-1) + 1))
+        of_each = (keys,) if isinstance(keys, KeyConfig) else tuple(keys)
+        self.gate = new_gate(of_each, numbers=count(max(presses, default=-1) + 1))
         self.tally = Tally()
         self._asking = asking or AskingConfig()
         self.question: OpenQuestion | None = None
@@ -144,21 +146,36 @@ class LiveSession:
         self._listener = listener
         self._on_over = on_over
         self._sink: EventSink | None = None
-        self._accepted: dict[int, float] = {}
-        self._wrong_presses = WrongPressPlan(keys.wrong_press_rate, root_seed)
+        self._accepted: dict[int, KeyPressed] = {}
+        self._wrong_presses = WrongPressPlan(of_each[0].wrong_press_rate, root_seed)
         self._worker_error: str | None = None
         self._unconfirmed: deque[Unconfirmed] = deque()
         self._taken: dict[int, TakenFor] = {}
         """What presses were taken for that are not known to be in the file yet."""
         self._episodes_begun = 0
         self._heard_ns = clock.now_ns()
-        self.presses_left = self.gate.presses_left
-        """Presses that are left of the budget, as far as presses have been confirmed."""
+        self._left = [self.gate.left_of(person) for person in range(len(of_each))]
+        """Presses that are left of each person's budget, as far as presses have been confirmed."""
+        self._person_of: dict[int, int] = {}
         self._ended_before_ns = latest_ns(earlier) if earlier else None
         """When the session broke off; None where it has just begun."""
         self._take_up(earlier)
 
     # --- from the screens -----------------------------------------------------------------------------------
+
+    @property
+    def presses_left(self) -> int:
+        """Presses that are left of the first person's budget, as far as presses have been confirmed."""
+        return self._left[0]
+
+    def person_of(self, event: KeyPressed | PressRetracted) -> int:
+        """Return whose press this is; a press taken back is whose it was."""
+        return event.person if isinstance(event, KeyPressed) else self._person_of.get(event.press, 0)
+
+    def left_of(self, event: KeyPressed | PressRetracted) -> int:
+        """Return how many presses of their budget the one has left whose press this is; 0 for nobody."""
+        person = self.person_of(event)
+        return self._left[person] if person >= 0 else 0
 
     def begin(self, sink: EventSink) -> None:
         """Start: events are recorded from here on."""
@@ -178,12 +195,16 @@ class LiveSession:
                 case KeyPressed() | PressRetracted():
                     self._count(event)
                     if isinstance(event, KeyPressed) and event.verdict == "accepted":
-                        self.gate.wrong_asked = False
-                case WrongPressAsked():
+                        self._wrong_press_made()
+                case WrongPressAsked() if isinstance(self.gate, PressGate):
                     self._wrong_presses.asked(self.gate)
                 case _:
                     if isinstance(event, Output):
                         self.tally.note(event)
+
+    def _wrong_press_made(self) -> None:
+        if isinstance(self.gate, PressGate):
+            self.gate.wrong_asked = False
 
     def _mark_joint(self) -> None:
         """Record where a session goes on: no press is credited to what was on screen before it broke off."""
@@ -193,7 +214,7 @@ class LiveSession:
             self._sink.record(joint)
             self._link.send(joint)  # not to the screens: the participant has not been interrupted now
 
-    def press(
+    def key_pressed(
         self, key: str, time_ns: int, *, source: Literal["participant", "simulated"] = "participant"
     ) -> None:
         """Take in a key press made at `time_ns`."""
@@ -202,7 +223,7 @@ class LiveSession:
         self.notice_gap()
         self.collect_frames()
         self.gate.frame, self.gate.step = self._frames.at(time_ns)
-        for record in self.gate.press(key, time_ns, source=source):
+        for record in self.gate.judge(key, time_ns, source=source):
             self._count(record)
             self._enter(record)
             if isinstance(record, KeyPressed) and self.question is not None:
@@ -318,7 +339,9 @@ class LiveSession:
         ):
             waiting = self._unconfirmed.popleft()
             same = waiting.episode == self._episodes_begun
-            self.presses_left = waiting.presses_left if same else self.gate.presses_left
+            person = self.person_of(waiting.event)
+            if person >= 0:
+                self._left[person] = waiting.presses_left if same else self.gate.left_of(person)
             self._listener(waiting.event)
             taken = self._taken.pop(waiting.event.press, None)
             if taken is not None:
@@ -393,7 +416,7 @@ class LiveSession:
         if isinstance(output, EpisodeStarted):
             self.gate.episode_started()
             self._episodes_begun += 1
-            self.presses_left = self.gate.presses_left
+            self._left = [self.gate.left_of(person) for person in range(len(self._left))]
         elif isinstance(output, StepTaken):
             self._ask_wrong_press(output.step)
         self._listener(output)
@@ -402,26 +425,20 @@ class LiveSession:
             self._on_over(None)
 
     def _ask_wrong_press(self, step: int) -> None:
-        if self._wrong_presses.due(self.gate):
+        if isinstance(self.gate, PressGate) and self._wrong_presses.due(self.gate):
             self._enter(WrongPressAsked(time_ns=self._clock.now_ns(), step=step))
 
     # --- both -----------------------------------------------------------------------------------------------
 
     def _count(self, record: KeyPressed | PressRetracted) -> None:
         if isinstance(record, PressRetracted):
-            value = self._accepted.pop(record.press)
+            self.tally.count(self._accepted.pop(record.press), -1)
             self.tally.taken_back += 1
-            change = -1
         elif record.verdict == "accepted" and record.value is not None:
-            value = self._accepted[record.press] = record.value
+            self._accepted[record.press] = record
+            self._person_of[record.press] = record.person
             self._wrong_presses.accepted()
-            change = 1
-        else:
-            return
-        if value > 0:
-            self.tally.good += change
-        else:
-            self.tally.bad += change
+            self.tally.count(record, 1)
 
     def _enter(self, event: Input) -> None:
         """Record an input, send it to the worker, tell the screens: of a press only when it is in the
@@ -436,7 +453,7 @@ class LiveSession:
         waiting = Unconfirmed(
             number=self._sink.recorded,
             event=event,
-            presses_left=self.gate.presses_left,
+            presses_left=self.gate.left_of(self.person_of(event)),
             episode=self._episodes_begun,
             since_ns=self._clock.now_ns(),
         )

@@ -19,7 +19,7 @@ from core.session.protocol import Protocol
 from core.session.protocol_reading import load_protocol
 
 if TYPE_CHECKING:
-    from arl_tui.app.outcome import Outcome
+    from arl_tui.app.outcome import SessionOutcome
     from arl_tui.session_app import ArlApp
     from core.recording.joined import FinishedPart
 
@@ -40,10 +40,10 @@ def play_session(
     chosen = read_protocol(protocol, game)
     if episodes is not None:
         chosen = with_episodes(chosen, episodes)
-    if chosen.others:
+    if chosen.others and not chosen.people:
         raise click.ClickException(
-            "a live session has one participant: leave `others` out of the protocol (only simulated sessions "
-            "have them)"
+            "`others` are participants of simulated sessions: leave them out of the protocol; several people "
+            "at one keyboard are listed as [[people]], each with keys of their own"
         )
     from arl_tui.commands.check_protocol import tell_start
     from arl_tui.commands.credit import settle_credit
@@ -121,7 +121,7 @@ def run_live(
     study: Mapping[str, str] | None = None,
     kept: "FinishedPart | None" = None,
     practice: bool = False,
-) -> "Outcome":
+) -> "SessionOutcome":
     """Start the worker, then the app; return what is left when both are gone.
 
     The arguments are those of `live_app`.
@@ -158,7 +158,7 @@ def live_app(
     kept: "FinishedPart | None" = None,
     practice: bool = False,
     on_gone: Callable[[], None] = lambda: None,
-) -> "tuple[ArlApp, Outcome | None]":
+) -> "tuple[ArlApp, SessionOutcome | None]":
     """Start the worker, then the app; return the app and its result when both are gone.
 
     Args:
@@ -205,7 +205,7 @@ def live_app(
         link.close()
 
 
-def tell(outcome: "Outcome") -> None:
+def tell(outcome: "SessionOutcome") -> None:
     """Print where the recording is; leave with status 1 where something failed."""
     if outcome.recording is not None:
         say(f"Recording: {outcome.recording}")

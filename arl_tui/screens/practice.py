@@ -17,7 +17,7 @@ from textual.widgets import Static
 from arl_tui.app.plain_app import PlainApp
 from arl_tui.palette import STANDARD, Palette, palette_for
 from arl_tui.screens.covers import SmallWindowScreen, fits_into
-from arl_tui.screens.page import Page, key_cap
+from arl_tui.screens.page import PageScreen, key_cap
 from arl_tui.widgets.board import TetrisBoard
 from arl_tui.widgets.next_piece import NextPiece
 from arl_tui.widgets.stats import Figures, StatsPanel
@@ -61,7 +61,7 @@ CALL = "Press [reverse] Space [/] to go on, [reverse] Q [/] to leave"
 """What participants read; the keys of pause, help and stop are those of a session."""
 
 
-class PracticeHelp(Page):
+class PracticeHelp(PageScreen):
     """What to do, and all keys."""
 
     HEADING = HEADING
@@ -271,7 +271,7 @@ class PracticeScreen(Screen[None], inherit_bindings=False):
             return
         self._lay_over(SmallWindowScreen(self._needed))
 
-    def _lay_over(self, page: Page) -> None:
+    def _lay_over(self, page: PageScreen) -> None:
         """Show a page while the game waits; leave where it is answered so."""
         went_on = self._gravity.running
         self._gravity.stop()

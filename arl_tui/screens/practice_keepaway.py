@@ -7,7 +7,7 @@ from textual.binding import Binding, BindingType
 from textual.widget import Widget
 from textual.widgets import Static
 
-from arl_tui.screens.page import Page, key_cap
+from arl_tui.screens.page import PageScreen, key_cap
 from arl_tui.screens.watch import WatchScreen
 from core.keepaway.pitch import END_REASONS
 
@@ -34,7 +34,7 @@ PAUSED = "[reverse] PAUSED [/]"
 """What participants read; the keys and marks are those of a session."""
 
 
-class KeeperHelp(Page):
+class KeeperHelp(PageScreen):
     """What to do, and all keys."""
 
     HEADING = HEADING

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from core.combination.config import AskingConfig
 from core.domain import Choices, Features
-from core.feedback.samples import Sample
+from core.feedback.samples import FeedbackSample
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,24 +37,24 @@ class Question:
 
 
 def votes(actions: Sequence[int], probabilities: Sequence[float]) -> dict[int, float]:
-    """Return the share of the committee behind each action.
+    """Return the fraction of the committee behind each action.
 
     Args:
         actions: what each policy would do.
         probabilities: weight of each policy, summing to 1.
     """
-    shares: dict[int, float] = {}
+    support: dict[int, float] = {}
     for action, probability in zip(actions, probabilities, strict=True):
         if probability > 0:  # a policy that is never played has no vote
-            shares[action] = shares.get(action, 0.0) + probability
-    return shares
+            support[action] = support.get(action, 0.0) + probability
+    return support
 
 
-def disagreement_of(shares: dict[int, float]) -> float:
+def disagreement_of(support: dict[int, float]) -> float:
     """Return the chance that two policies drawn with replacement choose different actions: 1 - sum of
     squares.
     """
-    return 1.0 - math.fsum(share * share for share in shares.values())
+    return 1.0 - math.fsum(part * part for part in support.values())
 
 
 class Asker:
@@ -66,7 +66,7 @@ class Asker:
         self._asked = 0
         self._since_asked = config.memory
 
-    def begin_episode(self) -> None:
+    def reset(self) -> None:
         """Note that a watched episode begins: its budget of questions is new."""
         self._asked = 0
 
@@ -80,10 +80,13 @@ class Asker:
             actions: what each policy of the committee would do.
             probabilities: weight of each policy, summing to 1.
         """
-        shares = votes(actions, probabilities)
-        ranked = sorted(shares, key=lambda action: (-shares[action], action))
+        support = votes(actions, probabilities)
+        ranked = sorted(support, key=lambda action: (-support[action], action))
         return self._ask_if_rare(
-            choices, ranked, disagreement_of(shares), utmost=len(shares) == sum(p > 0 for p in probabilities)
+            choices,
+            ranked,
+            disagreement_of(support),
+            utmost=len(support) == sum(p > 0 for p in probabilities),
         )
 
     def question_by_values(self, choices: Choices, values: NDArray[np.float64]) -> Question | None:
@@ -107,7 +110,7 @@ class Asker:
         self._since_asked += 1
         if self._asked >= self.config.per_episode or len(before) < self.config.minimum_decisions:
             return None
-        # As many as `share` of the decisions before may have had more.
+        # At most `share` of the decisions before may have had more.
         border = before[math.ceil((1.0 - self.config.share) * len(before)) - 1]
         # An agent that begins is often as unsure as it can be (`utmost`: no two policies agree, or the best
         # values are equal), and then nothing is above the border: it asks there as rarely as elsewhere.
@@ -120,7 +123,7 @@ class Asker:
         return Question(options, choices.feedback_features[list(options)], disagreement)
 
 
-def samples_of(question: Question, chosen: int, *, number: int) -> list[Sample]:
+def samples_of(question: Question, chosen: int, *, number: int) -> list[FeedbackSample]:
     """Return what an answer says: the chosen option is good, the others together as bad.
 
     Args:
@@ -135,7 +138,7 @@ def samples_of(question: Question, chosen: int, *, number: int) -> list[Sample]:
         raise ValueError(f"the answer {chosen} is not among the options {question.options}")
     weight = 1.0 / (len(question.options) - 1)
     return [
-        Sample(
+        FeedbackSample(
             features=row,
             label=1.0 if option == chosen else -1.0,
             weight=1.0 if option == chosen else weight,

@@ -147,7 +147,7 @@ class Listeners:
             raise ValueError(
                 f"press {press} is by participant {participant}, but this agent listens to "
                 f"{len(self.learners)}, counted "
-                "from 0: name the others in the protocol"
+                "from 0: name the people in the protocol"
             )
         self._participant_of[press] = participant
         return self.learners[participant].learn_from_press(press, time_ns, value)
@@ -262,7 +262,7 @@ class ListenersTrust:
         """
         # Of one alone -0.0 is 0.0, as it stands in recordings.
         w_h = [sum(self.w_h)] if self._listeners.alone else self.w_h
-        each = [scheme.weights(w_s, episode) for w_s in w_h]
+        each = [scheme.episode_weights(w_s, episode) for w_s in w_h]
         weights = [single.w_h for single in each]
         silent = not (any(weights) and self._listeners.knows_something)
         folded = self._listeners.fold([1.0] * len(each) if silent else weights, self._window)

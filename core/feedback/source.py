@@ -108,7 +108,7 @@ class SimulatedParticipant(Generic[State]):
             case EpisodeStarted(episode=episode, episode_seed=episode_seed):
                 self._state = self._domain.initial(episode_seed)
                 for parts in self._participants:
-                    parts.trainer.begin_episode(episode)
+                    parts.trainer.watch_episode(episode)
                     parts.gate.episode_started()
                 opening_ns = self._viewing.opening_ns(self._state)
                 if opening_ns > 0:
@@ -161,9 +161,9 @@ class SimulatedParticipant(Generic[State]):
         while self._due and self._due[0][0] <= until_ns:
             time_ns, _, press, gate = heapq.heappop(self._due)
             self._clock.advance_to_ns(time_ns)
-            key = gate.config.good if press.value > 0 else gate.config.bad
+            key = gate.config.key_of(press.value)
             gate.wrong_asked = press.deliberate
-            self._arrived.extend(gate.press(key, self._clock.now_ns(), source="simulated"))
+            self._arrived.extend(gate.judge(key, self._clock.now_ns(), source="simulated"))
             gate.wrong_asked = False
         self._clock.advance_to_ns(until_ns)
 
@@ -189,7 +189,7 @@ class SimulatedParticipant(Generic[State]):
         else:
             keys = self._asking.keys
             key = self._asking.none_key if chosen is None else keys[posed.options.index(chosen)]
-            pressed = list(first.gate.press(key, now_ns, source="simulated"))
+            pressed = list(first.gate.judge(key, now_ns, source="simulated"))
             self._arrived.extend(pressed)
             press = next(item for item in pressed if isinstance(item, KeyPressed))
             self._arrived.append(

@@ -65,6 +65,9 @@ class Header(Record, frozen=True, kw_only=True, omit_defaults=False, tag="header
     study: dict[str, str] = msgspec.field(default_factory=dict)
     """Where the session belongs in a study: its name, version and hash, place, order, sitting, step,
     condition. Empty outside of studies."""
+    participants: list[str] | msgspec.UnsetType = msgspec.UNSET
+    """Codes of several people at one keyboard, in the order of `KeyPressed.person`; not there where one
+    participates, whose code is `participant`."""
     resumes: Resumes | None = None
     """What a resumed session goes on with (`core.recording.joined`); None: it begins with this file."""
 
@@ -75,6 +78,19 @@ class Header(Record, frozen=True, kw_only=True, omit_defaults=False, tag="header
             )
         if self.root_seed < 0:
             raise ValueError(f"root_seed is >= 0, got {self.root_seed}")
+
+
+def code_of(header: Header, person: int) -> str:
+    """Return the code of whoever made a press: of several people at one keyboard their own.
+
+    Args:
+        header: of the recording.
+        person: as in `KeyPressed.person`; of -1, nobody's key, the code is that of the group.
+    """
+    names = header.participants
+    if isinstance(names, list) and 0 <= person < len(names):
+        return names[person]
+    return header.participant
 
 
 class End(Record, frozen=True, kw_only=True, tag="end"):

@@ -2,7 +2,8 @@
 
 from collections.abc import Iterator
 
-from core.configuration.reading import Path, Problem
+from core.configuration.messages import Path
+from core.configuration.reading import Problem
 from core.session.protocol import Protocol
 
 

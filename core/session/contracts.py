@@ -92,7 +92,7 @@ class Agent(Listener, Protocol):
 
     @property
     def trust(self) -> float:
-        """What the rule of trust says of the human now."""
+        """What the rule of trust says of the participant now."""
         ...
 
     def begin_episode(self, *, exploring: bool, watched: bool) -> EpisodePolicy:

@@ -20,8 +20,9 @@ from core.combination.config import (
     Linear,
 )
 from core.configuration.catalogue import settings_of
-from core.configuration.reading import Path, Problem, shown_path
-from core.feedback.delays import Delay, GammaDelay, UniformDelay
+from core.configuration.messages import Path, shown_path
+from core.configuration.reading import Problem
+from core.feedback.delays import Delay, GammaDelay, PerValueDelay, UniformDelay
 from core.learners.cross_entropy_config import CrossEntropyConfig
 from core.learners.human_config import SgdModel
 from core.learners.policy_gradient_config import PolicyGradientConfig
@@ -135,7 +136,19 @@ _IN_ANY_GAME: tuple[Use, ...] = (
         refused=False,
     ),
     Use(("trainer",), "in simulated sessions only: in a live one the participant presses", _simulated, False),
-    Use(("others",), "in simulated sessions only: a live one has one participant", _simulated, False),
+    Use(
+        ("others",), "in simulated sessions only: in a live one those press who are there", _simulated, False
+    ),
+    Use(
+        ("keys.good", "keys.bad"),
+        "with two keys for one participant: without people, and without keys.graded",
+        lambda p, m: not p.people and not p.keys.graded,
+    ),
+    Use(
+        ("keys.retract", "keys.graded"),
+        "for one participant: each of several people has keys of their own",
+        lambda p, m: not p.people,
+    ),
     Use(
         ("trainer.burst_presses", "trainer.burst_interval_s"),
         "where trainer.burst_rate is > 0",
@@ -202,8 +215,8 @@ _IN_ANY_GAME: tuple[Use, ...] = (
     ),
     Use(
         ("agent.bootstrap.window_decisions",),
-        'with others, or a trust that looks back (measured = "window"; a chance-corrected match without chance)',  # noqa: E501
-        lambda p, m: _looks_back(p) or bool(p.others),
+        'with others or people, or a trust that looks back (measured = "window"; a chance-corrected match without chance)',  # noqa: E501
+        lambda p, m: _looks_back(p) or p.n_participants > 1,
     ),
     Use(
         ("session.unseen_steps",),
@@ -350,6 +363,11 @@ def contradictions(protocol: Protocol) -> Iterator[Problem]:
         (("agent", "credit", "delay"), agent.credit.delay),
         (("trainer", "delay"), protocol.trainer.delay),
     ]
+    delays += [
+        (("people", number, "delay"), person.delay)
+        for number, person in enumerate(protocol.people)
+        if person.delay is not None
+    ]
     delays += [(("others", number, "delay"), other.delay) for number, other in enumerate(protocol.others)]
     for path, delay in delays:
         reason = wrong_delay(delay)
@@ -389,6 +407,8 @@ def wrong_delay(delay: Delay) -> str:
             mean_s = delay.mean_s
         case UniformDelay():
             mean_s = (delay.low_s + delay.high_s) / 2
+        case PerValueDelay():
+            return next(filter(None, map(wrong_delay, delay.densities)), "")
         case _:
             return ""
     if mean_s <= USUAL_MEAN_S:

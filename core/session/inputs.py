@@ -10,6 +10,7 @@ What no file can tell is listed in `SECURITY.md`.
 """
 
 from collections import deque
+from collections.abc import Sequence
 from itertools import count
 
 import msgspec
@@ -36,8 +37,10 @@ from core.feedback.asking_config import AskingConfig
 from core.feedback.frames import FrameLedger
 from core.feedback.keys import KeyConfig, PressGate, WrongPressPlan
 from core.feedback.layouts import KeyReader, Reading, possible_readings
-from core.recording.reader import Recording, RecordingError
+from core.feedback.people import PeopleGate
+from core.recording.reader import RecordingError
 from core.recording.schema import Header
+from core.recording.stored import AnyRecording
 from core.session.answers import Impossible, QuestionsFollowed, refuse
 
 CLOCKS_AGREE_NS = (1_000_000, 50_000_000)
@@ -47,12 +50,14 @@ LONGEST_NS = 1 << 62
 """No time of a session is beyond this, or below 0: 146 years."""
 
 
-def check_inputs(recording: Recording, keys: KeyConfig, asking: AskingConfig | None = None) -> None:
+def check_inputs(
+    recording: AnyRecording, keys: KeyConfig | Sequence[KeyConfig], asking: AskingConfig | None = None
+) -> None:
     """Check that every input of a recording can have happened where it stands.
 
     Args:
         recording: live or simulated. Imported recordings have no gate: nothing is checked.
-        keys: of the recording's own protocol.
+        keys: of the recording's own protocol; of several people at one keyboard those of each.
         asking: of it, too: keys and limit of answers. None: the defaults.
 
     Raises:
@@ -63,7 +68,7 @@ def check_inputs(recording: Recording, keys: KeyConfig, asking: AskingConfig | N
     # An older part may have been shifted to times before zero (`core.recording.joined`).
     screen = _Screen(
         recording.header,
-        keys,
+        (keys,) if isinstance(keys, KeyConfig) else tuple(keys),
         QuestionsFollowed(asking or AskingConfig()),
         earliest_ns=-LONGEST_NS if recording.older else 0,
     )
@@ -95,21 +100,30 @@ class _Screen:
     """The screen's side of a session: takes in events in the order of the file, as the live screen did."""
 
     def __init__(
-        self, header: Header, keys: KeyConfig, questions: QuestionsFollowed, *, earliest_ns: int = 0
+        self,
+        header: Header,
+        keys: Sequence[KeyConfig],
+        questions: QuestionsFollowed,
+        *,
+        earliest_ns: int = 0,
     ) -> None:
         self._questions = questions
         self._earliest_ns = earliest_ns
-        self._live = header.origin == "live"
+        # Simulated sessions are drawn on the real screens, too: these have a terminal.
+        self._live = header.origin == "live" or bool(header.terminal)
         least_ns, most_ns = CLOCKS_AGREE_NS
         self._clocks_agree_ns = min(max(least_ns, header.clock_resolution_ns), most_ns)
         # Version 1 was written by programs whose covers could follow each other.
         self._strict_covers = self._live and header.version > 1
-        self._keys = keys
+        self._keys = keys[0]
+        self._people = keys if len(keys) > 1 else ()
         self._frames = FrameLedger()
         self._numbers = count()
         self._reader = _RecordedReader()
-        self._gates: dict[int, PressGate] = {}
-        self._wrong_presses = WrongPressPlan(keys.wrong_press_rate if self._live else 0.0, header.root_seed)
+        self._gates: dict[int, PressGate | PeopleGate] = {}
+        self._wrong_presses = WrongPressPlan(
+            self._keys.wrong_press_rate if self._live else 0.0, header.root_seed
+        )
         self._due: deque[Input] = deque()  # inputs that must come next
         self._playing = False
         self._covered = False
@@ -147,13 +161,13 @@ class _Screen:
 
     def _go_on(self) -> None:
         """Begin anew where the session goes on in another file: the screen's process was a new one."""
-        asked = any(gate.wrong_asked for gate in self._gates.values())
+        asked = any(gate.wrong_asked for gate in self._gates.values() if isinstance(gate, PressGate))
         self._due.clear()  # what would have come next belongs to the game that was cut short
         self._playing = self._covered = False
         self._questions.forget()
         self._gates.clear()
         if asked:
-            self._gate_of(0).wrong_asked = True
+            self._gate_of_first().wrong_asked = True
 
     # --- inputs ---------------------------------------------------------------------------------------------
 
@@ -214,7 +228,7 @@ class _Screen:
         self._frames.recorded(shown)
 
     def _take_press(self, pressed: KeyPressed) -> None:
-        gate = self._gate_of(pressed.person)
+        gate = self._gate(pressed.person)
         by = (pressed.source, pressed.person)
         if pressed.time_ns < self._last_press_ns.get(by, self._earliest_ns):
             refuse(
@@ -225,9 +239,9 @@ class _Screen:
         self._read(pressed)
         gate.frame, gate.step = self._frames.at(pressed.time_ns)
         gate.covered = self._covered
-        if not self._live:
+        if not self._live and isinstance(gate, PressGate):
             gate.wrong_asked = pressed.asked_wrong  # a simulated participant knows by itself
-        came, *taken_back = gate.press(pressed.key, pressed.time_ns, source=pressed.source)
+        came, *taken_back = gate.judge(pressed.key, pressed.time_ns, source=pressed.source)
         if came != pressed:
             refuse(f"press {pressed.press}: {_difference(pressed, came)}")
         self._due.extend(taken_back)
@@ -247,13 +261,26 @@ class _Screen:
                     f"layout {pressed.layout!r}"
                 )
 
-    def _gate_of(self, person: int) -> PressGate:
-        if person not in self._gates:
-            gate = PressGate(self._keys, person=person, numbers=self._numbers)
+    def _gate(self, person: int) -> PressGate | PeopleGate:
+        """Return the gate of a press: of several people at one keyboard one for all, which tells by the key
+        whose it is.
+        """
+        number = 0 if self._people else person
+        if number not in self._gates:
+            gate = (
+                PeopleGate(self._people, numbers=self._numbers)
+                if self._people
+                else PressGate(self._keys, person=person, numbers=self._numbers)
+            )
             gate.reader = self._reader
             gate.playing = self._playing
-            self._gates[person] = gate
-        return self._gates[person]
+            self._gates[number] = gate
+        return self._gates[number]
+
+    def _gate_of_first(self) -> PressGate:
+        """Return the gate of the one who is asked for wrong presses: never of several people."""
+        gate = self._gate(0)
+        return gate if isinstance(gate, PressGate) else PressGate(self._keys)
 
     def _take_request(self, event: Event) -> None:
         """Take in the request for a wrong press that must come now."""
@@ -288,7 +315,7 @@ class _Screen:
                 self._step_times = {
                     known: at_ns for known, at_ns in self._step_times.items() if known == step - 1
                 } | {step: time_ns}
-                if self._wrong_presses.due(self._gate_of(0)):
+                if self._wrong_presses.due(self._gate_of_first()):
                     self._due.append(WrongPressAsked(time_ns=time_ns, step=step))
             case QuestionPosed():
                 self._questions.posed(output)

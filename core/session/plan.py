@@ -2,12 +2,13 @@
 
 from core.combination.config import Coach, EnvironmentOnly, EpisodeWeights, Exponential, FixedWeight, Linear
 from core.feedback.delays import describe
+from core.feedback.keys import KeyConfig
 from core.plugins import plugin_of
 from core.session.protocol import Protocol
 
 SHOWN_GAMES = 5
 FADED = 0.01
-"""A weight below this share of the first game's is as good as none."""
+"""A weight below this fraction of the first game's is as good as none."""
 ANSWER_S = 4.0
 """What an answer is taken to need, seconds: two or three options are read and compared. (Our choice.)"""
 MEASURED = {
@@ -70,7 +71,7 @@ def weights_of_games(protocol: Protocol) -> list[EpisodeWeights]:
     for game in range(session.episodes):
         episode = session.unseen_before + game * (session.unseen_between + 1)
         number = game if getattr(scheme, "per", "episode") == "watched-game" else episode
-        found.append(scheme.weights(1.0, number))
+        found.append(scheme.episode_weights(1.0, number))
     return found
 
 
@@ -86,7 +87,10 @@ def weight_in_words(protocol: Protocol) -> str:
         rule = (
             f"{trust.w_h:g} in every game" if isinstance(trust, FixedWeight) else "found anew after each game"
         )
-        return f"{name}: w_h by bootstrap learning ({_tag(trust)}): 0 before the first press, then {rule}"
+        whose = "of each person " if protocol.people else ""
+        return (
+            f"{name}: w_h {whose}by bootstrap learning ({_tag(trust)}): 0 before the first press, then {rule}"
+        )
     what, values = _falling(weights_of_games(protocol))
     text = f"{name}: {what} {_listed(values)}"
     faded = next((game for game, value in enumerate(values, 1) if abs(value) < FADED * abs(values[0])), None)
@@ -98,6 +102,12 @@ def weight_in_words(protocol: Protocol) -> str:
 def credit_in_words(protocol: Protocol) -> str:
     """Return by whose delay presses are credited, for every participant."""
     rule = describe(protocol.agent.credit.delay)
+    if protocol.delay_of == "rule" and any(person.delay is not None for person in protocol.people):
+        own = (
+            f"{person.name} {describe(credit.delay)}"
+            for person, credit in zip(protocol.people, protocol.credit_of_participants, strict=True)
+        )
+        return f"as written in the protocol: {', '.join(own)}"
     if protocol.delay_of == "rule":
         return f"{rule}, as written in the protocol, for every participant"
     if protocol.delay_of == "paper":
@@ -140,10 +150,14 @@ def _games(protocol: Protocol) -> str:
 
 
 def _presses(protocol: Protocol) -> str:
-    keys, games = protocol.keys, protocol.session.episodes
-    most = keys.max_presses_per_episode
-    letters = f"good {keys.good}, bad {keys.bad}, take back {keys.retract}"
-    text = f"at most {most} in a game, {most * games} in all; {letters}"
+    games = protocol.session.episodes
+    if protocol.people:
+        return "; ".join(
+            f"{person.name}: {_presses_of(keys, games, ' in all,')}"
+            for person, keys in zip(protocol.people, protocol.keys_of_people, strict=True)
+        )
+    keys = protocol.keys
+    text = _presses_of(keys, games, " in all;")
     if keys.wrong_press_rate:
         text += f"; asked to press wrongly at {keys.wrong_press_rate:.0%} of the steps"
     return text
@@ -160,6 +174,17 @@ def _questions(protocol: Protocol) -> dict[str, str]:
         f"{', '.join(asking.keys[: asking.options])}, none of them {asking.none_key}, {asking.limit_s:g} "
         "seconds each"
     }
+
+
+def _presses_of(keys: KeyConfig, games: int, in_all: str) -> str:
+    """Return how many presses one person has, and their keys."""
+    most = keys.max_presses_per_episode
+    letters = f"good {keys.good}, bad {keys.bad}"
+    if keys.graded:
+        letters = ", ".join(
+            f"{value:+g} {key}" if value else f"0 {key}" for key, value in keys.meanings.items()
+        )
+    return f"at most {most} in a game, {most * games}{in_all} {letters}, take back {keys.retract}"
 
 
 def _time(protocol: Protocol) -> str:

@@ -147,7 +147,7 @@ def play_episode(
     When a `StepTaken` has been yielded, whoever consumes this shows the step, and asks for the next output
     when the step's time on screen is over: then what the participant did meanwhile is taken in.
     """
-    weights = plan.policy.weights
+    weights = plan.policy.episode_weights
     yield EpisodeStarted(
         episode=plan.policy.episode,
         time_ns=clock.now_ns(),
@@ -158,7 +158,7 @@ def play_episode(
         w_r=weights.w_r,
         trust=plan.policy.trust,
         weight=weights.w_h,
-        share=weights.handover,
+        handover=weights.handover,
         shaping=weights.shaping,
         augmentation=weights.augmentation,
     )
@@ -181,7 +181,7 @@ def play_episode(
             action=decision.action,
             environment_action=decision.environment_action,
             human_action=decision.human_action,
-            detail=domain.detail(step.state, decision.action),
+            detail=domain.action_record(step.state, decision.action).plain(),
             reward=step.reward,
             state=domain.recorded_state(step.state),
         )
@@ -225,7 +225,7 @@ def _posed(
         time_ns=clock.now_ns(),
         inputs=intake.inputs,
         options=list(options),
-        details=[domain.detail(posed.state, option) for option in options],
+        details=[domain.action_record(posed.state, option).plain() for option in options],
         disagreement=posed.question.disagreement,
     )
 

@@ -86,7 +86,7 @@ def watched_steps(recording: Recording, protocol: Protocol) -> dict[int, Watched
         own = protocol_from(recording.header.protocol)
     except ValueError as error:
         raise RecordingError(f"{recording.path}:1: the protocol cannot be used: {error}") from error
-    check_inputs(recording, own.keys, own.agent.asking)
+    check_inputs(recording, own.keys_of_people, own.agent.asking)
     recorded = own.game
     if recorded != protocol.game:
         raise RecordingError(
@@ -101,7 +101,7 @@ def watched_steps(recording: Recording, protocol: Protocol) -> dict[int, Watched
             case EpisodeStarted():
                 seed, state = output.episode_seed, None
             case StepTaken(state=None, observed=None):
-                state = domain.initial(seed) if state is None else state
+                state = _begun(recording, domain, seed) if state is None else state
                 choices = None if domain.terminal(state) else domain.choices(state)
                 if choices is None or not _could_be(output, choices, domain, state):
                     raise RecordingError(
@@ -126,9 +126,22 @@ def watched_steps(recording: Recording, protocol: Protocol) -> dict[int, Watched
     return steps
 
 
+def _begun(recording: Recording, domain: Domain[Any], seed: int) -> Any:
+    """Return the state in which a recorded episode begins."""
+    try:
+        return domain.initial(seed)
+    except (ValueError, ArithmeticError) as error:
+        raise RecordingError(
+            f"{recording.path}: no game can begin as recorded: {error}. The file was changed after it was "
+            f"recorded, or another program wrote it"
+        ) from error
+
+
 def _could_be(taken: StepTaken, choices: Choices, domain: Domain[Any], state: Any) -> bool:
     """Return whether a recorded step can be one of these choices in this state."""
-    return 0 <= taken.action < len(choices.ruled_out) and domain.detail(state, taken.action) == taken.detail
+    if not 0 <= taken.action < len(choices.ruled_out):
+        return False
+    return domain.action_record(state, taken.action).plain() == taken.detail
 
 
 def recorded_question(posed: QuestionPosed, steps: dict[int, WatchedStep]) -> Question | None:

@@ -86,7 +86,7 @@ def press_rows(session: SessionRows) -> Iterator[Row]:
         on_screen = pressed.step in session.steps
         started = session.started[place.game - 1] if place.game else None
         yield {
-            **session.keys,
+            **session.keys_of(pressed),
             "game": place.game,
             "step": place.step,
             "press_index": press,
@@ -100,14 +100,14 @@ def press_rows(session: SessionRows) -> Iterator[Row]:
             "read_as": pressed.read_as or None,
             "layout": pressed.layout or None,
             "value": pressed.value,
-            "judgement": None if not pressed.value else "good" if pressed.value > 0 else "bad",
+            "judgement": _judgement(pressed.value),
             "verdict": pressed.verdict,
             "counted": session.counted(press),
             "retracted": None if back is None else back.reason,
             "retracted_s": None if back is None else session.seconds(back.time_ns),
             "asked_wrong": pressed.asked_wrong,
             "pressed_by": pressed.source,
-            "person": pressed.person + 1,
+            "person": pressed.person + 1 if pressed.person >= 0 else None,
             "frame_index": _index(pressed.frame),
             "piece": session.piece(pressed.step),
             "action": session.action(pressed.step),
@@ -115,6 +115,12 @@ def press_rows(session: SessionRows) -> Iterator[Row]:
             "trust": None if started is None else started.trust,
             "weight": None if started is None else started.weight,
         }
+
+
+def _judgement(value: float | None) -> str | None:
+    if value is None:
+        return None
+    return "good" if value > 0 else "bad" if value < 0 else "neither"
 
 
 def _since_frame(session: SessionRows, pressed: KeyPressed) -> float | None:
@@ -146,7 +152,7 @@ def credit_rows(session: SessionRows) -> Iterator[Row]:
         for step, share in zip(credit.steps, credit.shares, strict=True):
             place, seen = session.places.get(step), session.on_screen.get(step, _NEVER)
             yield {
-                **session.keys,
+                **session.keys_of(pressed),
                 "game": None if place is None else place.game,
                 "step": None if place is None else place.step,
                 "press_index": press,

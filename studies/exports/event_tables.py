@@ -97,8 +97,14 @@ PRESSES = Table(
             "The letter on this key in the Latin layout, where `key` is of another one; else empty.",
         ),
         text("layout", "The keyboard layout by which `read_as` was found; else empty."),
-        number("value", "Feedback meant: > 0 good, < 0 bad; empty for other keys."),
-        text("judgement", "The sign of `value`; empty for other keys.", good="value > 0", bad="value < 0"),
+        number("value", "Feedback meant: > 0 good, < 0 bad, 0 neither; empty for other keys."),
+        text(
+            "judgement",
+            "The sign of `value`; empty for other keys.",
+            good="value > 0",
+            bad="value < 0",
+            neither="value = 0",
+        ),
         Column("verdict", "text", "Whether it was accepted, or why not.", levels=_VERDICTS),
         boolean("counted", "Whether it was accepted and not taken back."),
         text(
@@ -110,7 +116,11 @@ PRESSES = Table(
         seconds("retracted_s", "When; empty if it was not."),
         boolean("asked_wrong", "Whether the participant had been asked to press the wrong key deliberately."),
         text("pressed_by", "Who pressed.", participant="", simulated=""),
-        integer("person", "Which simulated participant, from 1; 1 in live sessions."),
+        integer(
+            "person",
+            "Which of several people at one keyboard, or of several simulated participants, from 1; 1 where "
+            "one participates, empty for a key of nobody.",
+        ),
         integer("frame_index", "Frame on screen, from 0; empty before the first."),
         Column(
             "piece",

@@ -7,7 +7,7 @@ import msgspec
 import pytest
 from textual.pilot import Pilot
 
-from arl_tui.app.link import AskNow, OptionPlace, Ready
+from arl_tui.app.link import AskNow, Ready
 from arl_tui.app.outcome import Outcome
 from arl_tui.screens.covers import PauseScreen
 from arl_tui.screens.question import CHOSEN, NOT_CHOSEN
@@ -41,9 +41,9 @@ def ask(worker: Worker, question: int = 0) -> QuestionPosed:
         disagreement=0.6,
     )
     worker.link.say(posed)
-    worker.show(-1, worker.stage.picture)
-    places = [worker.stage.place_of_option(detail) for detail in posed.details]
-    worker.link.say(AskNow(question=question, places=tuple(OptionPlace(place.blocks) for place in places)))
+    worker.show(-1, worker.renderer.picture)
+    places = [worker.renderer.place_of_option(detail) for detail in posed.details]
+    worker.link.say(AskNow(question=question, places=tuple(places)))
     return posed
 
 
@@ -95,7 +95,7 @@ async def test_a_question_is_drawn_with_its_keys_and_its_answer_is_recorded_with
         assert bar.display
         assert not app.play.feedback.display
         assert "columns 4 to 5" in str(bar.render())
-        board = app.play.scene.board
+        board = app.play.panel.board
         assert board.render_line(17).text.rstrip() == "1111"  # on the piece that has just landed
         assert board.render_line(18).text.rstrip() == "[][]  2222  3333"
         await pilot.press("2")
