@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from arl_tui.command_line import say
-from arl_tui.commands.credit import what_if_delays
+from arl_tui.commands.credit import credited_alike, what_if_delays
 from arl_tui.commands.exact import GETTING_READY, need_outputs, protocol_of, read_or_stop, run_again
 from arl_tui.commands.play import read_protocol
 from arl_tui.commands.what_if_table import table, write_csv
@@ -84,6 +84,8 @@ def replay_recording(
         for each in idle(chosen, DEFAULTS[chosen.game], ["what-if"]):
             say(f"Beware: {each}.", err=True)
     delays = what_if_delays(credits or [chosen.delay_of], recording, chosen)
+    if credits and "rule" not in credits:
+        chosen = credited_alike(chosen)
     rows = compare(
         recording.path,
         chosen,
