@@ -11,6 +11,7 @@ from arl_tui.command_line import (
     pseudonym,
     recordings_option,
     seed_option,
+    theme_option,
 )
 
 
@@ -46,6 +47,7 @@ from arl_tui.command_line import (
     is_flag=True,
     help="Measure nothing: fit the newest finished trials again, pooled with everybody there is by now.",
 )
+@theme_option
 def calibrate(
     participant: str,
     tasks: str,

@@ -185,6 +185,7 @@ def live_app(
     study: Mapping[str, str] | None = None,
     kept: "FinishedPart | None" = None,
     practice: bool = False,
+    part: str = "",
     on_gone: Callable[[], None] = lambda: None,
 ) -> "tuple[ArlApp, SessionOutcome | None]":
     """Start the worker, then the app; return the app and its result when both are gone.
@@ -199,6 +200,7 @@ def live_app(
         study: where the session belongs in a study, for the header.
         kept: what the session had done before it broke off; None where it begins.
         practice: nothing counts.
+        part: where in a visit the session is, in words ("Block 2 of 3").
         on_gone: called where the window is closed and this process is about to end.
     """
     refuse_clash(protocol)
@@ -226,6 +228,7 @@ def live_app(
             study=study or {},
             kept=kept,
             practice=practice,
+            part=part,
         )
         app = build_app(setup, link)
         app.before_leaving = on_gone

@@ -11,6 +11,7 @@ from arl_tui.command_line import (
     pseudonym,
     recordings_option,
     seed_option,
+    theme_option,
 )
 
 
@@ -47,6 +48,7 @@ from arl_tui.command_line import (
 )
 @language_option
 @recordings_option(to_write=True)
+@theme_option
 @click.pass_context
 def play(
     context: click.Context,

@@ -9,11 +9,15 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from arl_tui.app.outcome import SessionControls, SessionOutcome
+from arl_tui.app.tally import beginning_and_end
 from arl_tui.feedback_words import told
 from arl_tui.language import later, tr, trn
 from arl_tui.screens.page import PageScreen
 from arl_tui.words import Words
 from core.session.protocol import Protocol
+
+FEWEST_COMPARED = 4
+"""With fewer games the list of their figures says as much as two means."""
 
 
 class ClosingScreen(PageScreen):
@@ -90,6 +94,7 @@ class ClosingScreen(PageScreen):
         said = [
             trn("You watched {n} game ({steps}).", "You watched {n} games ({steps}).", games, steps=steps),
             f"{tr(self._words.performance)}: {lines}",
+            *self._change(),
             tr("What you told the computer: {told}", told=what_was_told),
         ]
         if tally.unseen:
@@ -112,6 +117,20 @@ class ClosingScreen(PageScreen):
         return "".join(
             f"\n  {person.name}: {text}" for person, text in zip(protocol.people, of_each, strict=True)
         )
+
+    def _change(self) -> list[str]:
+        """Return how the agent played at the beginning and at the end, where there are games to compare."""
+        performances = self.outcome.tally.performances
+        if len(performances) < FEWEST_COMPARED:
+            return []
+        first, last = beginning_and_end(performances)
+        return [
+            tr(
+                "At the beginning {first} per game, at the end {last}.",
+                first=self._words.told(first),
+                last=self._words.told(last),
+            )
+        ]
 
     def _weight(self) -> str:
         weight = self.outcome.tally.weight

@@ -10,7 +10,7 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from arl_tui.language import key_for, key_name, later, tr, trn
-from arl_tui.screens.page import PageScreen, keys_of_all, presses_of_all, session_keys
+from arl_tui.screens.page import PageScreen, bar, keys_of_all, presses_of_all, session_keys
 from core.session.protocol import Protocol
 
 
@@ -44,6 +44,36 @@ class PauseScreen(PageScreen):
             )
         yield Static(tr("The game waits for you. Take as long as you like; key presses do not count now."))
         yield Static(tr("Press {key_pause} or {key_space} to go on"), classes="call")
+
+    def action_back(self) -> None:
+        """Go on."""
+        self.leave(True)
+
+
+class BreakScreen(PageScreen):
+    """Between two blocks of a session: nothing happens until the participant goes on."""
+
+    HEADING = later("Time for a break")
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("space,enter", "back", "Go on", id="break.back", tooltip="Go on with the next block")
+    ]
+
+    def __init__(self, done: int, count: int) -> None:
+        """Prepare.
+
+        Args:
+            done: games that have been watched.
+            count: games of the whole session.
+        """
+        super().__init__()
+        self._done, self._count = done, count
+
+    def body(self) -> Iterable[Widget]:
+        """Return the text."""
+        told = tr("{done} of {all} games are done.", done=self._done, all=self._count)
+        yield Static(f"{told}\n{bar(self._done / self._count)}\n")
+        yield Static(tr("Look away from the screen, and stretch. The game waits for you."))
+        yield Static(tr("Press {key_space} to go on"), classes="call")
 
     def action_back(self) -> None:
         """Go on."""

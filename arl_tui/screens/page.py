@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 from itertools import zip_longest
 
+from textual import events
 from textual.app import ComposeResult
 from textual.containers import VerticalScroll
 from textual.screen import Screen
@@ -10,7 +11,7 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from arl_tui.feedback_words import short_words, word_of
-from arl_tui.language import bold_cap, key_for, tr, trn
+from arl_tui.language import bold_cap, key_for, later, tr, trn
 from core.feedback.keys import KeyConfig
 from core.session.protocol import Protocol
 
@@ -22,7 +23,9 @@ PAGE_WIDTH = 74
 IN_SESSION = {"pause": "space", "help": "f1", "stop": "ctrl+q,ctrl+c"}
 """What can be done during a game (`arl_tui.language.OWN_KEYS`), and the keys that are there for it even if
 the program's own key is one for feedback."""
-
+MORE = later("more below: ↓ and Page Down")
+PAGE_LINES = 10
+"""How far the page keys move a text, lines."""
 
 key_cap = bold_cap
 """A key as it is printed on the keyboard, in markup."""
@@ -36,10 +39,28 @@ class PageScreen(Screen[bool], inherit_bindings=False):
     _left = False
 
     def compose(self) -> ComposeResult:
-        """Lay out the title and what is under it."""
+        """Lay out the title and what is under it; what can be pressed stays in sight below a long text."""
         with VerticalScroll(classes="page", can_focus=False):
             yield Static(tr(self.HEADING), classes="title")
             yield from self.body()
+
+    def on_resize(self, event: events.Resize) -> None:
+        """Say where a text goes on below the window."""
+        self.call_after_refresh(self._tell_more)
+
+    def _tell_more(self) -> None:
+        for scroll in self.query(VerticalScroll):
+            below = scroll.max_scroll_y > 0 and scroll.scroll_target_y < scroll.max_scroll_y
+            scroll.border_subtitle = tr(MORE) if below else ""
+
+    def on_key(self, event: events.Key) -> None:
+        """Move a text that is longer than the window."""
+        scroll = self.query_one(VerticalScroll)
+        by = {"up": -1, "down": 1, "pageup": -PAGE_LINES, "pagedown": PAGE_LINES}.get(event.key)
+        if by is not None and scroll.max_scroll_y > 0:
+            event.stop()
+            scroll.scroll_relative(y=by, animate=False)
+            self.call_after_refresh(self._tell_more)
 
     def body(self) -> Iterable[Widget]:
         """Return the widgets under the title."""
@@ -50,6 +71,16 @@ class PageScreen(Screen[bool], inherit_bindings=False):
         if not self._left:
             self._left = True
             self.dismiss(result)
+
+
+BAR_WIDTH = 20
+"""Cells."""
+
+
+def bar(fraction: float) -> str:
+    """Return a bar for a fraction in [0, 1], and the fraction in per cent."""
+    done = round(fraction * BAR_WIDTH)
+    return f"{'━' * done}[dim]{'─' * (BAR_WIDTH - done)}[/] {fraction:.0%}"
 
 
 def feedback_keys(keys: KeyConfig) -> str:

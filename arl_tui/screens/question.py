@@ -22,7 +22,7 @@ from core.events import QuestionAnswered, QuestionPosed
 from core.feedback.asking_config import AskingConfig
 from core.session.protocol import Protocol
 
-ANSWERS = later("answer when the computer asks you what to do ({none} none of these)")
+ANSWERS = later("answer the computer's questions; {none} none of these")
 TITLE = later("A question for you")
 COMING = later("A question comes: you may judge\nthe last {step} first.")
 NONE_OF_THESE = later("none of these")

@@ -32,14 +32,18 @@ ANSWER_LIKERT = later("Press a number or use the arrow keys, then {key_enter}")
 ANSWER_SCALE = later("Move the mark with the arrow keys, then press {key_enter}")
 ANSWER_CHOICE = later("Press a number or use the arrow keys, then {key_enter}")
 ANSWER_SEVERAL = later("Choose with {key_space} as many as apply, then press {key_enter}")
+ANSWER_PRESS = later("Do what the sentence says")
 ANSWER_TYPED = later("Type your answer, then press {key_enter}")
 MAY_SKIP = later("You may leave this out: press {key_skip}")
 PROGRESS = later("Question {number} of {count}")
+BLOCK = later("Block {number} of {count}")
 PART = later("Part {number} of {count}")
 THANKS = later("Thank you!")
-NUMBERS = later(
-    "You watched [b]{games}[/] games and pressed [b]{presses}[/] keys that counted.\n"
-    "{unit} in your first game: [b]{first}[/]. In your last game: [b]{last}[/]."
+NUMBERS = later("You watched [b]{games}[/] games and pressed [b]{presses}[/] keys that counted.")
+TAKEN_BACK = later("You took [b]{presses}[/] presses back.")
+HOW_IT_PLAYED = later("{unit} per game at the beginning: [b]{first}[/]. At the end: [b]{last}[/].")
+HOW_IT_PLAYED_IN_BLOCK = later(
+    "Block {number}: {unit} per game at the beginning [b]{first}[/], at the end [b]{last}[/]."
 )
 ORDER = later("The conditions of your session were, in this order: {order}.")
 CODE = later("Your code is [b]{code}[/]. Keep it if you may want your data to be deleted later.")

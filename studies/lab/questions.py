@@ -8,6 +8,7 @@ from typing import Annotated, Literal, NamedTuple, assert_never
 
 from msgspec import Meta
 
+from core.configuration.fields import ALLOWED
 from core.configuration.reading import ConfigurationError, read_whole
 from core.session.protocol import Language
 from core.session.protocol_file import ProtocolError, located, read_toml
@@ -99,7 +100,16 @@ class FreeText(Item, frozen=True, kw_only=True, tag="text"):
     """Characters at most."""
 
 
-Question = Likert | Scale | Choice | Number | FreeText
+class Press(Item, frozen=True, kw_only=True, tag="press"):
+    """An instructed press: an attention check that is passed with one named key."""
+
+    key: Annotated[
+        str, Meta(pattern="^[a-pr-z0-9]$", extra={ALLOWED: "one small letter but q, or one digit"})
+    ]
+    """The key that is asked for; the text names it, too. The first letter or digit that is pressed counts."""
+
+
+Question = Likert | Scale | Choice | Number | FreeText | Press
 
 
 class QuestionList(Table, frozen=True, kw_only=True):
@@ -208,6 +218,9 @@ def refusal(question: Question, answer: Answer) -> Refusal | None:
                 return None
             limits = {"lowest": f"{lowest:g}", "highest": f"{highest:g} {unit}".rstrip()}
             return Refusal("Please type a number from {lowest} to {highest}.", limits)
+        case Press():
+            pressed = isinstance(answer, str) and len(answer) == 1
+            return None if pressed else Refusal("Please press one key.")
         case FreeText(longest=longest):
             too_long = len(str(answer)) > longest
             return (
@@ -221,6 +234,8 @@ def refusal(question: Question, answer: Answer) -> Refusal | None:
 
 def passed(question: Question, answer: Answer) -> bool | None:
     """Return whether an attention check was passed; None where the question is none."""
+    if isinstance(question, Press):
+        return answer == question.key
     if isinstance(question, Likert | Choice) and question.correct is not None:
         return answer == question.correct or answer == (question.correct,)
     return None

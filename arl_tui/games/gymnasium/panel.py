@@ -120,6 +120,10 @@ class GymnasiumPanel:
         """Write into the border."""
         self.widget.border_title = text
 
+    def part(self, text: str) -> None:
+        """Write into the border of the figures."""
+        self._figures.border_title = text
+
     def mark(self, taken: TakenFor) -> str:
         """Say that the press counted; where the action is to be seen nobody knows."""
         return tr("but no step was on screen") if taken.step < 0 else tr("for the last step")
@@ -127,5 +131,5 @@ class GymnasiumPanel:
     def unmark(self) -> None:
         """Do nothing: nothing is marked."""
 
-    def presses_left(self, presses: int) -> None:
+    def presses_left(self, presses: int | None) -> None:
         """Say nothing: the feedback bar is near enough."""
