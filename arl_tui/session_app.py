@@ -16,7 +16,7 @@ from arl_tui.app.garbage import GarbageControl
 from arl_tui.app.link import Link, Preparing, PressSuggested, Ready, TakenFor
 from arl_tui.app.live_session import LiveSession, Occurrence
 from arl_tui.app.once import after
-from arl_tui.app.outcome import Outcome, SessionControls
+from arl_tui.app.outcome import SessionControls, SessionOutcome
 from arl_tui.games.pace import pace_facts, pace_warning
 from arl_tui.games.registry import words_of
 from arl_tui.palette import palette_for
@@ -121,7 +121,7 @@ class ArlApp(SessionControls):
         self._worker_ready: Ready | None = None
         self._stamps_without_driver: list[tuple[int, int]] = []
         self._simulated_keys: set[int] = set()
-        self._outcome: Outcome | None = None
+        self._outcome: SessionOutcome | None = None
         self._practised: set[bool] = set()
         """Which keys have been pressed in time: True for the good one."""
 
@@ -188,10 +188,10 @@ class ArlApp(SessionControls):
             self.ask_to_stop("window-closed" if gone else "signal", SIGNAL_PATIENCE_S)
         elif self._recorder is None or self._outcome is not None:
             self._link.close(SIGNAL_PATIENCE_S)
-            self._go(self._outcome or Outcome(None, self.live.tally))
+            self._go(self._outcome or SessionOutcome(None, self.live.tally))
         # Else the recording is being closed, and `_close_up` goes when that is done.
 
-    def _go(self, outcome: Outcome) -> None:
+    def _go(self, outcome: SessionOutcome) -> None:
         """Leave after a signal."""
         if self.ended_by == getattr(signal, "SIGHUP", None):
             self.leave_at_once()
@@ -199,7 +199,7 @@ class ArlApp(SessionControls):
 
     def leave(self) -> None:
         """Close without having started."""
-        self.exit(Outcome(None, self.live.tally))
+        self.exit(SessionOutcome(None, self.live.tally))
 
     def _header(self, created_utc: str) -> Header:
         from arl_tui.app import facts  # Not needed before the first paint.
@@ -235,7 +235,7 @@ class ArlApp(SessionControls):
         if isinstance(event, events.Key) and not event.is_forwarded:
             simulated = id(event) in self._simulated_keys
             self._simulated_keys.discard(id(event))
-            self.live.press(
+            self.live.key_pressed(
                 key_name(event), nanoseconds(event.time), source="simulated" if simulated else "participant"
             )
         elif isinstance(event, events.AppFocus | events.AppBlur):
@@ -303,6 +303,7 @@ class ArlApp(SessionControls):
         if self._recorder is None or self.live.phase not in ("running", "stopping"):
             return
         self._on_disk_news()
+        self._garbage.look(covered=self.live.gate.covered)
         late = self.live.unconfirmed_s() > SAVING_S or self._recorder.unsynced_s() > BEHIND_S
         self.play.feedback.show_saving(late and self._recorder.failure is None)
         silent_s = self.live.silent_s()
@@ -341,7 +342,7 @@ class ArlApp(SessionControls):
             trouble = "\n\n".join(part for part in (problem, trouble) if part) or None
         setup = self.setup
         warning = "" if setup.simulated else pace_warning(setup.protocol, self._worker_ready)
-        outcome = self._outcome = Outcome(
+        outcome = self._outcome = SessionOutcome(
             path, self.live.tally, trouble, kept=kept, warning=warning, stopped=self.live.stop_reason
         )
         if self.ended_by is not None:
@@ -386,8 +387,7 @@ def close_recorder(recorder: Recorder, timeout_s: float = CLOSING_S) -> tuple[st
             kept = recorder.kept
             problem = (
                 f"The disk is too slow: all is written, but of {kept.recorded} events only {kept.synced} are "
-                f"known to "
-                "be on the disk. Do not switch the computer off yet"
+                "known to be on the disk. Do not switch the computer off yet"
             )
             return problem, recorder.path
         try:

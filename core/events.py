@@ -8,7 +8,7 @@ on every input at exactly the same point.
 All times are integer nanoseconds of one monotonic clock (`core.numerics.clock`).
 """
 
-from typing import Literal
+from typing import Literal, Self
 
 import msgspec
 
@@ -27,6 +27,34 @@ class Record(
     omit_defaults=True,
 ):
     """Base of everything that is written to a recording: the field `type` names the class."""
+
+
+class ActionRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """What was done at a step, in a game's own words: the base of one struct per game.
+
+    Each game declares its fields: whole numbers, in the order in which recordings hold them; `UNSET` where an
+    imported recording does not say. `core.plugins.GamePlugin.action` names the struct. A recording holds the
+    fields alone (`StepTaken.detail`), so the game of its header says which struct they are.
+    """
+
+    @classmethod
+    def of(cls, step: "StepTaken") -> Self:
+        """Return the action of a step of this game.
+
+        Raises:
+            ValueError: the step is of another game; the message says what came and what was expected.
+        """
+        try:
+            return msgspec.convert(step.detail, cls)
+        except msgspec.ValidationError as error:
+            raise ValueError(
+                f"step {step.step} was {step.detail}, expected {', '.join(cls.__struct_fields__)}: {error}"
+            ) from error
+
+    def plain(self) -> dict[str, int]:
+        """Return the fields that are set, by name, as `StepTaken.detail` holds them."""
+        fields: dict[str, int] = msgspec.to_builtins(self)
+        return fields
 
 
 # --- inputs: what the screen showed and what the participant did --------------------------------------------
@@ -174,7 +202,7 @@ Input = (
 # --- outputs: what the domain and the agent did -------------------------------------------------------------
 
 
-class EpisodeStarted(Record, frozen=True, kw_only=True, tag="episode-started"):
+class EpisodeStarted(Record, frozen=True, kw_only=True, tag="episode-started", rename={"handover": "share"}):
     """A watched episode begins."""
 
     episode: int
@@ -190,11 +218,12 @@ class EpisodeStarted(Record, frozen=True, kw_only=True, tag="episode-started"):
     w_r: float
     """Weight of the environment's values in this episode."""
     trust: float | None
-    """What the rule of trust said of the human when the episode began (Eq. 4, 5); None: version 1 did not
-    record it."""
+    """What the rule of trust said of the participant when the episode began (Eq. 4, 5); None: version 1 did
+    not record it."""
     weight: float
-    """Weight w_h of the human's values that the scheme used in this episode; some do not go by trust."""
-    share: float
+    """Weight w_h of the participant's values that the scheme used in this episode; some do not go by
+    trust."""
+    handover: float
     """Probability of handing the choice to the human policy in this episode (control sharing), else 0."""
     shaping: float = 0.0
     """Added to the reward of a step per unit of H in this episode (reward shaping), else 0."""
@@ -217,7 +246,8 @@ class StepTaken(Record, frozen=True, kw_only=True, tag="step-taken"):
     human_action: int
     """What the human policy alone would have chosen; -1 while there is no human policy."""
     detail: dict[str, int]
-    """The action in the domain's words (Tetris: piece, orientation, column)."""
+    """The action in the game's words (Tetris: piece, orientation, column), as a table: which one, says the
+    game's own `ActionRecord`, and `ActionRecord.of` reads it."""
     reward: float
     state: list[float] | None = None
     """What the decision was taken on, where only a simulator could tell again (Keepaway: the state variables
@@ -243,7 +273,7 @@ class EpisodeEnded(Record, frozen=True, kw_only=True, tag="episode-ended"):
     agreed_worst: int
     """Steps at which the environment policy chose the human policy's worst action."""
     trust: float
-    """What the rule of trust says of the human after this episode (of several people: the mean)."""
+    """What the rule of trust says of the participant after this episode (of several people: the mean)."""
     digest: str
     """Fingerprint of everything the agent has learned (hex)."""
     time: int | None = None
@@ -263,7 +293,7 @@ class UnseenPlayed(Record, frozen=True, kw_only=True, tag="unseen-played"):
     agreed: list[int]
     agreed_worst: list[int]
     trust: float
-    """What the rule of trust says of the human after the last of them (of several people: the mean)."""
+    """What the rule of trust says of the participant after the last of them (of several people: the mean)."""
     weights: list[float] | None
     """Weight w_h that the scheme used in each of them; None where version 1 did not record it."""
     digest: str

@@ -32,7 +32,7 @@ class DemoParticipant:
     def begin(self, episode: EpisodeStarted) -> None:
         """Note that a watched episode begins."""
         self._state = self._domain.initial(episode.episode_seed)
-        self._trainer.begin_episode(episode.episode)
+        self._trainer.watch_episode(episode.episode)
 
     def watch(self, step: StepTaken, *, shown_ns: int, hidden_ns: int) -> list[PressSuggested]:
         """Return the presses about a step that is about to be shown, in order of time.

@@ -183,7 +183,7 @@ class LiveSession:
             self._sink.record(joint)
             self._link.send(joint)  # not to the screens: the participant has not been interrupted now
 
-    def press(
+    def key_pressed(
         self, key: str, time_ns: int, *, source: Literal["participant", "simulated"] = "participant"
     ) -> None:
         """Take in a key press made at `time_ns`."""
@@ -192,7 +192,7 @@ class LiveSession:
         self.notice_gap()
         self.collect_frames()
         self.gate.frame, self.gate.step = self._frames.at(time_ns)
-        for record in self.gate.press(key, time_ns, source=source):
+        for record in self.gate.judge(key, time_ns, source=source):
             self._count(record)
             self._enter(record)
 

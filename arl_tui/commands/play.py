@@ -18,7 +18,7 @@ from core.session.protocol import Protocol
 from core.session.protocol_reading import load_protocol
 
 if TYPE_CHECKING:
-    from arl_tui.app.outcome import Outcome
+    from arl_tui.app.outcome import SessionOutcome
     from arl_tui.session_app import ArlApp
     from core.recording.joined import FinishedPart
 
@@ -94,7 +94,7 @@ def run_live(
     source: Mapping[str, str] | None = None,
     study: Mapping[str, str] | None = None,
     kept: "FinishedPart | None" = None,
-) -> "Outcome":
+) -> "SessionOutcome":
     """Start the worker, then the app; return what is left when both are gone.
 
     The arguments are those of `live_app`.
@@ -130,7 +130,7 @@ def live_app(
     kept: "FinishedPart | None" = None,
     practice: bool = False,
     on_gone: Callable[[], None] = lambda: None,
-) -> "tuple[ArlApp, Outcome | None]":
+) -> "tuple[ArlApp, SessionOutcome | None]":
     """Start the worker, then the app; return the app and its result when both are gone.
 
     Args:
@@ -177,7 +177,7 @@ def live_app(
         link.close()
 
 
-def tell(outcome: "Outcome") -> None:
+def tell(outcome: "SessionOutcome") -> None:
     """Print where the recording is; leave with status 1 where something failed."""
     if outcome.recording is not None:
         say(f"Recording: {outcome.recording}")

@@ -25,7 +25,7 @@ class Progress:
     episodes: int
     """How many there will be."""
     human_weights: tuple[float, ...]
-    """Weight of the human in each game so far, oldest first; () where it is not to be seen."""
+    """Weight of the participant in each game so far, oldest first; () where it is not to be seen."""
     performances: tuple[float, ...] = ()
     """Of the watched episodes so far, in the game's unit, oldest first."""
 
@@ -44,7 +44,7 @@ class Panel(Interface):
         """
         ...
 
-    def stage(self) -> CoverableWidget:
+    def game_widget(self) -> CoverableWidget:
         """Return the widget of the game itself."""
         ...
 

@@ -8,12 +8,12 @@ from textual.binding import Binding, BindingType
 from textual.widget import Widget
 from textual.widgets import Static
 
-from arl_tui.app.outcome import Outcome, SessionControls
-from arl_tui.screens.page import Page
+from arl_tui.app.outcome import SessionControls, SessionOutcome
+from arl_tui.screens.page import PageScreen
 from arl_tui.words import Words
 
 
-class ClosingScreen(Page):
+class ClosingScreen(PageScreen):
     """Says how the session ended."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -26,7 +26,7 @@ class ClosingScreen(Page):
 
     def __init__(
         self,
-        outcome: Outcome,
+        outcome: SessionOutcome,
         words: Words,
         *,
         show_weight: bool = False,
@@ -98,7 +98,7 @@ class ClosingScreen(Page):
         cast(SessionControls, self.app).exit(self.outcome)
 
 
-def how_much_recorded(outcome: Outcome) -> str:
+def how_much_recorded(outcome: SessionOutcome) -> str:
     """Return how much of the session is recorded and known to be on the disk, in words.
 
     The terminal names the file afterwards: names of files and folders may tell the condition.

@@ -9,11 +9,11 @@ from textual.geometry import Size
 from textual.widget import Widget
 from textual.widgets import Static
 
-from arl_tui.screens.page import Page, feedback_keys, session_keys
+from arl_tui.screens.page import PageScreen, feedback_keys, session_keys
 from core.feedback.keys import KeyConfig
 
 
-class PauseScreen(Page):
+class PauseScreen(PageScreen):
     """The game waits."""
 
     HEADING = "Pause"
@@ -45,7 +45,7 @@ class PauseScreen(Page):
         self.leave(True)
 
 
-class HelpScreen(Page):
+class HelpScreen(PageScreen):
     """All keys and what they do."""
 
     HEADING = "Help"
@@ -71,8 +71,7 @@ class HelpScreen(Page):
         yield Static(feedback_keys(keys))
         yield Static(
             f"\nYou have {keys.max_presses_per_episode} presses in each game. A press counts once, however "
-            f"long you "
-            "hold the key. If a press does not count, the screen says why.\n"
+            "long you hold the key. If a press does not count, the screen says why.\n"
         )
         yield Static(session_keys(keys))
         yield Static("Press [reverse] H [/] or [reverse] Space [/] to go on", classes="call")
@@ -82,7 +81,7 @@ class HelpScreen(Page):
         self.leave(True)
 
 
-class StopScreen(Page):
+class StopScreen(PageScreen):
     """Asks whether to stop."""
 
     HEADING = "Stop the session?"
@@ -107,7 +106,7 @@ class StopScreen(Page):
         self.leave(False)
 
 
-class SmallWindowScreen(Page):
+class SmallWindowScreen(PageScreen):
     """Asks for a larger window, and leaves by itself when it is there; answers False to stop."""
 
     HEADING = "This window is too small"

@@ -11,7 +11,7 @@ from textual.widgets import Static
 from core.feedback.keys import KeyConfig
 
 
-class Page(Screen[bool], inherit_bindings=False):
+class PageScreen(Screen[bool], inherit_bindings=False):
     """A titled box in the middle of the screen; opaque, so that a game beneath it is not seen."""
 
     HEADING = ""

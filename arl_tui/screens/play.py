@@ -20,7 +20,7 @@ from arl_tui.games.registry import screens_of, words_of
 from arl_tui.palette import Palette
 from arl_tui.screens.count_down import CountDown
 from arl_tui.screens.covers import HelpScreen, PauseScreen, SmallWindowScreen, StopScreen, fits_into
-from arl_tui.screens.page import Page, session_keys
+from arl_tui.screens.page import PageScreen, session_keys
 from arl_tui.widgets.feedback_bar import FeedbackBar
 from core.events import (
     EpisodeEnded,
@@ -47,10 +47,10 @@ BAR_WIDTH = 20
 """Cells."""
 
 
-def bar(share: float) -> str:
-    """Return a bar for a share in [0, 1], and the share in per cent."""
-    done = round(share * BAR_WIDTH)
-    return f"{'━' * done}[dim]{'─' * (BAR_WIDTH - done)}[/] {share:.0%}"
+def bar(fraction: float) -> str:
+    """Return a bar for a fraction in [0, 1], and the fraction in per cent."""
+    done = round(fraction * BAR_WIDTH)
+    return f"{'━' * done}[dim]{'─' * (BAR_WIDTH - done)}[/] {fraction:.0%}"
 
 
 class PlayScreen(Screen[None], inherit_bindings=False):
@@ -72,7 +72,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
             palette: colours of the game.
         """
         super().__init__()
-        self.scene = screens_of(protocol).panel(protocol, palette)
+        self.panel = screens_of(protocol).panel(protocol, palette)
         self.add_class(f"-{protocol.game}")
         self.feedback = FeedbackBar(protocol.keys)
         self._status = Static(id="status")
@@ -89,7 +89,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         """In use, one per game so far; empty where they are not to be seen."""
         self._shows_weight = protocol.screen.show_weight
         self._counts = protocol.screen.count_down_s > 0
-        self._count_down = CountDown(self, self.scene.stage(), protocol.screen.count_down_s)
+        self._count_down = CountDown(self, self.panel.game_widget(), protocol.screen.count_down_s)
         self._said = ""
         self._silence_shown = False
         self._disk_failed = False
@@ -98,11 +98,11 @@ class PlayScreen(Screen[None], inherit_bindings=False):
 
     def compose(self) -> ComposeResult:
         """Lay everything out in fixed sizes."""
-        with Horizontal(id="stage"):
-            yield self.scene.stage()
+        with Horizontal(id="play-area"):
+            yield self.panel.game_widget()
             with Vertical(id="side"):
                 with Horizontal(id="figures"):
-                    yield from self.scene.figures()
+                    yield from self.panel.figures()
                 yield self.feedback
                 yield self._status
         yield Static(session_keys(self._keys), id="session-keys")
@@ -117,19 +117,19 @@ class PlayScreen(Screen[None], inherit_bindings=False):
             case KeyPressed():
                 self._show_press(occurrence)
             case TakenFor():
-                self.feedback.show_taken(self.scene.mark(occurrence))
+                self.feedback.show_taken(self.panel.mark(occurrence))
             case PressRetracted():
-                self.scene.unmark()
+                self.panel.unmark()
                 self.feedback.show_retraction(occurrence, self._live.presses_left)
-                self.scene.presses_left(self._live.presses_left)
+                self.panel.presses_left(self._live.presses_left)
             case WrongPressAsked():
                 self.feedback.ask_wrong(True)
             case EpisodeStarted():
                 self._begin_episode(occurrence)
             case EpisodeEnded():
                 self._end_episode(occurrence)
-            case Preparing(share=share) if self._live.phase == "running":
-                self._say(f"One moment, this first time:\n{bar(share)}")
+            case Preparing(fraction=fraction) if self._live.phase == "running":
+                self._say(f"One moment, this first time:\n{bar(fraction)}")
             case TimeGap():
                 self._lay_over(PauseScreen(gap_s=length_s(occurrence)), "gap")
             case StopAsked() | SessionEnded():
@@ -146,14 +146,14 @@ class PlayScreen(Screen[None], inherit_bindings=False):
 
     def take_painted(self) -> int | None:
         """Return the step whose picture has been drawn since the last call; None where none has."""
-        drawn = self.scene.take_drawn()
+        drawn = self.panel.take_drawn()
         return self._picture.step if drawn and self._picture is not None else None
 
     def _show_picture(self, picture: Picture) -> None:
         self._picture = picture
         performances = tuple(self._live.tally.performances)
         progress = Progress(max(1, self._watched), self._episodes, tuple(self._human_weights), performances)
-        self.scene.show(picture, progress)
+        self.panel.show(picture, progress)
 
     def _show_press(self, press: KeyPressed) -> None:
         is_command = any(
@@ -162,17 +162,17 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         if press.verdict != "other" or not is_command:
             self.feedback.show_press(press, self._live.presses_left)
         self.feedback.ask_wrong(self._live.gate.wrong_asked)
-        self.scene.presses_left(self._live.presses_left)
+        self.panel.presses_left(self._live.presses_left)
 
     def _begin_episode(self, episode: EpisodeStarted) -> None:
         self._watched += 1
         self._playing = True
         if self._shows_weight:
             self._human_weights.append(weight_in_use(episode))
-        self.feedback.begin_episode(self._live.presses_left)
-        self.scene.presses_left(self._live.presses_left)
-        self.scene.title(f"Game {self._watched}")
-        self.scene.unmark()
+        self.feedback.begin_game(self._live.presses_left)
+        self.panel.presses_left(self._live.presses_left)
+        self.panel.title(f"Game {self._watched}")
+        self.panel.unmark()
         self._say("")
         if not self._live.gate.covered:  # a page lies over the game: the count-down comes when it is left
             self._count()
@@ -187,12 +187,12 @@ class PlayScreen(Screen[None], inherit_bindings=False):
     def _go_on(self) -> None:
         """Let the game go on, and draw once more: what was drawn before came too early to count."""
         self._live.uncover()
-        self.scene.refresh()
+        self.panel.refresh()
 
     def _end_episode(self, episode: EpisodeEnded) -> None:
         self._playing = False
         lines = self._words.told(episode.performance)
-        self.scene.title("Game over" if episode.ended == "termination" else "End of this game")
+        self.panel.title("Game over" if episode.ended == "termination" else "End of this game")
         if self._watched >= self._episodes or self._live.phase != "running":
             self._say(f"That was the last game: {lines}.")
         elif self._unseen:
@@ -248,12 +248,14 @@ class PlayScreen(Screen[None], inherit_bindings=False):
 
     def on_resize(self, event: events.Resize) -> None:
         """Ask for a larger window where the game does not fit."""
-        if self.is_active and not fits_into(self.scene.needed, event.size):
+        if self.is_active and not fits_into(self.panel.needed, event.size):
             self._lay_over(
-                SmallWindowScreen(self.scene.needed), "resize", lambda large: self._stop_if(large is False)
+                SmallWindowScreen(self.panel.needed), "resize", lambda large: self._stop_if(large is False)
             )
 
-    def _lay_over(self, page: Page, reason: Cover, then: Callable[[bool | None], None] | None = None) -> None:
+    def _lay_over(
+        self, page: PageScreen, reason: Cover, then: Callable[[bool | None], None] | None = None
+    ) -> None:
         if self._count_down.running:
             self._count_down.stop()
             self._live.uncover()

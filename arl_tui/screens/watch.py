@@ -20,7 +20,7 @@ from arl_tui.app.plain_app import PlainApp
 from arl_tui.games.keepaway.playback import Playback, Source
 from arl_tui.palette import STANDARD, palette_for
 from arl_tui.screens.covers import SmallWindowScreen, fits_into
-from arl_tui.screens.page import Page, key_cap
+from arl_tui.screens.page import PageScreen, key_cap
 from arl_tui.widgets.pitch import PitchWidget
 from arl_tui.widgets.pitch_colours import legend
 from arl_tui.widgets.pitch_drawing import smallest
@@ -45,7 +45,7 @@ KEYS = (
 ENDS_SHOWN = 4
 
 
-class HelpPage(Page):
+class HelpPage(PageScreen):
     """What is drawn, and all keys."""
 
     HEADING = "Watching Keepaway"
@@ -57,10 +57,8 @@ class HelpPage(Page):
         """Return the text."""
         yield Static(
             "The keepers (K) pass the ball among themselves; the takers (T) want it. An episode ends when a "
-            "taker "
-            "has had the ball for a moment, or the ball leaves the square. The mark beside a player shows "
-            "which "
-            "way it faces; the bright player has the ball; dots lead to the receiver of a pass.\n"
+            "taker has had the ball for a moment, or the ball leaves the square. The mark beside a player "
+            "shows which way it faces; the bright player has the ball; dots lead to the receiver of a pass.\n"
         )
         rows = (
             ("space", "pause, and go on"),
@@ -242,7 +240,7 @@ class WatchScreen(Screen[None], inherit_bindings=False):
         if self.is_active and not fits_into(self._needed, event.size):
             self._lay_over(SmallWindowScreen(self._needed), lambda large: self._leave_if(large is False))
 
-    def _lay_over(self, page: Page, then: Callable[[bool | None], None] = lambda _: None) -> None:
+    def _lay_over(self, page: PageScreen, then: Callable[[bool | None], None] = lambda _: None) -> None:
         playback = self.playback
         went_on = playback is not None and not playback.paused
         if playback is not None:

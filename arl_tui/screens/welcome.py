@@ -10,9 +10,9 @@ from textual.widgets import Static
 
 from arl_tui.app.link import Preparing, Ready
 from arl_tui.app.outcome import SessionControls
-from arl_tui.games.pace import pace_warning
+from arl_tui.games.pace import pace_line, pace_warning
 from arl_tui.games.registry import words_of
-from arl_tui.screens.page import Page, feedback_keys
+from arl_tui.screens.page import PageScreen, feedback_keys
 from core.numerics.clock import NS_PER_S, Clock, MonotonicClock
 from core.session.protocol import Protocol
 
@@ -21,7 +21,7 @@ AT_SCREEN_S = 10.0
 CALL = "Press [reverse] Enter [/] to start, [reverse] Q [/] to leave"
 
 
-class WelcomeScreen(Page):
+class WelcomeScreen(PageScreen):
     """Explains, and waits for the start key while the worker gets ready.
 
     A game begins only in front of a participant: where getting ready took longer than `AT_SCREEN_S` after the
@@ -82,8 +82,7 @@ class WelcomeScreen(Page):
         yield Static(f"\n{feedback_keys(keys)}\n")
         yield Static(
             f"You have [b]{presses} presses in each game[/], so save them for what matters, and press as "
-            f"soon as "
-            "you have made up your mind. Nothing you press is wrong: only your opinion counts."
+            "soon as you have made up your mind. Nothing you press is wrong: only your opinion counts."
         )
         if keys.wrong_press_rate > 0:
             yield Static(
@@ -99,8 +98,7 @@ class WelcomeScreen(Page):
             )
         yield Static(
             "\n[dim]Your key presses and their times are written to a file on this computer under the "
-            "code[/] "
-            f"[b]{self._participant}[/][dim]. You can pause or stop at any time.[/]"
+            f"code[/] [b]{self._participant}[/][dim]. You can pause or stop at any time.[/]"
         )
         yield Static(id="pace")
         yield Static(id="call", classes="call")
@@ -129,7 +127,9 @@ class WelcomeScreen(Page):
         """Write the last lines."""
         if not self.query("#call"):
             return  # Not laid out yet: `on_mount` comes back here.
-        if warning := self._warning():
+        warning = self._warning()
+        self.query_one("#pace").display = bool(warning)  # an empty line would take the room of the last one
+        if warning:
             self.query_one("#pace", Static).update(Text(f"For the experimenter: {warning}", style="dim"))
             self.query_one("#call").add_class("-close")  # the page is full in the smallest window
         self.query_one("#call", Static).update(self._call())
@@ -143,7 +143,10 @@ class WelcomeScreen(Page):
         if self._worker_ready is not None:
             line = f"Ready. {CALL}" if self._asked_ns is not None else CALL
             # The warning takes the room of the second line: nothing moves without one.
-            return line if self._warning() else f"{line}\n"
+            if self._warning():
+                return line
+            pace = "" if self._simulated else pace_line(self._protocol, self._worker_ready)
+            return f"{line}\n[dim]{pace and f'For the experimenter: {pace}'}[/]"
         far = "getting ready"
         if self._progress is not None and self._progress.compiled:
             far = f"getting ready: {self._progress.compiled} of about {self._progress.needed} parts"

@@ -239,7 +239,7 @@ def board_protocol() -> Protocol:
 def run(plan: Plan) -> tuple[str, Seen]:
     """Run the app in this terminal; return why it ended early ("" if it did not) and what it saw."""
     link = None
-    if plan.scene == "beside a board":
+    if plan.condition == "beside a board":
         from arl_tui.worker import start_worker
 
         link = start_worker(board_protocol(), plan.root_seed)

@@ -42,7 +42,7 @@ class GameView:
     def widget(self) -> CoverableWidget:
         """The widget of the game."""
         if self._panel is not None:
-            return self._panel.stage()
+            return self._panel.game_widget()
         widget = self.board or self.pitch
         assert widget is not None, "there is a widget for every game"
         return widget

@@ -3,7 +3,8 @@
 from dataclasses import dataclass, field
 
 from core.plugins import View
-from core.tetris.picture import Counts, Wall
+from core.tetris.game import Board as BitBoard
+from core.tetris.picture import Wall
 from studies.session_view.session import Moment, SessionView
 
 Ids = tuple[tuple[int, ...], ...]
@@ -30,10 +31,18 @@ class Board:
 
     wall: Wall
     ids: Ids
-    counts: Counts
+    lines: int
+    pieces: int
+    columns: BitBoard
+    """The wall as the learner sees it."""
 
 
-def shot_number(session: SessionView, moment: Moment, n_shots: int, tick_ns: int) -> int:
+def board_of(wall: Wall, lines: int, pieces: int) -> Board:
+    """Return a board of which nobody knows which step placed what."""
+    return Board(wall, (), lines, pieces, wall.board)
+
+
+def tick_number(session: SessionView, moment: Moment, n_ticks: int, tick_ns: int) -> int:
     """Return which of a step's pictures was on screen.
 
     A live session records every picture as a frame: where all of them reached the terminal, they are counted.
@@ -42,11 +51,11 @@ def shot_number(session: SessionView, moment: Moment, n_shots: int, tick_ns: int
     """
     frame, frames = moment.frame, session.frames
     n_frames = session.frames_of(moment.step) if moment.step >= 0 else 0
-    if n_frames == n_shots:
+    if n_frames == n_ticks:
         while frame > 0 and frames["nth"][frame] < 0:
             frame -= 1
         return int(frames["nth"][frame])
     visible_ns = moment.visible_ns
     if n_frames > 1:
         visible_ns = session.at(int(frames["time"][moment.frame])).visible_ns + tick_ns // 2
-    return min(max(visible_ns // tick_ns, 0), n_shots - 1)
+    return min(max(visible_ns // tick_ns, 0), n_ticks - 1)

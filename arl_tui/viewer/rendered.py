@@ -4,8 +4,8 @@ actions.
 
 from typing import Any
 
-from arl_tui.games.rendering import Renderer, Shot
-from arl_tui.viewer.looks import Look, shot_number
+from arl_tui.games.rendering import Renderer, TickView
+from arl_tui.viewer.looks import Look, tick_number
 from core.domain import Domain
 from core.events import StepTaken
 from studies.session_view.session import Moment, SessionView
@@ -30,8 +30,8 @@ class RenderedPictures:
         self._state: Any = None
         self._game = -1
         self._next = -1
-        self._opening: tuple[Shot, ...] = ()
-        self._shots: tuple[Shot, ...] = ()
+        self._opening: tuple[TickView, ...] = ()
+        self._shots: tuple[TickView, ...] = ()
         self._otherwise = ""
 
     def at(self, moment: Moment) -> Look:
@@ -43,7 +43,7 @@ class RenderedPictures:
         self._play_to(int(self._session.steps["episode"][moment.step]), moment.step)
         if not self._shots:
             return Look(self._renderer.picture, self._otherwise)
-        n = shot_number(self._session, moment, len(self._shots), self._renderer.tick_ns)
+        n = tick_number(self._session, moment, len(self._shots), self._renderer.tick_ns)
         return Look(self._shots[n].view, self._otherwise)
 
     def _between(self, moment: Moment) -> Look:
@@ -87,5 +87,5 @@ class RenderedPictures:
             return False
         return (
             self._domain.recorded_state(self._state) == step.state
-            and self._domain.detail(self._state, step.action) == step.detail
+            and self._domain.action_record(self._state, step.action).plain() == step.detail
         )

@@ -19,11 +19,12 @@ from arl_tui.viewer.game_view import GameView
 from arl_tui.viewer.help import ViewerHelp
 from arl_tui.viewer.looks import Look
 from arl_tui.viewer.panels import key_line, press_line, strip_lines
-from arl_tui.viewer.pictures import Pictures, PitchPictures
+from arl_tui.viewer.pictures import Pictures, PitchPictures, pictures_of
 from arl_tui.viewer.reading import Viewing
 from arl_tui.viewer.rows import BOLD, DIM, Rows, Run
 from arl_tui.viewer.timeline import Facts, Timeline, clock_text
 from core.numerics.clock import Clock, MonotonicClock
+from studies.session_view.index import open_index
 from studies.session_view.session import Kind, Moment
 from studies.session_view.tags import Tag
 from studies.session_view.transport import Transport
@@ -105,9 +106,9 @@ class ViewerScreen(Screen[str], inherit_bindings=False):
         self.marks = True
         """Credited pieces, candidates and bars are drawn on the game."""
         self.frames_drawn = 0
-        self._pictures = pictures
-        if isinstance(pictures, PitchPictures):
-            viewing.drawn_receivers = lambda: pictures.receivers
+        self.broken: Exception | None = None
+        """Why the rest of a long recording cannot be read."""
+        self._pictures = self._drawn_by(pictures)
         self._colours = colours
         self._asking: Asking = ""
         self._said = ""
@@ -160,6 +161,8 @@ class ViewerScreen(Screen[str], inherit_bindings=False):
         """Draw what is due; nothing where nothing has changed."""
         if not self.is_current:
             return
+        if self.viewing.whole is not None and self.viewing.whole.done:
+            self._look_at_all()
         time_ns = self.transport.tick()
         key = (
             time_ns,
@@ -169,6 +172,7 @@ class ViewerScreen(Screen[str], inherit_bindings=False):
             self.marks,
             self._said,
             self.timeline.stretch,
+            None if self.viewing.whole is None else round(self.viewing.whole.share, 2),
         )
         if key == self._drawn:
             return
@@ -182,6 +186,28 @@ class ViewerScreen(Screen[str], inherit_bindings=False):
         timeline.differences = self.viewing.differences
         timeline.tags = self.viewing.tags.all
         timeline.draw(time_ns)
+
+    def _look_at_all(self) -> None:
+        """Go on with the whole recording, whose index is there now; leave where it is damaged."""
+        whole, self.viewing.whole = self.viewing.whole, None
+        assert whole is not None, "looked at before"
+        try:
+            whole.check()
+            self.session.look_at(open_index(self.viewing.path))
+        except Exception as error:  # noqa: BLE001 - whatever it is, the viewer ends, and the command names it
+            self.broken = error
+            self.dismiss("")
+            return
+        self.viewing.look_again()
+        self._pictures = self._drawn_by(pictures_of(self.session))
+        facts = Facts(self.session)
+        for timeline in self.query(Timeline):
+            timeline.renew(facts)
+
+    def _drawn_by(self, pictures: Pictures) -> Pictures:
+        if isinstance(pictures, PitchPictures):
+            self.viewing.drawn_receivers = lambda: pictures.receivers
+        return pictures
 
     def _draw_text(self, moment: Moment, look: Look) -> None:
         self.query_one("#status", Rows).show([status_line(self.viewing, self.transport, moment)])
@@ -332,7 +358,7 @@ class ViewerScreen(Screen[str], inherit_bindings=False):
         self.set_focus(None)
         if what == "press":
             number = int(event.value) if event.value.strip().isdecimal() else 0
-            if not self.transport.press(number):
+            if not self.transport.go_to_press(number):
                 self.say(f"There are presses 1 to {len(self.session.times('press'))}")
         elif event.value.strip():
             self._keep_note(event.value.strip())

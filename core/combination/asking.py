@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from core.combination.config import AskingConfig
 from core.domain import Choices, Features
-from core.feedback.samples import Sample
+from core.feedback.samples import FeedbackSample
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -28,23 +28,23 @@ class Question:
 
 
 def votes(actions: Sequence[int], probabilities: Sequence[float]) -> dict[int, float]:
-    """Return the share of the committee behind each action.
+    """Return the fraction of the committee behind each action.
 
     Args:
         actions: what each policy would do.
         probabilities: weight of each policy, summing to 1.
     """
-    shares: dict[int, float] = {}
+    support: dict[int, float] = {}
     for action, probability in zip(actions, probabilities, strict=True):
-        shares[action] = shares.get(action, 0.0) + probability
-    return shares
+        support[action] = support.get(action, 0.0) + probability
+    return support
 
 
-def disagreement_of(shares: dict[int, float]) -> float:
+def disagreement_of(support: dict[int, float]) -> float:
     """Return the chance that two policies drawn with replacement choose different actions: 1 - sum of
     squares.
     """
-    return 1.0 - math.fsum(share * share for share in shares.values())
+    return 1.0 - math.fsum(part * part for part in support.values())
 
 
 class Asker:
@@ -55,7 +55,7 @@ class Asker:
         self._seen: deque[float] = deque(maxlen=config.memory)
         self._asked = 0
 
-    def begin_episode(self) -> None:
+    def reset(self) -> None:
         """Note that a watched episode begins: its budget of questions is new."""
         self._asked = 0
 
@@ -69,23 +69,23 @@ class Asker:
             actions: what each policy of the committee would do.
             probabilities: weight of each policy, summing to 1.
         """
-        shares = votes(actions, probabilities)
-        disagreement = disagreement_of(shares)
+        support = votes(actions, probabilities)
+        disagreement = disagreement_of(support)
         before = sorted(self._seen)
         self._seen.append(disagreement)
         if self._asked >= self.config.per_episode or len(before) < self.config.minimum_decisions:
             return None
-        # As many as `share` of the decisions before may have had more.
+        # At most `share` of the decisions before may have had more.
         border = before[math.ceil((1.0 - self.config.share) * len(before)) - 1]
-        if len(shares) < 2 or disagreement <= border:
+        if len(support) < 2 or disagreement <= border:
             return None
         self._asked += 1
-        ranked = sorted(shares, key=lambda action: (-shares[action], action))
+        ranked = sorted(support, key=lambda action: (-support[action], action))
         options = tuple(ranked[: self.config.options])
         return Question(options, choices.feedback_features[list(options)], disagreement)
 
 
-def samples_of(question: Question, chosen: int, *, number: int) -> list[Sample]:
+def samples_of(question: Question, chosen: int, *, number: int) -> list[FeedbackSample]:
     """Return what an answer says: the chosen option is good, the others together as bad.
 
     Args:
@@ -100,7 +100,7 @@ def samples_of(question: Question, chosen: int, *, number: int) -> list[Sample]:
         raise ValueError(f"the answer {chosen} is not among the options {question.options}")
     weight = 1.0 / (len(question.options) - 1)
     return [
-        Sample(
+        FeedbackSample(
             features=row,
             label=1.0 if option == chosen else -1.0,
             weight=1.0 if option == chosen else weight,

@@ -39,10 +39,10 @@ class AskingConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     options: Annotated[int, number("actions", ge=2, le=3)] = 3
     """Candidate actions of a question at most, 2 or 3."""
     share: Annotated[float, number(gt=0, lt=1)] = 0.05
-    """It asks where its policies disagree more than in all but this share of recent decisions, in (0, 1).
+    """It asks where its policies disagree more than in all but this fraction of recent decisions, in (0, 1).
     (Our choice.)"""
     memory: Annotated[int, number("decisions", ge=1, le=1_000_000)] = 200
-    """How many recent decisions that share is of. (Our choice.)"""
+    """How many recent decisions that fraction is of. (Our choice.)"""
     minimum_decisions: Annotated[int, number("decisions", ge=1, le=1_000_000)] = 20
     """It does not ask before it has seen this many. (Our choice.)"""
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from core.domain import Features
 from core.events import CreditGiven
 from core.feedback.assigner import CreditAssigner
-from core.feedback.samples import CreditConfig, MassAccount, Sample
+from core.feedback.samples import CreditConfig, FeedbackSample, MassAccount
 from core.learners.consistency import Consistency
 from core.learners.human_config import HumanModelConfig
 from core.learners.human_reward import HumanRewardModel
@@ -37,7 +37,7 @@ class HumanLearner:
         self._consistency = Consistency()
         self._on_screen = -1
         # What was learned from answers to questions, beside the assigner's samples.
-        self._answers: list[Sample] = []
+        self._answers: list[FeedbackSample] = []
 
     @property
     def consistency(self) -> float:
@@ -95,7 +95,7 @@ class HumanLearner:
         """Learn from a press, value > 0 good, < 0 bad, whichever participant made it; return how it was
         shared out.
         """
-        given = self._assigner.press(press, time_ns, value)
+        given = self._assigner.add_press(press, time_ns, value)
         self._learn()
         return CreditGiven(
             press=press,
@@ -107,7 +107,7 @@ class HumanLearner:
             merged_into=given.merged_into,
         )
 
-    def learn_from_answer(self, samples: list[Sample]) -> None:
+    def learn_from_answer(self, samples: list[FeedbackSample]) -> None:
         """Learn what an answer to a question says (`core.combination.asking.samples_of`)."""
         self._answers.extend(samples)
         for sample in samples:
@@ -153,13 +153,13 @@ class HumanLearner:
         for sample in self._assigner.take():
             self._learn_from(sample)
 
-    def _learn_from(self, sample: Sample) -> None:
+    def _learn_from(self, sample: FeedbackSample) -> None:
         if _tells(sample):
             prediction = self._model.predict(sample.features[None, :])[0]
             self._consistency.note(float(prediction), sample.label, sample.weight)
             self._model.add(sample)
 
 
-def _tells(sample: Sample) -> bool:
+def _tells(sample: FeedbackSample) -> bool:
     """Return whether the step's features are known: an imported log may not show what a step led to."""
     return bool(np.isfinite(sample.features).all())

@@ -23,7 +23,7 @@ from core.combination.trust.measures import selection_probabilities
 from core.combination.window import DecisionWindow, Values
 from core.domain import Choices, Features
 from core.events import CreditGiven
-from core.feedback.samples import MassAccount, Sample
+from core.feedback.samples import FeedbackSample, MassAccount
 from core.numerics.arrays import Floats
 
 
@@ -145,13 +145,12 @@ class Listeners:
         if not 0 <= participant < len(self.learners):
             raise ValueError(
                 f"press {press} is by participant {participant}, but this agent listens to "
-                f"{len(self.learners)}, counted "
-                "from 0: name the others in the protocol"
+                f"{len(self.learners)}, counted from 0: name the others in the protocol"
             )
         self._participant_of[press] = participant
         return self.learners[participant].learn_from_press(press, time_ns, value)
 
-    def learn_from_answer(self, samples: list[Sample], participant: int = 0) -> None:
+    def learn_from_answer(self, samples: list[FeedbackSample], participant: int = 0) -> None:
         """Learn what a participant's answer to a question says."""
         self.learners[participant].learn_from_answer(samples)
 
@@ -261,7 +260,7 @@ class ListenersTrust:
         """
         # Of one alone -0.0 is 0.0, as it stands in recordings.
         w_h = [sum(self.w_h)] if self._listeners.alone else self.w_h
-        each = [scheme.weights(w_s, episode) for w_s in w_h]
+        each = [scheme.episode_weights(w_s, episode) for w_s in w_h]
         weights = [single.w_h for single in each]
         silent = not (any(weights) and self._listeners.knows_something)
         folded = self._listeners.fold([1.0] * len(each) if silent else weights, self._window)

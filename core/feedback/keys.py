@@ -40,7 +40,7 @@ class KeyConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     repeat_delay_ms: tuple[RepeatDelay, RepeatDelay] = (200, 700)
     """A held key's first repeat comes this long after the press itself."""
     wrong_press_rate: Annotated[float, number(ge=0, le=1)] = 0.0
-    """Share of steps' feedback the participant is asked to give wrongly (paper, section 4: about 0.1)."""
+    """Fraction of steps' feedback the participant is asked to give wrongly (paper, section 4: about 0.1)."""
 
     def __post_init__(self) -> None:
         keys = (self.good, self.bad, self.retract)
@@ -52,7 +52,7 @@ class KeyConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
         if self.max_presses_per_episode < 0:
             raise ValueError(f"max_presses_per_episode is >= 0, got {self.max_presses_per_episode}")
         if not 0.0 <= self.wrong_press_rate <= 1.0:
-            raise ValueError(f"wrong_press_rate is a share in [0, 1], got {self.wrong_press_rate}")
+            raise ValueError(f"wrong_press_rate is a fraction in [0, 1], got {self.wrong_press_rate}")
 
     def value(self, key: str) -> float | None:
         """Return the feedback that `key` means: 1.0, -1.0, or None."""
@@ -98,7 +98,7 @@ class PressGate:
         self.playing = True
         self._accepted.clear()
 
-    def press(
+    def judge(
         self, key: str, time_ns: int, *, source: Literal["participant", "simulated"] = "participant"
     ) -> Iterator[KeyPressed | PressRetracted]:
         """Yield the record of a press and, where it takes an earlier one back, that retraction."""
@@ -182,7 +182,7 @@ class WrongPressPlan:
         """Draw for the first press.
 
         Args:
-            rate: share of presses that are to be wrong, in [0, 1]; 0 draws nothing.
+            rate: fraction of presses that are to be wrong, in [0, 1]; 0 draws nothing.
             root_seed: of the session, >= 0.
         """
         self._rate = rate

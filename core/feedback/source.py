@@ -92,7 +92,7 @@ class SimulatedParticipant(Generic[State]):
             case EpisodeStarted(episode=episode, episode_seed=episode_seed):
                 self._state = self._domain.initial(episode_seed)
                 for parts in self._participants:
-                    parts.trainer.begin_episode(episode)
+                    parts.trainer.watch_episode(episode)
                     parts.gate.episode_started()
                 opening_ns = self._viewing.opening_ns(self._state)
                 if opening_ns > 0:
@@ -143,6 +143,6 @@ class SimulatedParticipant(Generic[State]):
             self._clock.advance_to_ns(time_ns)
             key = gate.config.good if press.value > 0 else gate.config.bad
             gate.wrong_asked = press.deliberate
-            self._arrived.extend(gate.press(key, self._clock.now_ns(), source="simulated"))
+            self._arrived.extend(gate.judge(key, self._clock.now_ns(), source="simulated"))
             gate.wrong_asked = False
         self._clock.advance_to_ns(until_ns)

@@ -52,8 +52,9 @@ def judgement(
     Args:
         oracle_values: the oracle's value of each action, shape (n,); -inf for a fatal one.
         action: the chosen one.
-        good_share: an action is good if fewer than this share of the n actions are better.
-        skip_margin: nothing is said if the share of better actions is less than this away from `good_share`.
+        good_share: an action is good if fewer than this fraction of the n actions are better.
+        skip_margin: nothing is said if the fraction of better actions is less than this away from
+            `good_share`.
         equal_margin: nothing is said of an action (not a fatal one) whose value is less than this many sd of
             the finite values away from the middle between the worst good and the best bad value; nor where
             all are alike.
@@ -105,7 +106,7 @@ class SimulatedTrainer:
         self._block = -1
         self._draws = np.empty((0, _N_DRAWS))
 
-    def begin_episode(self, episode: int) -> None:
+    def watch_episode(self, episode: int) -> None:
         """Note that a watched episode begins; `episode` is its number in the session."""
         self._watched_episodes += self._episode >= 0
         self._episode = episode
@@ -185,10 +186,10 @@ class SimulatedTrainer:
             action: what the agent chose.
             shown_ns: when the step came on screen.
             hidden_ns: when its outcome is seen: the end of its time on screen.
-            attention: chance to speak of this step as a share of `press_probability`, in [0, 1].
+            attention: chance to speak of this step as a fraction of `press_probability`, in [0, 1].
         """
         if self._episode < 0:
-            raise ValueError("begin_episode comes before the first step")
+            raise ValueError("watch_episode comes before the first step")
         config = self.config
         if self.judgements_left <= 0 or self.press_probability == 0:
             return ()

@@ -63,8 +63,9 @@ def schema_of(version: int = VERSION) -> dict[str, Any]:
 def _definition(record: type[msgspec.Struct], components: Mapping[str, Any], version: int) -> dict[str, Any]:
     found = dict(components[record.__name__])
     docs = field_docs(record)
+    fields = dict(zip(record.__struct_encode_fields__, record.__struct_fields__, strict=True))
     properties = {
-        name: {**below, "description": docs[name]} if name in docs else dict(below)
+        name: {**below, "description": docs[fields[name]]} if fields.get(name) in docs else dict(below)
         for name, below in found["properties"].items()
         if version > 1 or name not in _LATER_FIELDS.get(record, ())
     }

@@ -20,7 +20,8 @@ from core.combination.config import (
     Linear,
 )
 from core.configuration.catalogue import settings_of
-from core.configuration.reading import Path, Problem, shown_path
+from core.configuration.messages import Path, shown_path
+from core.configuration.reading import Problem
 from core.feedback.delays import Delay, GammaDelay, UniformDelay
 from core.learners.cross_entropy_config import CrossEntropyConfig
 from core.learners.human_config import SgdModel

@@ -36,8 +36,9 @@ from core.events import (
 from core.feedback.frames import FrameLedger
 from core.feedback.keys import KeyConfig, PressGate, WrongPressPlan
 from core.feedback.layouts import KeyReader, Reading, possible_readings
-from core.recording.reader import Recording, RecordingError
+from core.recording.reader import RecordingError
 from core.recording.schema import Header
+from core.recording.stored import AnyRecording
 
 CLOCKS_AGREE_NS = (1_000_000, 50_000_000)
 """Times that two processes read from one clock may differ by its resolution in the wrong order: at least and
@@ -50,7 +51,7 @@ class _Impossible(ValueError):
     """An event cannot have happened where it stands."""
 
 
-def check_inputs(recording: Recording, keys: KeyConfig) -> None:
+def check_inputs(recording: AnyRecording, keys: KeyConfig) -> None:
     """Check that every input of a recording can have happened where it stands.
 
     Args:
@@ -70,8 +71,7 @@ def check_inputs(recording: Recording, keys: KeyConfig) -> None:
         except _Impossible as error:
             raise RecordingError(
                 f"{recording.path}:{recording.line_of(index)}: {error}. No session records this: the file "
-                f"was "
-                "changed after it was recorded, and sealed anew"
+                "was changed after it was recorded, and sealed anew"
             ) from error
 
 
@@ -93,7 +93,8 @@ class _Screen:
 
     def __init__(self, header: Header, keys: KeyConfig, *, earliest_ns: int = 0) -> None:
         self._earliest_ns = earliest_ns
-        self._live = header.origin == "live"
+        # Simulated sessions are drawn on the real screens, too: these have a terminal.
+        self._live = header.origin == "live" or bool(header.terminal)
         least_ns, most_ns = CLOCKS_AGREE_NS
         self._clocks_agree_ns = min(max(least_ns, header.clock_resolution_ns), most_ns)
         # Version 1 was written by programs whose covers could follow each other.
@@ -220,7 +221,7 @@ class _Screen:
         gate.covered = self._covered
         if not self._live:
             gate.wrong_asked = pressed.asked_wrong  # a simulated participant knows by itself
-        came, *taken_back = gate.press(pressed.key, pressed.time_ns, source=pressed.source)
+        came, *taken_back = gate.judge(pressed.key, pressed.time_ns, source=pressed.source)
         if came != pressed:
             _refuse(f"press {pressed.press}: {_difference(pressed, came)}")
         self._due.extend(taken_back)
@@ -235,8 +236,7 @@ class _Screen:
             if self._reader.reading not in possible_readings(pressed.key):
                 _refuse(
                     f"press {pressed.press}: the key {pressed.key!r} does not stand for {pressed.read_as!r} "
-                    f"in the "
-                    f"layout {pressed.layout!r}"
+                    f"in the layout {pressed.layout!r}"
                 )
 
     def _gate_of(self, person: int) -> PressGate:
@@ -254,8 +254,7 @@ class _Screen:
         if not isinstance(event, WrongPressAsked) or event.step != expected.step:
             _refuse(
                 f"expected the request for a wrong press at step {expected.step}, which follows from the "
-                f"seed, found "
-                f"{_told(event)}"
+                f"seed, found {_told(event)}"
             )
         self._note_time(event)
 

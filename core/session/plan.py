@@ -7,7 +7,7 @@ from core.session.protocol import Protocol
 
 SHOWN_GAMES = 5
 FADED = 0.01
-"""A weight below this share of the first game's is as good as none."""
+"""A weight below this fraction of the first game's is as good as none."""
 MEASURED = {
     "feedback-lag": "own measured delay of judging this game (task feedback lag)",
     "simple": "own measured delay of a simple reaction (task simple)",
@@ -49,7 +49,7 @@ def weights_of_games(protocol: Protocol) -> list[EpisodeWeights]:
     for game in range(session.episodes):
         episode = session.unseen_before + game * (session.unseen_between + 1)
         number = game if getattr(scheme, "per", "episode") == "watched-game" else episode
-        found.append(scheme.weights(1.0, number))
+        found.append(scheme.episode_weights(1.0, number))
     return found
 
 

@@ -186,7 +186,7 @@ class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
             found.append(f"a press is credited by the rule {describe(credit.delay)}")
         else:
             found.append("gamma(2.5, 0.3) is read as shape and scale: mean 0.75 s, mode 0.45 s, not 0.5 s")
-        found.append(f"trust in the human follows the rule {type(trust).__name__}")
+        found.append(f"trust in the participant follows the rule {type(trust).__name__}")
         return found + plugin_of(self).departures(self)
 
 

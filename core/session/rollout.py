@@ -101,7 +101,7 @@ class Agent(Listener, Protocol):
 
     @property
     def trust(self) -> float:
-        """What the rule of trust says of the human now."""
+        """What the rule of trust says of the participant now."""
         ...
 
     def begin_episode(self, *, exploring: bool, watched: bool) -> EpisodePolicy:
@@ -219,7 +219,7 @@ def play_episode(
     When a `StepTaken` has been yielded, whoever consumes this shows the step, and asks for the next output
     when the step's time on screen is over: then what the participant did meanwhile is taken in.
     """
-    weights = plan.policy.weights
+    weights = plan.policy.episode_weights
     yield EpisodeStarted(
         episode=plan.policy.episode,
         time_ns=clock.now_ns(),
@@ -230,7 +230,7 @@ def play_episode(
         w_r=weights.w_r,
         trust=plan.policy.trust,
         weight=weights.w_h,
-        share=weights.handover,
+        handover=weights.handover,
         shaping=weights.shaping,
         augmentation=weights.augmentation,
     )
@@ -248,7 +248,7 @@ def play_episode(
             action=decision.action,
             environment_action=decision.environment_action,
             human_action=decision.human_action,
-            detail=domain.detail(step.state, decision.action),
+            detail=domain.action_record(step.state, decision.action).plain(),
             reward=step.reward,
             state=domain.recorded_state(step.state),
         )

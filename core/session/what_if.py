@@ -104,9 +104,8 @@ def watched_steps(recording: Recording, protocol: Protocol) -> dict[int, Watched
                 if choices is None or not _could_be(output, choices, domain, state):
                     raise RecordingError(
                         f"{recording.path}: step {output.step} was {output.detail}, and comes out otherwise "
-                        f"now: {domain.name} "
-                        "has changed since, and what was on screen was not recorded. Use the program that "
-                        "recorded it: "
+                        f"now: {domain.name} has changed since, and what was on screen was not recorded. Use "
+                        "the program that recorded it: "
                         f"{recording.header.software.get('commit', 'its header does not name the commit')}"
                     )
                 state = domain.transition(state, output.action).next_state
@@ -126,7 +125,9 @@ def watched_steps(recording: Recording, protocol: Protocol) -> dict[int, Watched
 
 def _could_be(taken: StepTaken, choices: Choices, domain: Domain[Any], state: Any) -> bool:
     """Return whether a recorded step can be one of these choices in this state."""
-    return 0 <= taken.action < len(choices.ruled_out) and domain.detail(state, taken.action) == taken.detail
+    if not 0 <= taken.action < len(choices.ruled_out):
+        return False
+    return domain.action_record(state, taken.action).plain() == taken.detail
 
 
 def relearn(

@@ -100,15 +100,15 @@ def report_lines(presses: Sequence[Press], *, delays_of_what: str) -> list[str]:
         f"{len(presses)} presses in {len(bursts)} bursts ({(sizes > 1).sum()} of more than one press"
         + (f", {np.median(gaps):.2f} s between their presses)" if gaps.size else ")"),
         (
-            f"{'value':>7}{'presses':>9}{'share':>7}   delay {delays_of_what} (s): 5 %   25 %   50 %   75 %  "
+            f"{'value':>7}{'presses':>9}{'part':>7}   delay {delays_of_what} (s): 5 %   25 %   50 %   75 %  "
             " 95 %"
         ),
     ]
     for value in sorted({press.value for press in presses}):
         some = [press for press in presses if press.value == value]
         lines.append(
-            f"{value:>+7g}{len(some):>9}{len(some) / len(presses):>7.0%}  "
-            f" {'':<{len(delays_of_what)}}{_quantiles(some)}"
+            f"{value:>+7g}{len(some):>9}{len(some) / len(presses):>7.0%}   "
+            f"{'':<{len(delays_of_what)}}{_quantiles(some)}"
         )
     lines.append(f"{'all':>7}{len(presses):>9}{1:>7.0%}   {'':<{len(delays_of_what)}}{_quantiles(presses)}")
     return lines

@@ -13,6 +13,7 @@ from core.domain import Choices, Domain, Features, Transition
 from core.events import EpisodeEnded, StepTaken
 from core.feedback.keys import NS_PER_MS
 from core.feedback.viewing import SteadyViewing, Watched
+from core.interop.gymnasium.action import EnvAction
 from core.interop.gymnasium.config import GymnasiumConfig
 from core.interop.gymnasium.tiles import JointTiles
 from core.learners.encoding import ActionTiles
@@ -112,9 +113,9 @@ class MountainCar:
         """Return the number of steps."""
         return state.steps
 
-    def detail(self, state: CarState, action: int) -> dict[str, int]:
+    def action_record(self, state: CarState, action: int) -> EnvAction:
         """Return the action's number, and that of the step."""
-        return {"action": action, "time": state.steps}
+        return EnvAction(action, state.steps)
 
     def recorded_state(self, state: CarState) -> list[float] | None:
         """Return position and velocity."""

@@ -20,6 +20,7 @@ import numpy as np
 
 from core.domain import Domain
 from core.events import EpisodeStarted, StepTaken
+from core.interop.gymnasium.action import EnvAction
 from core.interop.gymnasium.config import GymnasiumConfig
 from core.keepaway.pitch import KeepawayConfig
 from core.recording.reader import Recording, RecordingError, read_recording
@@ -27,6 +28,7 @@ from core.registry import game_of
 from core.session.protocol import Protocol
 from core.session.protocol_reading import protocol_from
 from core.system.private_files import make_private_folder
+from core.tetris.action import PlacedPiece
 from core.tetris.config import TetrisConfig
 from studies.exports.columns import codebook
 from studies.exports.event_rows import press_rows, step_rows
@@ -192,13 +194,10 @@ class _Sets:
 
 DESCRIPTION = (
     "Games of an agent that a participant watched and judged by key presses. infos: feedback = sum of value "
-    "times share of the "
-    "presses credited to a step; n_presses = how many; trust and weight of the participant in this game (NaN "
-    "where not "
-    "recorded); feedback_features = psi(s, a) of what was done. infos[t + 1] belongs to actions[t]. "
-    "presses.csv holds "
-    "the raw presses; session, game and step_index in it and in the episodes' metadata say what belongs "
-    "together."
+    "times share of the presses credited to a step; n_presses = how many; trust and weight of the "
+    "participant in this game (NaN where not recorded); feedback_features = psi(s, a) of what was done. "
+    "infos[t + 1] belongs to actions[t]. presses.csv holds the raw presses; session, game and step_index in "
+    "it and in the episodes' metadata say what belongs together."
 )
 
 
@@ -235,11 +234,11 @@ def _played(
     state = domain.initial(started.episode_seed)
     states, features = [state], []
     for taken in steps:
-        if domain.detail(state, taken.action) != taken.detail:
+        if domain.action_record(state, taken.action).plain() != taken.detail:
             raise NotReplayedError(
                 f"step {taken.step} comes out otherwise than recorded: the game has changed since. Export it "
-                f"with the version "
-                f"of this program that is named in its header ({context.session.recording.header.software})"
+                "with the version of this program that is named in its header "
+                f"({context.session.recording.header.software})"
             )
         features.append(domain.choices(state).feedback_features[taken.action])
         state = domain.transition(state, taken.action).next_state
@@ -316,7 +315,7 @@ def _observations(protocol: Protocol, states: list[Any], domain: Any) -> Any:
 
 def _actions(protocol: Protocol, steps: list[StepTaken]) -> list[Any]:
     if isinstance(protocol.domain, TetrisConfig):
-        return [np.array([taken.detail["orientation"], taken.detail["column"]]) for taken in steps]
+        return [np.array(PlacedPiece.of(taken).place) for taken in steps]
     if isinstance(protocol.domain, GymnasiumConfig):
-        return [taken.detail["action"] for taken in steps]
+        return [EnvAction.of(taken).action for taken in steps]
     return [taken.action for taken in steps]

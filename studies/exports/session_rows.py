@@ -261,7 +261,7 @@ class SessionRows:
             "trust_after": None if ended is None else ended.trust,
             "weight": started.weight,
             "environment_weight": started.w_r,
-            "share": started.share,
+            "handover": started.handover,
             "shaping": started.shaping,
             "augmentation": started.augmentation,
             "agreed": None if ended is None else ended.agreed,
@@ -273,9 +273,8 @@ class SessionRows:
 
     def _unseen_rows(self, event: UnseenPlayed) -> Iterator[Row]:
         watched_only = (
-            "game ended started_s ended_s duration_s trust_before environment_weight share shaping "
-            "augmentation "
-            "presses_counted presses_good presses_bad"
+            "game ended started_s ended_s duration_s trust_before environment_weight handover shaping "
+            "augmentation presses_counted presses_good presses_bad"
         )
         for k, policy in enumerate(event.policies):
             yield {

@@ -97,11 +97,12 @@ PLAYED = Table(
         ),
         number(
             "weight",
-            "Weight w_h of the human's values that the scheme used; empty where version 1 did not record it.",
+            "Weight w_h of the participant's values that the scheme used; empty where version 1 did not "
+            "record it.",
         ),
         number("environment_weight", "Weight w_r of the environment's values; empty for unseen games."),
         number(
-            "share",
+            "handover",
             "Probability of handing the choice to the human policy (control sharing), else 0; empty for "
             "unseen games.",
         ),
@@ -174,8 +175,7 @@ TRIALS = Table(
         seconds(
             "onset_s",
             "When the stimulus's frame was handed to the terminal; in catch trials, when it would have been. "
-            "Empty "
-            "if it never was.",
+            "Empty if it never was.",
         ),
         text("key", "First allowed key at or after the onset; empty without one."),
         seconds("rt_s", "Reaction time; empty without a key."),

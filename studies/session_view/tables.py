@@ -33,7 +33,7 @@ DTYPES: dict[str, np.dtype[Any]] = {
         [
             ("offset", "<i8"), ("start", "<i8"), ("end", "<i8"), ("seed", "<i8"), ("number", "<i4"),
             ("first_step", "<i4"), ("n_steps", "<i4"), ("policy", "<i4"), ("form", "<i4"), ("ended", "<i4"),
-            ("w_r", "<f8"), ("trust", "<f8"), ("weight", "<f8"), ("share", "<f8"), ("performance", "<f8"),
+            ("w_r", "<f8"), ("trust", "<f8"), ("weight", "<f8"), ("handover", "<f8"), ("performance", "<f8"),
             ("trust_after", "<f8"), ("agreed", "<i4"), ("agreed_worst", "<i4"),
         ]
     ),

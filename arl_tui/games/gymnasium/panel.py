@@ -75,7 +75,7 @@ def _colour(picture: EnvPicture, row: int, column: int) -> Color:
     return Color.from_rgb(red, green, blue)
 
 
-class EnvPanel:
+class GymnasiumPanel:
     """The environment's picture, and the figures of the game."""
 
     needed = SMALLEST
@@ -91,7 +91,7 @@ class EnvPanel:
         """Return whether a picture has been drawn since the last call."""
         return self.widget.take_drawn()
 
-    def stage(self) -> CoverableWidget:
+    def game_widget(self) -> CoverableWidget:
         """Return the environment's widget."""
         return self.widget
 

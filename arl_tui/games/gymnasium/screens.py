@@ -8,8 +8,8 @@ from core.feedback.keys import NS_PER_MS
 from core.session.protocol import Protocol, ScreenConfig
 
 if TYPE_CHECKING:
-    from arl_tui.games.gymnasium.panel import EnvPanel
-    from arl_tui.games.gymnasium.renderer import EnvRenderer
+    from arl_tui.games.gymnasium.panel import GymnasiumPanel
+    from arl_tui.games.gymnasium.renderer import GymnasiumRenderer
     from arl_tui.palette import Palette
 
 WORDS = Words(
@@ -42,19 +42,19 @@ class GymnasiumScreens(GameScreens):
         """Return the pace and how it is made slower."""
         return f"[screen] tick_ms is {screen.tick_ms}: more is slower"
 
-    def renderer(self, protocol: Protocol) -> "EnvRenderer":
+    def renderer(self, protocol: Protocol) -> "GymnasiumRenderer":
         """Return what plays the environment again and lets it draw itself."""
-        from arl_tui.games.gymnasium.renderer import EnvRenderer
+        from arl_tui.games.gymnasium.renderer import GymnasiumRenderer
         from core.interop.gymnasium.config import GymnasiumConfig
 
         assert isinstance(protocol.domain, GymnasiumConfig), "a protocol of Gymnasium"
-        return EnvRenderer(protocol.domain.env, protocol.screen.tick_ms * NS_PER_MS)
+        return GymnasiumRenderer(protocol.domain.env, protocol.screen.tick_ms * NS_PER_MS)
 
-    def panel(self, protocol: Protocol, palette: "Palette") -> "EnvPanel":
+    def panel(self, protocol: Protocol, palette: "Palette") -> "GymnasiumPanel":
         """Return the picture and what stands beside it."""
-        from arl_tui.games.gymnasium.panel import EnvPanel
+        from arl_tui.games.gymnasium.panel import GymnasiumPanel
 
-        return EnvPanel()
+        return GymnasiumPanel()
 
 
 SCREENS = GymnasiumScreens()

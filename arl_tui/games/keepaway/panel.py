@@ -59,7 +59,7 @@ class LivePitch(PitchWidget):
         self.show(between(picture.view, picture.ahead, min(fraction, 0.99)), picture.number)
 
 
-class PitchPanel:
+class KeepawayPanel:
     """The pitch, and the score beside it."""
 
     def __init__(self, protocol: Protocol, palette: Palette, *, clock: Clock | None = None) -> None:
@@ -82,7 +82,7 @@ class PitchPanel:
         self.pitch.taken = drawn
         return fresh
 
-    def stage(self) -> PitchWidget:
+    def game_widget(self) -> PitchWidget:
         """Return the pitch."""
         return self.pitch
 
@@ -109,15 +109,12 @@ class PitchPanel:
 
     def mark(self, taken: TakenFor) -> str:
         """Mark the keeper who chose, and who was passed to."""
-        if taken.step < 0 or taken.player < 0:
+        if taken.step < 0 or not taken.place:
             return "but no option was on screen"
-        self.pitch.mark(taken.player, taken.target, good=taken.value > 0)
-        keeper = f"K{taken.player + 1}"
-        return (
-            f"for {keeper} holding the ball"
-            if taken.target < 0
-            else f"for {keeper}'s pass to K{taken.target + 1}"
-        )
+        ((player, target),) = taken.place
+        self.pitch.mark(player, target, good=taken.value > 0)
+        keeper = f"K{player + 1}"
+        return f"for {keeper} holding the ball" if target < 0 else f"for {keeper}'s pass to K{target + 1}"
 
     def unmark(self) -> None:
         """Take the mark away."""

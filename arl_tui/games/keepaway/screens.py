@@ -13,8 +13,8 @@ from core.session.protocol import Protocol, ScreenConfig, SessionConfig
 from studies.reaction_time.protocol import NO, YES, Schedule
 
 if TYPE_CHECKING:
-    from arl_tui.games.keepaway.panel import PitchPanel
-    from arl_tui.games.keepaway.renderer import PitchRenderer
+    from arl_tui.games.keepaway.panel import KeepawayPanel
+    from arl_tui.games.keepaway.renderer import KeepawayRenderer
     from arl_tui.games.keepaway.trial_view import PitchTrialView
     from arl_tui.palette import Palette
 
@@ -22,20 +22,15 @@ WORDS = Words(
     heading="Teach a team to keep the ball",
     welcome=(
         "You will watch {games} of Keepaway. The keepers ([b]K[/]) pass a ball among themselves, and the "
-        "takers ([b]T[/]) "
-        "want it. A game ends when a taker has it, or it leaves the square: the longer the keepers keep it, "
-        "the better. "
-        "They do not know yet how to play well. {practises}You can help them: say what you think of the last "
-        "pass, or "
-        "of holding the ball too long."
+        "takers ([b]T[/]) want it. A game ends when a taker has it, or it leaves the square: the longer the "
+        "keepers keep it, the better. They do not know yet how to play well. {practises}You can help them: "
+        "say what you think of the last pass, or of holding the ball too long."
     ),
     rules=(
         "The keepers (K) pass the ball among themselves; the takers (T) want it. A game ends when a taker "
-        "has the "
-        "ball or it leaves the square: the longer the keepers keep it, the better. The player with the ball "
-        "holds "
-        "it or passes it.\n\nTell the team what you think of its last pass, or of holding the ball too "
-        "long:\n"
+        "has the ball or it leaves the square: the longer the keepers keep it, the better. The player with "
+        "the ball holds it or passes it.\n\nTell the team what you think of its last pass, or of holding the "
+        "ball too long:\n"
     ),
     practises="They practise on their own between games. ",
     performance="Seconds the ball was kept",
@@ -46,8 +41,7 @@ WORDS = Words(
 JUDGING = JudgingWords(
     instruction=(
         "You watch a computer play: three keepers pass the ball among themselves, two takers try to get it. "
-        "At one moment "
-        "the play stops, and [b]NOW[/] appears below it.\n\n"
+        "At one moment the play stops, and [b]NOW[/] appears below it.\n\n"
         f"The ball has reached a keeper:  press {cap(YES)}\nThe keepers have lost the ball: press "
         f"{cap(NO)}\n\n"
         "Press as soon as you have made up your mind."
@@ -94,18 +88,18 @@ class KeepawayScreens(GameScreens):
             ),
         )
 
-    def renderer(self, protocol: Protocol) -> "PitchRenderer":
+    def renderer(self, protocol: Protocol) -> "KeepawayRenderer":
         """Return what draws the match cycle by cycle; compiled code comes with it."""
-        from arl_tui.games.keepaway.renderer import PitchRenderer
+        from arl_tui.games.keepaway.renderer import KeepawayRenderer
 
         assert isinstance(protocol.domain, KeepawayConfig), "a protocol of Keepaway"
-        return PitchRenderer(protocol.domain, protocol.screen.speed)
+        return KeepawayRenderer(protocol.domain, protocol.screen.speed)
 
-    def panel(self, protocol: Protocol, palette: "Palette") -> "PitchPanel":
+    def panel(self, protocol: Protocol, palette: "Palette") -> "KeepawayPanel":
         """Return the pitch and what stands beside it."""
-        from arl_tui.games.keepaway.panel import PitchPanel
+        from arl_tui.games.keepaway.panel import KeepawayPanel
 
-        return PitchPanel(protocol, palette)
+        return KeepawayPanel(protocol, palette)
 
 
 SCREENS = KeepawayScreens()

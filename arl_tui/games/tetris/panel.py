@@ -42,7 +42,7 @@ class TetrisPanel:
         """Return whether a line of the board has been drawn since the last call, other than for a mark."""
         return self.board.take_drawn() >= 0
 
-    def stage(self) -> CoverableWidget:
+    def game_widget(self) -> CoverableWidget:
         """Return the board."""
         return self.board
 
@@ -84,8 +84,8 @@ class TetrisPanel:
             return "but no piece had landed"
         if taken.step == self._step and self.board.shows_falling:
             self.board.mark(None, good=taken.value > 0)
-        elif taken.blocks:
-            self.board.mark(taken.blocks, good=taken.value > 0)
+        elif taken.place:
+            self.board.mark([(row, column) for row, column in taken.place], good=taken.value > 0)
         else:
             return "for the last piece, which is gone"
         return "for the marked piece"

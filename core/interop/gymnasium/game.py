@@ -12,6 +12,7 @@ from core.domain import Choices, Domain, Features, Transition
 from core.events import EpisodeEnded, StepTaken
 from core.feedback.keys import NS_PER_MS
 from core.feedback.viewing import SteadyViewing, Watched
+from core.interop.gymnasium.action import EnvAction
 from core.interop.gymnasium.config import GymnasiumConfig
 from core.interop.gymnasium.environments import (
     Numbers,
@@ -142,9 +143,9 @@ class GymnasiumDomain:
         """Return the number of steps so far."""
         return state.steps
 
-    def detail(self, state: GymnasiumState, action: int) -> dict[str, int]:
+    def action_record(self, state: GymnasiumState, action: int) -> EnvAction:
         """Return the environment's own number of the action, and of the step in its episode."""
-        return {"action": self._first_action + action, "time": state.steps}
+        return EnvAction(self._first_action + action, state.steps)
 
     def recorded_state(self, state: GymnasiumState) -> list[float] | None:
         """Return the observation: a recording can be learned from without the environment's version of
@@ -187,8 +188,7 @@ class GymnasiumDomain:
         if once != again:
             raise GameError(
                 f"{name} cannot be seeded: the same seed and actions gave other observations or rewards. "
-                f"Draw all that is "
-                "random from `self.np_random`, and keep all state in the environment"
+                "Draw all that is random from `self.np_random`, and keep all state in the environment"
             )
 
     def _played(self, actions: Sequence[int]) -> list[tuple[Numbers, float, bool]]:
@@ -210,7 +210,7 @@ def _numbered(word: str, n: int) -> tuple[str, ...]:
 
 
 class GymnasiumGame(SarsaGame):
-    """The game whose rules are somebody else's."""
+    """The game whose rules come from another package."""
 
     def domain(self, protocol: Protocol) -> GymnasiumDomain:
         """Return the environment that the protocol names."""
@@ -244,7 +244,7 @@ class GymnasiumGame(SarsaGame):
     def recorded(self, domain: Domain[GymnasiumState], step: StepTaken) -> tuple[Choices, Features]:
         """Return a step as it was seen."""
         assert isinstance(domain, GymnasiumDomain), "the domain of this game"
-        choices = domain.choices_of(recorded_observation(domain, step), step.detail["time"])
+        choices = domain.choices_of(recorded_observation(domain, step), EnvAction.of(step).time)
         return choices, choices.feedback_features[step.action]
 
     def time_at_end(self, ended: EpisodeEnded) -> int:

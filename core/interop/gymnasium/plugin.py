@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING, ClassVar
 import msgspec
 
 from core.combination.config import AgentConfig
-from core.configuration.reading import Path, Problem
+from core.configuration.messages import Path
+from core.configuration.reading import Problem
 from core.feedback.config import CreditConfig, TrainerConfig
 from core.feedback.delays import CurrentStep
 from core.interop.gymnasium import REVISION
+from core.interop.gymnasium.action import EnvAction
 from core.interop.gymnasium.config import GymnasiumConfig
 from core.learners.human_config import RidgeModel, SgdModel, TileModel
 from core.learners.sarsa_config import SarsaConfig
@@ -30,6 +32,7 @@ class GymnasiumPlugin(GamePlugin):
     name = "gymnasium"
     title = "Gymnasium"
     config = GymnasiumConfig
+    action = EnvAction
     revision = REVISION
     learners = (SarsaConfig,)
     human_models = (TileModel, RidgeModel, SgdModel)

@@ -11,7 +11,7 @@ from core.domain import Choices
 from core.feedback.config import CreditConfig
 from core.feedback.delays import CurrentStep
 from core.learners.human_config import RidgeModel
-from tests.core.combination.test_agent import CountingLearner, Outcome
+from tests.core.combination.test_agent import CountingLearner, EpisodeOutcome
 
 
 def decision(n: int = 6) -> Choices:
@@ -33,7 +33,7 @@ def test_disagreement_by_hand():
 
 def asked_at(rows, config=ASKING):
     asker = Asker(config)
-    asker.begin_episode()
+    asker.reset()
     return [asker.question(decision(), actions, THIRDS) for actions in rows]
 
 
@@ -52,7 +52,7 @@ def test_it_does_not_ask_before_it_knows_what_much_is():
 
 def test_the_options_are_those_with_most_votes():
     asker = Asker(AskingConfig(per_episode=1, options=2, share=0.5, minimum_decisions=1))
-    asker.begin_episode()
+    asker.reset()
     asker.question(decision(), AGREED, THIRDS)
     question = asker.question(decision(), [0, 2, 4], [0.2, 0.5, 0.3])
     assert question.options == (2, 4)
@@ -61,10 +61,10 @@ def test_the_options_are_those_with_most_votes():
 def test_the_budget_is_per_episode():
     asker = Asker(ASKING)
     rows = [AGREED] * 4 + [TORN] * 2
-    asker.begin_episode()
+    asker.reset()
     first = [asker.question(decision(), actions, THIRDS) for actions in rows]
     assert sum(question is not None for question in first) == 1
-    asker.begin_episode()
+    asker.reset()
     asked = [asker.question(decision(), actions, THIRDS) for actions in [AGREED] * 7 + [TORN]]
     assert sum(question is not None for question in asked) == 1
 
@@ -108,7 +108,9 @@ def test_an_agent_asks_its_top_policies_and_learns_from_the_answer(n_participant
         root_seed=1,
     )
     for _ in range(3):  # theta = (0, 1), (1, 1), (2, 1), equally good
-        who.learn_from_domain(who.begin_episode(exploring=True, watched=True), Outcome(performance=1.0))
+        who.learn_from_domain(
+            who.begin_episode(exploring=True, watched=True), EpisodeOutcome(performance=1.0)
+        )
     alike = Choices(np.array([[1.0, 1.0], [0.0, 0.0]]), np.eye(2), np.zeros(2, dtype=bool))
     split = Choices(np.array([[0.0, 1.0], [0.6, 0.0]]), np.eye(2), np.zeros(2, dtype=bool))
     who.begin_episode(exploring=False, watched=True)

@@ -24,7 +24,8 @@ from core.events import (
 )
 from core.recording.reader import RecordingError, read_recording
 from studies.session_view import index as indexing
-from studies.session_view.index import SUFFIX, VERDICTS, open_index
+from studies.session_view.building import VERDICTS
+from studies.session_view.index import SUFFIX, open_index
 from studies.session_view.session import SessionView, open_session
 from tests.studies.session_view.made import MS, RECORDINGS, TETRIS, live_events, pressed, taken, write
 
@@ -44,7 +45,7 @@ def same(session: SessionView, path: Path) -> None:
     assert [session.step_taken(row) for row in range(len(session.steps))] == of[StepTaken]
     assert [session.game_started(row) for row in range(len(session.games))] == of[EpisodeStarted]
     for row, event in enumerate(of[KeyPressed]):
-        press = session.press(row)
+        press = session.press_at(row)
         assert (press.number, press.time_ns, press.key, press.step) == (
             event.press,
             event.time_ns,

@@ -45,11 +45,11 @@ def test_the_pictures_are_those_of_a_session() -> None:
     """The same piece at the same place, drawn by what draws sessions: every picture is the same."""
     wall, started = Wall(20, 10), episode_started()
     for placement, plan in reachable_placements(wall.board, 2, 20).items():
-        stage = TetrisRenderer(TETRIS.domain)  # type: ignore[arg-type]
-        (opening,) = stage.begin(started)
+        renderer = TetrisRenderer(TETRIS.domain)  # type: ignore[arg-type]
+        (opening,) = renderer.begin(started)
         taken = step_taken(0, piece=2, orientation=placement[0], column=placement[1])
-        session = [shot.view for shot in stage.act(taken)]
-        counts = Counts(next_piece=stage.picture.counts.next_piece)
+        session = [tick.view for tick in renderer.act(taken)]
+        counts = Counts(next_piece=renderer.picture.counts.next_piece)
         scene = position_of(wall, 2, placement, counts, "")
         assert [*scene.before, *scene.event] == session
         assert scene.waiting.codes() == opening.view.codes()  # type: ignore[union-attr]
