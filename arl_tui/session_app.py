@@ -94,13 +94,14 @@ class ArlApp(SessionControls):
         super().__init__(driver_class=stamped_driver(self._flush_clock))
         self.setup = setup
         self.live = LiveSession(
-            keys=setup.protocol.keys,
+            keys=setup.protocol.keys_of_people,
             root_seed=setup.root_seed,
             link=link,
             clock=self._clock,
             listener=self._on_occurrence,
             on_over=self._on_over,
             earlier=() if setup.kept is None else setup.kept.events,
+            asking=setup.protocol.agent.asking,
         )
         self.live.take_stamps = self._take_stamps
         self.live.gate.reader = self.reader
@@ -225,6 +226,7 @@ class ArlApp(SessionControls):
             departures=protocol.departures(),
             source=dict(self.setup.source) | pace_facts(self._worker_ready),
             study=dict(self.setup.study),
+            participants=protocol.participants,
             resumes=None if self.setup.kept is None else self.setup.kept.resumes,
         )
 
@@ -250,9 +252,12 @@ class ArlApp(SessionControls):
     def post_display_hook(self) -> None:
         """Note that a picture of the game has just been handed to the terminal's writer."""
         step = self.play.take_painted()
-        if step is None:
+        if self.play.take_question_painted():
+            frame = self.live.question_painted()
+        elif step is None:
             return
-        frame = self.live.painted(step)
+        else:
+            frame = self.live.painted(step)
         if self._flush_clock.running:
             self._flush_clock.mark(frame)
         else:
@@ -283,7 +288,7 @@ class ArlApp(SessionControls):
                 self._garbage.collect()
                 if self.setup.practice and len(self._practised) == 2:
                     self.ask_to_stop("practised")
-            case TakenFor(step=step, value=value) if step >= 0:
+            case TakenFor(step=step, value=value) if step >= 0 and value != 0:
                 self._practised.add(value > 0)
             case PressSuggested(key=key, time_ns=time_ns):
                 delay_s = max(0, time_ns - self._clock.now_ns()) / NS_PER_S
@@ -358,6 +363,7 @@ class ArlApp(SessionControls):
                 show_weight=protocol.screen.show_weight,
                 show_file=not self.setup.study,
                 practice=self.setup.practice,
+                protocol=protocol,
             )
         )
 
@@ -387,7 +393,8 @@ def close_recorder(recorder: Recorder, timeout_s: float = CLOSING_S) -> tuple[st
             kept = recorder.kept
             problem = (
                 f"The disk is too slow: all is written, but of {kept.recorded} events only {kept.synced} are "
-                "known to be on the disk. Do not switch the computer off yet"
+                f"known to "
+                "be on the disk. Do not switch the computer off yet"
             )
             return problem, recorder.path
         try:

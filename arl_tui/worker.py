@@ -21,6 +21,7 @@ from arl_tui.ahead import Ahead, fill
 from arl_tui.app.compile_order import is_compiled, session_order
 from arl_tui.app.demo_participant import DemoParticipant
 from arl_tui.app.link import (
+    AskNow,
     Begin,
     Crashed,
     Line,
@@ -33,7 +34,7 @@ from arl_tui.app.link import (
 )
 from arl_tui.app.taken import StepsShown
 from arl_tui.games.registry import screens_of
-from arl_tui.games.rendering import TickView
+from arl_tui.games.rendering import Place, PlacesOptions, TickView
 from arl_tui.warm_up import warm_up
 from core.events import (
     EpisodeEnded,
@@ -42,6 +43,8 @@ from core.events import (
     Input,
     KeyPressed,
     Output,
+    QuestionAnswered,
+    QuestionPosed,
     Resumed,
     ScreenCleared,
     StepTaken,
@@ -228,12 +231,14 @@ class SessionPlayer:
         self._demo_participant = demo_participant
         self._renderer = screens_of(protocol).renderer(protocol)
         self._break_ns = round(protocol.screen.pause_between_episodes_s * NS_PER_S)
-        self._steps_shown = StepsShown(protocol.agent.credit.delay)
+        self._steps_shown = StepsShown(*(credit.delay for credit in protocol.credit_of_participants))
         self._marks_presses = protocol.screen.mark_presses
         self._arrived: list[Input] = []
         self._begun = False
         self._covered_since_ns: int | None = None
         self._stopped = False
+        self._settle_ns = round(protocol.agent.asking.settle_s * NS_PER_S)
+        self._answered = -1
         self._step_on_screen = -1
         self._pictures = 0
         self._due_ns = 0
@@ -267,12 +272,31 @@ class SessionPlayer:
                 self._play(output.step, ticks)
                 if ticks:
                     self._wait_until_seen(output.step)
+            case QuestionPosed() if not self._stopped:
+                self._ask(output)
             case EpisodeEnded() if not self._stopped:
                 self._send_picture(-1, TickView(self._renderer.picture))
                 self._due_ns = self._clock.now_ns() + self._break_ns
                 if self._ahead is not None and self._ahead.finished:
                     self._load_kernels()
                 self._wait_until_due()
+
+    def _ask(self, posed: QuestionPosed) -> None:
+        """Let the game stand still, so that what was last seen can be judged; then ask, and wait."""
+        self._send_picture(-1, TickView(self._renderer.picture))
+        self._due_ns = self._clock.now_ns() + self._settle_ns
+        self._wait_until_due()
+        if self._stopped:
+            return
+        places: tuple[Place, ...] = ()
+        if isinstance(self._renderer, PlacesOptions):
+            places = tuple(self._renderer.place_of_option(detail) for detail in posed.details)
+        self._line.send(AskNow(question=posed.question, places=places))
+        if self._demo_participant is not None:
+            self._line.send(self._demo_participant.answer(posed, shown_ns=self._clock.now_ns()))
+        while not self._stopped and (self._answered < posed.question or self._covered_since_ns is not None):
+            self._take_in(None)
+        self._due_ns = self._clock.now_ns()
 
     def _wait_for_kernels(self) -> None:
         """Wait until everything is compiled, and say how far it is: unseen episodes would take Python
@@ -362,6 +386,8 @@ class SessionPlayer:
             case Resumed(time_ns=time_ns) if self._covered_since_ns is not None:
                 self._due_ns += time_ns - self._covered_since_ns
                 self._covered_since_ns = None
+            case QuestionAnswered(question=question):
+                self._answered = question
             case StopAsked():
                 self._stopped = True
 

@@ -12,7 +12,7 @@ from typing import Literal, Self
 
 import msgspec
 
-CoverReason = Literal["pause", "help", "quit-dialogue", "resize", "gap", "count-down"]
+CoverReason = Literal["pause", "help", "quit-dialogue", "resize", "gap", "count-down", "question"]
 """What lay over the game on screen."""
 Verdict = Literal["accepted", "other", "repeat", "no-presses-left", "covered", "not-playing"]
 """What became of a press: only accepted ones are learned from."""
@@ -77,7 +77,8 @@ class ScreenCleared(Record, frozen=True, kw_only=True, tag="screen-cleared"):
     time_ns: int
     reason: CoverReason
     """`gap`: the session paused by itself after a `TimeGap`. `count-down`: a game is about to begin or to go
-    on; the participant sees a number in its place."""
+    on; the participant sees a number in its place. `question`: the agent poses a question (`QuestionPosed`);
+    no later press is credited to what was on screen before."""
 
 
 class KeyPressed(Record, frozen=True, kw_only=True, tag="key-pressed"):
@@ -90,7 +91,7 @@ class KeyPressed(Record, frozen=True, kw_only=True, tag="key-pressed"):
     key: str
     """Name of the key as the terminal reports it."""
     value: float | None
-    """Feedback meant by the key: > 0 good, < 0 bad; None for any other key."""
+    """Feedback meant by the key: > 0 good, < 0 bad, 0 neither (graded feedback); None for any other key."""
     frame: int
     """Frame on screen at `time_ns`; -1 before the first."""
     step: int
@@ -101,8 +102,8 @@ class KeyPressed(Record, frozen=True, kw_only=True, tag="key-pressed"):
     """The participant had been asked to press the wrong key deliberately."""
     source: Literal["participant", "simulated"] = "participant"
     person: int = 0
-    """Who pressed, where several do (simulated sessions): the protocol's trainer is 0, its others are 1, 2,
-    ..."""
+    """Who pressed, where several do: the first of the protocol's people is 0, the others are 1, 2, ...; -1 is
+    a key of none of them. In simulated sessions without people the trainer is 0, its others are 1, 2, ..."""
     read_as: str = ""
     """The letter that stands on this key in the Latin layout, where `key` is of another one; "" where it is
     not."""
@@ -125,6 +126,25 @@ class WrongPressAsked(Record, frozen=True, kw_only=True, tag="wrong-press-asked"
 
     time_ns: int
     step: int
+
+
+class QuestionAnswered(Record, frozen=True, kw_only=True, tag="question-answered"):
+    """A question of the agent is over: an option was chosen, none was wanted, or time was up."""
+
+    question: int
+    """Number of the question (`QuestionPosed`)."""
+    shown_ns: int
+    """When the options had been handed to the terminal; of several times, because a page lay over them, the
+    last one. `time_ns - shown_ns` is the latency of the answer."""
+    time_ns: int
+    """Of a key the time of its press (`KeyPressed.time_ns`); otherwise when the time was up."""
+    answer: Literal["chosen", "none", "time-limit"]
+    chosen: int = -1
+    """Action that was chosen, one of `QuestionPosed.options`; -1 where none was."""
+    press: int = -1
+    """The key press that gave the answer; -1 where time was up."""
+    person: int = 0
+    """Who answered, as in `KeyPressed.person`."""
 
 
 class Resumed(Record, frozen=True, kw_only=True, tag="resumed"):
@@ -191,6 +211,7 @@ Input = (
     | KeyPressed
     | PressRetracted
     | WrongPressAsked
+    | QuestionAnswered
     | Resumed
     | TimeGap
     | FocusLost
@@ -256,6 +277,29 @@ class StepTaken(Record, frozen=True, kw_only=True, tag="step-taken"):
     observed: dict[str, list[int]] | None = None
     """State before and after, in the domain's numbers: only in imported recordings, which cannot be
     re-run."""
+
+
+class QuestionPosed(Record, frozen=True, kw_only=True, tag="question-posed"):
+    """The agent asks which of some actions the participant would take (`core.combination.asking`).
+
+    The game stands still until the question is over. The decision that was asked about is the next
+    `StepTaken`; the agent is free to decide otherwise than the answer.
+    """
+
+    question: int
+    """Number of the question in this session, from 0."""
+    episode: int
+    step: int
+    """Number that the decision's step will have."""
+    time_ns: int
+    inputs: int
+    """How many inputs had been taken in before."""
+    options: list[int]
+    """Two or three actions, as in `StepTaken.action`; the first has the first key."""
+    details: list[dict[str, int]]
+    """Each option in the domain's words, as in `StepTaken.detail`."""
+    disagreement: float
+    """How unsure the agent was, in [0, 1] (`core.combination.asking.Question`)."""
 
 
 class EpisodeEnded(Record, frozen=True, kw_only=True, tag="episode-ended"):
@@ -327,5 +371,5 @@ class SessionEnded(Record, frozen=True, kw_only=True, tag="session-ended"):
     digest: str
 
 
-Output = EpisodeStarted | StepTaken | EpisodeEnded | UnseenPlayed | CreditGiven | SessionEnded
+Output = EpisodeStarted | StepTaken | QuestionPosed | EpisodeEnded | UnseenPlayed | CreditGiven | SessionEnded
 Event = Input | Output

@@ -183,6 +183,10 @@ def scheme_named(name: str, own: Scheme) -> Scheme:
 
 
 def _with(protocol: Protocol, delay: Delay, scheme: str) -> Protocol:
+    if delay != protocol.agent.credit.delay:
+        # A rule that is asked for is everybody's; under the protocol's own each person keeps theirs.
+        people = tuple(msgspec.structs.replace(person, delay=None) for person in protocol.people)
+        protocol = msgspec.structs.replace(protocol, people=people)
     agent = msgspec.structs.replace(
         protocol.agent,
         credit=msgspec.structs.replace(protocol.agent.credit, delay=delay),
@@ -241,6 +245,8 @@ def held_out_log_loss(recording: Recording, protocol: Protocol, steps: dict[int,
     There is no log-loss where either part has no presses or the training part knows only one kind; the result
     says so.
     """
+    if protocol.people:
+        return HeldOut(math.nan, math.nan, "several people: each has a human model of their own")
     presses = _standing_presses(recording)
     training = set(list(presses)[: round(len(presses) * (1 - HELD_OUT))])
     model = replay_human_model(recording, protocol, steps, count=training.__contains__).human
@@ -272,11 +278,14 @@ def _why_undefined(n_presses: int, train: list[tuple[float, bool]], test: list[t
 
 
 def _standing_presses(recording: Recording) -> dict[int, float]:
-    """Return the value of every accepted press that was not taken back, in order of time."""
+    """Return the value of every accepted press that was not taken back, in order of time.
+
+    Presses of value 0 are left out: they are neither praise nor blame.
+    """
     standing = {
         event.press: event.value
         for event in recording.inputs
-        if isinstance(event, KeyPressed) and event.verdict == "accepted" and event.value is not None
+        if isinstance(event, KeyPressed) and event.verdict == "accepted" and event.value
     }
     for event in recording.inputs:
         if isinstance(event, PressRetracted):

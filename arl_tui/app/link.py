@@ -81,6 +81,15 @@ class TakenFor(Record, frozen=True, kw_only=True, tag="taken-for"):
     """Where that step is to be seen now, in the numbers of the game's own renderer and panel; () nowhere."""
 
 
+class AskNow(Record, frozen=True, kw_only=True, tag="ask-now"):
+    """From the worker: the game stands still, and the question that was posed last is to cover it."""
+
+    question: int
+    places: tuple[tuple[tuple[int, ...], ...], ...]
+    """Where each option is to be seen, as in `TakenFor.place`; empty where the game's pictures have no places
+    for them."""
+
+
 class Crashed(Record, frozen=True, kw_only=True, tag="crashed"):
     """From the worker: its last message."""
 
@@ -98,7 +107,7 @@ ALIVE_EVERY_S = 0.5
 """How often a waiting worker says so, seconds."""
 
 ToWorker = Begin | Input
-FromWorker = Preparing | Ready | Alive | Picture | PressSuggested | TakenFor | Crashed | Output
+FromWorker = Preparing | Ready | Alive | Picture | PressSuggested | TakenFor | AskNow | Crashed | Output
 
 _encoder = msgspec.msgpack.Encoder()
 _to_worker = msgspec.msgpack.Decoder(ToWorker)

@@ -14,20 +14,29 @@ from arl_tui.command_line import GAMES, protocol_option, pseudonym, recordings_o
     "--participant", callback=pseudonym, default="P00", show_default=True, help="Code of the participant."
 )
 @seed_option
+@click.option(
+    "--practice",
+    is_flag=True,
+    help="Before the session two slow games that do not count, until both keys have been pressed in time. "
+    "They are recorded in a file of their own.",
+)
 @click.option("--episodes", type=click.IntRange(1), help="How many games are watched.")
 @click.option(
     "--credit",
     metavar="RULE",
     help="How presses are shared out among steps: the participant's own delay (participant, feedback-lag, "
-    "simple, pooled; see `arl calibrate`), paper, or a rule as in `arl replay`. By default the protocol's "
-    "choice (delay_of), the same for every participant; without a file that is a rule: previous in Tetris, "
-    "gamma:2.5,0.3 in Keepaway.",
+    "simple, "
+    "pooled; see `arl calibrate`), paper, or a rule as in `arl replay`. By default the protocol's choice "
+    "(delay_of), the "
+    "same for every participant; without a file that is a rule: previous in Tetris, gamma:2.5,0.3 in "
+    "Keepaway.",
 )
 @click.option(
     "--resume",
     type=click.Path(exists=True, dir_okay=False, path_type=Path),
     help="Go on with a session that broke off, after its last finished game. All settings are those of the "
-    "file; the rest of the session is recorded beside it.",
+    "file; the "
+    "rest of the session is recorded beside it.",
 )
 @recordings_option(to_write=True)
 @click.pass_context
@@ -37,6 +46,7 @@ def play(
     protocol: Path | None,
     participant: str,
     seed: int | None,
+    practice: bool,
     episodes: int | None,
     credit: str | None,
     resume: Path | None,
@@ -58,4 +68,5 @@ def play(
         episodes=episodes,
         recordings=recordings,
         credit=credit,
+        practice=practice,
     )

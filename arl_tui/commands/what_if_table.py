@@ -3,6 +3,7 @@
 import csv
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,6 +14,8 @@ if TYPE_CHECKING:
 TRUST_SHOWN = 6
 """Values of trust in the table: evenly spaced over the watched games, the last one among them."""
 NONE = "-"
+PER_VALUE = "per-value:"
+"""Begins the text of a credit rule with a density for each value."""
 
 
 def table(rows: "Iterable[WhatIfRow]", units: str = "lines", width: int | None = None) -> Iterable[str]:
@@ -26,7 +29,7 @@ def table(rows: "Iterable[WhatIfRow]", units: str = "lines", width: int | None =
         units: what is counted per game.
         width: of the terminal in columns; None where lines may be as long as they need to be.
     """
-    rows = list(rows)
+    rows, tables_of_delays = _with_short_names(rows)
     names = [(row.credit, row.rule) for row in rows]
     lines = list(_tables(rows, ("credit", "scheme"), names, units))
     if width is not None and max(map(len, lines)) > width:
@@ -40,6 +43,7 @@ def table(rows: "Iterable[WhatIfRow]", units: str = "lines", width: int | None =
         lines = list(_tables(rows, ("row",), numbers, units))
     yield from lines
     yield from _remarks(rows)
+    yield from tables_of_delays
 
 
 def _tables(
@@ -63,6 +67,15 @@ def _tables(
         words=words,
         last_to_the_left=True,
     )
+
+
+def _with_short_names(rows: "Iterable[WhatIfRow]") -> "tuple[list[WhatIfRow], list[str]]":
+    """Return the rows with short names for rules that have a density per value, and what these stand for."""
+    rows = list(rows)
+    long = list(dict.fromkeys(row.credit for row in rows if row.credit.startswith(PER_VALUE)))
+    names = {rule: f"per-value {n}" if len(long) > 1 else "per-value" for n, rule in enumerate(long, 1)}
+    short = [replace(row, credit=names.get(row.credit, row.credit)) for row in rows]
+    return short, [f"{name}: {rule.removeprefix(PER_VALUE)}." for rule, name in names.items()]
 
 
 def _taught(row: "WhatIfRow") -> tuple[str, ...]:

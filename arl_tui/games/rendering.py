@@ -2,7 +2,7 @@
 again.
 """
 
-from typing import NamedTuple
+from typing import NamedTuple, runtime_checkable
 from typing import Protocol as Interface
 
 from core.events import EpisodeStarted, StepTaken
@@ -49,4 +49,13 @@ class Renderer(Interface):
 
     def place_of(self, step: int) -> Place:
         """Return where one of the last steps is to be seen while the newest one is on screen."""
+        ...
+
+
+@runtime_checkable
+class PlacesOptions(Interface):
+    """A renderer that knows where an option of a question would be seen; others list options in words."""
+
+    def place_of_option(self, detail: dict[str, int]) -> Place:
+        """Return where an option is to be seen on the newest picture; `detail` as in `StepTaken.detail`."""
         ...

@@ -11,8 +11,9 @@ from textual.screen import Screen
 from textual.widgets import Static
 
 from arl_tui.app.gaps import length_s
-from arl_tui.app.link import Picture, Preparing, TakenFor
+from arl_tui.app.link import AskNow, Picture, Preparing, TakenFor
 from arl_tui.app.live_session import Cover, LiveSession, Occurrence
+from arl_tui.app.once import after
 from arl_tui.app.outcome import SessionControls
 from arl_tui.app.tally import weight_in_use
 from arl_tui.games.panel import Progress
@@ -21,13 +22,17 @@ from arl_tui.palette import Palette
 from arl_tui.screens.count_down import CountDown
 from arl_tui.screens.covers import HelpScreen, PauseScreen, SmallWindowScreen, StopScreen, fits_into
 from arl_tui.screens.page import PageScreen, session_keys
-from arl_tui.widgets.feedback_bar import FeedbackBar
+from arl_tui.screens.question import Questioning
+from arl_tui.widgets.feedback_bar import HOLD_S, FeedbackBar
+from arl_tui.widgets.people_bar import PeopleBar
 from core.events import (
     EpisodeEnded,
     EpisodeStarted,
     KeyPressed,
     Output,
     PressRetracted,
+    QuestionAnswered,
+    QuestionPosed,
     SessionEnded,
     StopAsked,
     TimeGap,
@@ -74,9 +79,14 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         super().__init__()
         self.panel = screens_of(protocol).panel(protocol, palette)
         self.add_class(f"-{protocol.game}")
-        self.feedback = FeedbackBar(protocol.keys)
+        names = [person.name for person in protocol.people]
+        keys = protocol.keys_of_people
+        self.feedback = (
+            PeopleBar(list(zip(names, keys, strict=True))) if names else FeedbackBar(protocol.keys)
+        )
+        self._several = len(keys) > 1
         self._status = Static(id="status")
-        self._keys = protocol.keys
+        self._protocol = protocol
         self._words = words_of(protocol.game)
         self._episodes = protocol.session.episodes
         self._unseen = protocol.session.unseen_between
@@ -90,10 +100,11 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         self._shows_weight = protocol.screen.show_weight
         self._counts = protocol.screen.count_down_s > 0
         self._count_down = CountDown(self, self.panel.game_widget(), protocol.screen.count_down_s)
+        self._questioning = Questioning(self, live, self.panel, self.feedback, protocol)
         self._said = ""
         self._silence_shown = False
         self._disk_failed = False
-        used = {self._keys.good, self._keys.bad, self._keys.retract}
+        used = {letter for each in keys for letter in each.letters}
         self._letters = {letter: action for action, (letter, _) in COMMANDS.items() if letter not in used}
 
     def compose(self) -> ComposeResult:
@@ -104,8 +115,9 @@ class PlayScreen(Screen[None], inherit_bindings=False):
                 with Horizontal(id="figures"):
                     yield from self.panel.figures()
                 yield self.feedback
+                yield self._questioning.bar
                 yield self._status
-        yield Static(session_keys(self._keys), id="session-keys")
+        yield Static(session_keys(*self._protocol.keys_of_people), id="session-keys")
 
     # --- what happens ---------------------------------------------------------------------------------------
 
@@ -117,11 +129,11 @@ class PlayScreen(Screen[None], inherit_bindings=False):
             case KeyPressed():
                 self._show_press(occurrence)
             case TakenFor():
-                self.feedback.show_taken(self.panel.mark(occurrence))
+                self.feedback.show_taken(self.panel.mark(occurrence), occurrence.press)
             case PressRetracted():
                 self.panel.unmark()
-                self.feedback.show_retraction(occurrence, self._live.presses_left)
-                self.panel.presses_left(self._live.presses_left)
+                self.feedback.show_retraction(occurrence, self._live.left_of(occurrence))
+                self._tell_presses_left()
             case WrongPressAsked():
                 self.feedback.ask_wrong(True)
             case EpisodeStarted():
@@ -130,10 +142,13 @@ class PlayScreen(Screen[None], inherit_bindings=False):
                 self._end_episode(occurrence)
             case Preparing(fraction=fraction) if self._live.phase == "running":
                 self._say(f"One moment, this first time:\n{bar(fraction)}")
+            case QuestionPosed() | AskNow() | QuestionAnswered():
+                self._show_question(occurrence)
             case TimeGap():
                 self._lay_over(PauseScreen(gap_s=length_s(occurrence)), "gap")
             case StopAsked() | SessionEnded():
                 self._count_down.stop()
+                self._questioning.over()
                 self._say("Stopping: everything is being saved ...")
 
     def go_on_after(self, outputs: Iterable[Output]) -> None:
@@ -155,14 +170,43 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         progress = Progress(max(1, self._watched), self._episodes, tuple(self._human_weights), performances)
         self.panel.show(picture, progress)
 
+    def take_question_painted(self) -> bool:
+        """Return whether the options of a question have been drawn that was not on screen before."""
+        question = self._live.question
+        return question is not None and question.needs_frame and self._questioning.bar.take_drawn()
+
+    def _show_question(self, occurrence: QuestionPosed | AskNow | QuestionAnswered) -> None:
+        match occurrence:
+            case QuestionPosed():
+                self._questioning.announce(occurrence)
+                self._say(self._questioning.coming())
+            case AskNow():
+                self._say("")
+                self._questioning.ask(occurrence)
+            case QuestionAnswered():
+                said = self._questioning.over(occurrence)
+                self._say(said)
+                after(self, HOLD_S, lambda: self._say("" if self._said == said else self._said))
+                self.panel.refresh()
+
     def _show_press(self, press: KeyPressed) -> None:
+        if press.press == self._questioning.answered_press:
+            return
+        if self._questioning.on_screen and press.value is not None:
+            self._questioning.hint()
+            return
         is_command = any(
             (press.read_as or press.key) in (letter, *keys.split(",")) for letter, keys in COMMANDS.values()
         )
         if press.verdict != "other" or not is_command:
-            self.feedback.show_press(press, self._live.presses_left)
+            self.feedback.show_press(press, self._live.left_of(press))
         self.feedback.ask_wrong(self._live.gate.wrong_asked)
-        self.panel.presses_left(self._live.presses_left)
+        self._tell_presses_left()
+
+    def _tell_presses_left(self) -> None:
+        """Write beside the game how many presses are left: of several people the feedback bar says it."""
+        if not self._several:
+            self.panel.presses_left(self._live.presses_left)
 
     def _begin_episode(self, episode: EpisodeStarted) -> None:
         self._watched += 1
@@ -170,7 +214,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         if self._shows_weight:
             self._human_weights.append(weight_in_use(episode))
         self.feedback.begin_game(self._live.presses_left)
-        self.panel.presses_left(self._live.presses_left)
+        self._tell_presses_left()
         self.panel.title(f"Game {self._watched}")
         self.panel.unmark()
         self._say("")
@@ -187,6 +231,8 @@ class PlayScreen(Screen[None], inherit_bindings=False):
     def _go_on(self) -> None:
         """Let the game go on, and draw once more: what was drawn before came too early to count."""
         self._live.uncover()
+        if self._questioning.waiting:
+            self._questioning.show()
         self.panel.refresh()
 
     def _end_episode(self, episode: EpisodeEnded) -> None:
@@ -240,7 +286,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
 
     def action_guide(self) -> None:
         """Show all keys."""
-        self._lay_over(HelpScreen(self._keys, self._words.rules), "help")
+        self._lay_over(HelpScreen(self._protocol, self._words.rules), "help")
 
     def action_leave(self) -> None:
         """Ask whether to stop."""
@@ -259,6 +305,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         if self._count_down.running:
             self._count_down.stop()
             self._live.uncover()
+        self._questioning.take_down()
         if self._live.phase != "running" or self._live.gate.covered:
             return
         self._live.cover(reason)
@@ -267,7 +314,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
             self._go_on()
             if then is not None:
                 then(answer)
-            if self._live.phase == "running" and self._playing:
+            if self._live.phase == "running" and self._playing and not self._questioning.waiting:
                 self._count()
 
         self.app.push_screen(page, uncover)

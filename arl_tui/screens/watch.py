@@ -57,8 +57,10 @@ class HelpPage(PageScreen):
         """Return the text."""
         yield Static(
             "The keepers (K) pass the ball among themselves; the takers (T) want it. An episode ends when a "
-            "taker has had the ball for a moment, or the ball leaves the square. The mark beside a player "
-            "shows which way it faces; the bright player has the ball; dots lead to the receiver of a pass.\n"
+            "taker "
+            "has had the ball for a moment, or the ball leaves the square. The mark beside a player shows "
+            "which "
+            "way it faces; the bright player has the ball; dots lead to the receiver of a pass.\n"
         )
         rows = (
             ("space", "pause, and go on"),
@@ -127,6 +129,8 @@ class WatchScreen(Screen[None], inherit_bindings=False):
             clock: of the one who watches.
         """
         super().__init__()
+        self.keys: tuple[tuple[str, str], ...] = KEYS
+        """Keys and what they do, for the last line."""
         self.playback: Playback | None = None
         """None until the match is ready."""
         self._heading = heading
@@ -150,7 +154,7 @@ class WatchScreen(Screen[None], inherit_bindings=False):
         with Horizontal():
             yield self.pitch
             yield Static(id="panel")
-        yield Static("   ".join(f"[b]{key}[/] {meaning}" for key, meaning in KEYS), id="watch-keys")
+        yield Static("   ".join(f"[b]{key}[/] {meaning}" for key, meaning in self.keys), id="watch-keys")
 
     def on_mount(self) -> None:
         """Say that the match is not ready yet."""
@@ -181,9 +185,13 @@ class WatchScreen(Screen[None], inherit_bindings=False):
         if self.playback is None:
             return
         self._written_ns = self._clock.now_ns()
-        self.query_one("#panel", Static).update(
-            "\n".join([self._heading, *panel_lines(self.playback, self._palette)])
-        )
+        self.query_one("#panel", Static).update("\n".join(self.panel()))
+
+    def panel(self) -> Iterable[str]:
+        """Yield what stands beside the pitch, in markup."""
+        yield self._heading
+        if self.playback is not None:
+            yield from panel_lines(self.playback, self._palette)
 
     # --- keys -----------------------------------------------------------------------------------------------
 

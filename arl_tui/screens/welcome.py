@@ -12,7 +12,8 @@ from arl_tui.app.link import Preparing, Ready
 from arl_tui.app.outcome import SessionControls
 from arl_tui.games.pace import pace_line, pace_warning
 from arl_tui.games.registry import words_of
-from arl_tui.screens.page import PageScreen, feedback_keys
+from arl_tui.screens.page import PageScreen, keys_of_all, presses_of_all
+from arl_tui.screens.question import about_questions
 from core.numerics.clock import NS_PER_S, Clock, MonotonicClock
 from core.session.protocol import Protocol
 
@@ -71,7 +72,6 @@ class WelcomeScreen(PageScreen):
         """Return the explanation."""
         keys, session = self._protocol.keys, self._protocol.session
         games = "one game" if session.episodes == 1 else f"{session.episodes} games"
-        presses = keys.max_presses_per_episode
         words = self._words
         if self._practice:
             yield Static("[b]Practice[/]: nothing counts, the game is slow, and marks what you judged.\n")
@@ -79,10 +79,14 @@ class WelcomeScreen(PageScreen):
             yield Static(f"[b]Your session goes on after {self._games_done} of {games}.[/]\n")
         practises = words.practises if session.unseen_between else ""
         yield Static(words.welcome.format(games=games, practises=practises))
-        yield Static(f"\n{feedback_keys(keys)}\n")
+        asking = self._protocol.agent.asking
+        answers = f"\n{about_questions(asking)}" if asking.per_episode else ""
+        yield Static(f"\n{keys_of_all(self._protocol)}{answers}\n")
+        # The page is full in the smallest window: a line for answers takes the room of the last sentence.
+        last = "" if answers else " Nothing you press is wrong: only your opinion counts."
         yield Static(
-            f"You have [b]{presses} presses in each game[/], so save them for what matters, and press as "
-            "soon as you have made up your mind. Nothing you press is wrong: only your opinion counts."
+            f"You have [b]{presses_of_all(self._protocol)}[/], so save them for what matters, and press as "
+            f"soon as you have made up your mind.{last}"
         )
         if keys.wrong_press_rate > 0:
             yield Static(
@@ -98,7 +102,8 @@ class WelcomeScreen(PageScreen):
             )
         yield Static(
             "\n[dim]Your key presses and their times are written to a file on this computer under the "
-            f"code[/] [b]{self._participant}[/][dim]. You can pause or stop at any time.[/]"
+            "code[/] "
+            f"[b]{self._participant}[/][dim]. You can pause or stop at any time.[/]"
         )
         yield Static(id="pace")
         yield Static(id="call", classes="call")

@@ -14,7 +14,7 @@ from arl_tui.calibration.plan import (
     task_names,
 )
 from arl_tui.recordings import CALIBRATION_FOLDER, new_path
-from core.feedback.delays import Density
+from core.feedback.delays import Density, PerValueDelay
 from core.feedback.trainers import draw_delay_s
 from core.numerics.clock import NS_PER_S, wall_time_utc
 from core.numerics.streams import stream
@@ -50,6 +50,8 @@ def simulated_calibration(
         Names of the files in the participant's folder.
     """
     delay = next(iter(loaded.protocols.values())).trainer.delay
+    if isinstance(delay, PerValueDelay):
+        delay = delay.for_value(1.0)  # a calibration asks for one answer, and nobody is in two minds
     setup = CalibrationSetup(
         participant=code, configs=calibration_configs(loaded, step), root_seed=seed, recordings=folder
     )

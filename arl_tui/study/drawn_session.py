@@ -15,7 +15,7 @@ from textual.pilot import Pilot
 
 from arl_tui.app.demo_participant import DemoParticipant
 from arl_tui.app.link import FromWorker, PressSuggested, Ready, ToWorker, from_worker
-from arl_tui.app.outcome import Outcome
+from arl_tui.app.outcome import SessionOutcome
 from arl_tui.app.virtual_time import LoopClock, VirtualLoop, textual_in
 from arl_tui.screens.welcome import WelcomeScreen
 from arl_tui.session_app import ArlApp, SessionSetup
@@ -41,7 +41,7 @@ def draw_session(
     source: Mapping[str, str],
     study: Mapping[str, str],
     practice: bool = False,
-) -> Outcome:
+) -> SessionOutcome:
     """Send a simulated participant through a session's screens, headless, and record it.
 
     Args:
@@ -163,7 +163,7 @@ class _ThreadLink:
             participant = DemoParticipant(session, self._protocol, self._root_seed)
             reach = reach_of(self._protocol)
             line = _Line(self)
-            line.send(Ready(warm_up_ns=0, reach=reach.share, step_s=reach.step_s))
+            line.send(Ready(warm_up_ns=0, reach=reach.fraction, step_s=reach.step_s))
             SessionPlayer(line, self._protocol, LoopClock(self._loop), participant).run(session)
         except EOFError:
             pass

@@ -25,12 +25,12 @@ def board_marks(
     marks: dict[tuple[int, int], tuple[str, Style]] = {}
     strip, press = viewing.strip(moment.time_ns)
     if strip is not None and press is not None:
-        style = PRAISED if press.value > 0 else BLAMED
+        style = PRAISED if press.value > 0 else BLAMED if press.value < 0 else CANDIDATE
         for row, level in enumerate(look.ids[: view.rows]):
             for column, step in enumerate(level):
                 share = strip.shares.get(step, 0.0)
                 if share >= 0.005:
-                    whole = "++" if press.value > 0 else "--"
+                    whole = "++" if press.value > 0 else "--" if press.value < 0 else "00"
                     text = whole if share >= 0.995 else f"{share * 100:2.0f}"
                     marks[view.rows - 1 - row, column] = (text, style)
     if view.falling is not None and look.before is not None:

@@ -39,7 +39,8 @@ def press_line(press: Press, n_presses: int, place: int, start_ns: int) -> list[
     style = {"good": GOOD, "bad": BAD}.get(press.kind, DIM)
     seconds = (press.time_ns - start_ns) / 1e9
     by = "  simulated" if press.simulated else ""
-    person = f"  person {press.person}" if press.person else ""
+    person = f"  person {press.person + 1}" if press.person > 0 else ""
+    person = "  a key of nobody" if press.person < 0 else person
     return [
         (f"Press {place} of {n_presses}  {seconds:.2f} s  ", None),
         (press.words, style),

@@ -167,7 +167,7 @@ class Viewing:
 
     def _strip_of(self, row: int, rule: int) -> CreditStrip | None:
         press, chosen = self.session.press_at(row), self.rules[rule]
-        if press.kind not in ("good", "bad", "taken back"):
+        if press.kind not in ("good", "bad", "neither", "taken back"):
             return None
         return strip_of(self.session, press, chosen.delay, recorded=chosen.recorded)
 

@@ -3,11 +3,12 @@ trusted.
 """
 
 import hashlib
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from core.combination.asking import Asker, Question, samples_of
+from core.combination.asking import Asker, Question
 from core.combination.config import (
     ENVIRONMENT_WEIGHTS,
     AgentConfig,
@@ -32,6 +33,7 @@ from core.combination.sides import (
 from core.combination.window import DecisionWindow, Values
 from core.domain import Choices, Features
 from core.events import CreditGiven
+from core.feedback.config import CreditConfig
 from core.learners.contract import EnvironmentLearner, StepwiseLearner
 from core.learners.linear import action_values
 from core.numerics.fixed_point import exact_weights
@@ -65,6 +67,7 @@ class ArlAgent:
         root_seed: int,
         feedback_tiles: Tiling | None = None,
         n_participants: int = 1,
+        credits: Sequence[CreditConfig] = (),
         environment_values: Values | None = None,
         human_values: Values | None = None,
     ) -> None:
@@ -77,6 +80,8 @@ class ArlAgent:
             root_seed: of the session; streams "policy", "explore", "share", "softmax" and "chance".
             feedback_tiles: what psi(s, a) means where it lists active tiles; None for plain features.
             n_participants: who may press, >= 1; each has a human model and a weight.
+            credits: how each participant's presses become samples, one per participant; left out, the same
+                for all: `config.credit`.
             environment_values: R of each action from feature rows (n, F) and theta (F,). Default:
                 `exact_values`.
             human_values: H of each action from feature rows (n, G) and v (G,); a constant does not matter.
@@ -91,7 +96,8 @@ class ArlAgent:
         self.learner = learner
         """The environment's learner; what plays for it in compiled code lets it learn there."""
         human_values = human_values or (tile_values(feedback_tiles) if feedback_tiles else exact_values)
-        self.human = _listeners(config, n_participants, n_feedback_features, feedback_tiles)
+        credits = credits or (config.credit,) * n_participants
+        self.human = _listeners(config, credits, n_feedback_features, feedback_tiles)
         self.window = DecisionWindow(config.bootstrap.window_decisions, environment_values, human_values)
         self.bootstrap = ListenersTrust(config.bootstrap, self.window, self.human, root_seed=root_seed)
         self.so_far = EpisodesSoFar()
@@ -100,7 +106,6 @@ class ArlAgent:
             learner, environment_values, config.scheme
         )
         self._asker = Asker(config.asking)
-        self._answers = 0
         self._root_seed = root_seed
         self._human_values = human_values
         self._policy_values = environment_values
@@ -275,11 +280,16 @@ class ArlAgent:
         """Return a choice to pose at this decision of a watched episode; None where there is nothing worth
         asking.
 
-        The committee are the top policies; a learner that changes at every step has none
-        (`docs/decisions/asking.md`).
+        The committee are the top policies. A learner that changes at every step has none, and asks by its
+        values of now (`docs/decisions/asking.md`).
         """
+        if self.config.asking.per_episode == 0:
+            return None
+        if self._environment.kind == "stepwise":
+            values = self._environment.values(choices, np.empty(0))
+            return self._asker.question_by_values(choices, values)
         committee = [policy.theta for policy in self.bootstrap.ranked if len(policy.theta)]
-        if self.config.asking.per_episode == 0 or len(committee) < 2:
+        if len(committee) < 2:
             return None
         actions = [
             best_action(
@@ -291,8 +301,7 @@ class ArlAgent:
 
     def learn_from_answer(self, question: Question, chosen: int, participant: int = 0) -> None:
         """Learn which of a question's options a participant has chosen."""
-        self.human.learn_from_answer(samples_of(question, chosen, number=self._answers), participant)
-        self._answers += 1
+        self.human.learn_from_answer(question, chosen, participant)
 
     def retract(self, press: int) -> None:
         """Forget a press as if it had never been made."""
@@ -378,11 +387,14 @@ def _check_trust(rule: TrustRule) -> None:
     if rule.needs.side_by_side:
         raise ValueError(
             "this rule of trust needs learners side by side, and an agent has one: choose another one, or "
-            f"play compiled Keepaway (core.keepaway.arl_autoplay); got {rule}"
+            "play "
+            f"compiled Keepaway (core.keepaway.arl_autoplay); got {rule}"
         )
 
 
-def _listeners(config: AgentConfig, n: int, n_features: int, tiles: Tiling | None) -> Listeners:
-    """Return the human models of n participants that have not pressed yet."""
-    models = [HumanLearner(config.credit, config.human_model, n_features, tiles=tiles) for _ in range(n)]
+def _listeners(
+    config: AgentConfig, credits: Sequence[CreditConfig], n_features: int, tiles: Tiling | None
+) -> Listeners:
+    """Return the human models of participants that have not pressed yet, one per entry of `credits`."""
+    models = [HumanLearner(credit, config.human_model, n_features, tiles=tiles) for credit in credits]
     return Listeners(models, tiles.n_weights if tiles else n_features)

@@ -11,7 +11,7 @@ from typing import Annotated, ClassVar, Literal, get_args
 import msgspec
 
 from core.combination.agreement import MatchKind
-from core.combination.bootstrap_config import AskingConfig, BootstrapConfig
+from core.combination.bootstrap_config import BootstrapConfig
 from core.combination.episode_weights import (
     ADVISE,
     ENVIRONMENT_WEIGHTS,
@@ -32,6 +32,7 @@ from core.combination.trust import (
     TrustRule,
 )
 from core.configuration.fields import number
+from core.feedback.asking_config import AskingConfig
 from core.feedback.config import CreditConfig
 from core.learners.human_config import HumanModelConfig, RidgeModel
 from core.learners.kinds import LearnerKind
@@ -368,7 +369,8 @@ def check_learner(scheme: Scheme, kind: LearnerKind, name: str) -> None:
     if scheme.acts_on not in OFFERS[kind]:
         raise ValueError(
             f"scheme {scheme.__struct_config__.tag} needs {NEEDED[scheme.acts_on]}; got {name}: choose "
-            "another scheme ([agent.scheme] type) or another learner ([learner] type)"
+            f"another "
+            "scheme ([agent.scheme] type) or another learner ([learner] type)"
         )
 
 

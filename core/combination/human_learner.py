@@ -5,6 +5,7 @@ import struct
 import numpy as np
 from numpy.typing import NDArray
 
+from core.combination.asking import Question, samples_of
 from core.domain import Features
 from core.events import CreditGiven
 from core.feedback.assigner import CreditAssigner
@@ -38,6 +39,7 @@ class HumanLearner:
         self._on_screen = -1
         # What was learned from answers to questions, beside the assigner's samples.
         self._answers: list[FeedbackSample] = []
+        self._n_answers = 0
 
     @property
     def consistency(self) -> float:
@@ -107,8 +109,15 @@ class HumanLearner:
             merged_into=given.merged_into,
         )
 
-    def learn_from_answer(self, samples: list[FeedbackSample]) -> None:
-        """Learn what an answer to a question says (`core.combination.asking.samples_of`)."""
+    def learn_from_answer(self, question: Question, chosen: int, participant: int = 0) -> None:
+        """Learn which of a question's options was chosen, by whichever participant
+        (`core.combination.asking.samples_of`).
+
+        Raises:
+            ValueError: `chosen` is not an option.
+        """
+        samples = samples_of(question, chosen, number=self._n_answers)
+        self._n_answers += 1
         self._answers.extend(samples)
         for sample in samples:
             self._learn_from(sample)

@@ -12,6 +12,7 @@ import numpy as np
 
 from core.domain import Features
 from core.feedback.credit import STILL_SHOWN_NS, CurrentStep, PreviousStep, credit
+from core.feedback.delays import PressRule, rule_for
 from core.feedback.samples import CreditConfig, FeedbackSample, MassAccount, PressCredit
 from core.numerics.clock import NS_PER_S
 
@@ -92,7 +93,7 @@ class CreditAssigner:
         Args:
             press: its number; no other press has the same.
             time_ns: when.
-            value: what it says, > 0 good, < 0 bad.
+            value: what it says, > 0 good, < 0 bad, 0 neither: then the label of its samples is 0.
         """
         if press in self._known:
             raise ValueError(f"press {press} was given already")
@@ -204,8 +205,8 @@ class _Ledger:
 
     def add_press(self, press: int, time_ns: int, value: float) -> PressCredit:
         self._check_open()
-        if not (math.isfinite(value) and value != 0):
-            raise ValueError(f"press {press}: a value is > 0 (good) or < 0 (bad), got {value}")
+        if not math.isfinite(value):
+            raise ValueError(f"press {press}: a value is > 0 (good), < 0 (bad) or 0 (neither), got {value}")
         opener = self._opener(press, time_ns, value)
         self._n_presses += 1
         self._last_press = _Press(time_ns, value, opener)
@@ -237,12 +238,13 @@ class _Ledger:
         return last.opener
 
     def _share_out(self, press: int, time_ns: int, value: float) -> PressCredit:
-        first = self._first_relevant_interval(time_ns)
+        rule = rule_for(self._config.delay, value)
+        first = self._first_relevant_interval(time_ns, rule)
         result = credit(
             time_ns,
             np.array(self._shown_ns[first:], dtype=np.int64),
             np.array(self._hidden_ns[first:], dtype=np.int64),
-            self._config.delay,
+            rule,
             steps=np.array(self._interval_steps[first:], dtype=np.int64),
         )
         by_step: dict[int, float] = {}
@@ -301,9 +303,9 @@ class _Ledger:
         while self._untouched and self._untouched[0][0] < now_ns:
             self._features.pop(self._untouched.popleft()[1], None)
 
-    def _first_relevant_interval(self, press_ns: int) -> int:
+    def _first_relevant_interval(self, press_ns: int, rule: PressRule) -> int:
         """Return the first interval that can matter; what lies before it is beyond the delay's reach."""
-        match self._config.delay:
+        match rule:
             case PreviousStep() | CurrentStep():
                 on_screen = bisect_right(self._shown_ns, press_ns) - 1
                 if on_screen < 0:

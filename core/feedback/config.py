@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 import msgspec
 
 from core.configuration.fields import number
-from core.feedback.delays import Delay, Density, GammaDelay, PreviousStep
+from core.feedback.delays import Delay, Density, GammaDelay, PerValueDelay, PreviousStep
 
 Knowledge = Literal["expert", "lay", "myopic"]
 """By what a simulated participant judges; each domain says what these see."""
@@ -59,8 +59,9 @@ class TrainerConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     """Chance of the wrong key by mistake (B-Pref: 0.1). 1 is an adversary."""
     deliberate_rate: Annotated[float, number(ge=0, le=1)] = 0.0
     """Chance of a deliberately wrong press (section 4: about 0.1 in Keepaway, on instruction)."""
-    delay: Density = GammaDelay()
-    """From the end of the step's time on screen, when its outcome is seen, to the press (Fig. 4)."""
+    delay: Density | PerValueDelay = GammaDelay()
+    """From the end of the step's time on screen, when its outcome is seen, to the press (Fig. 4). A delay
+    per value goes by what the press says, in sessions; experiments have one density for all."""
     anticipation_rate: Annotated[float, number(ge=0, le=1)] = 0.0
     """Chance of pressing before the outcome is seen, at a random moment of the step."""
     burst_rate: Annotated[float, number(ge=0, le=1)] = 0.0

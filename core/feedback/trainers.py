@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.feedback.config import TrainerConfig
-from core.feedback.delays import Density, GammaDelay, UniformDelay
+from core.feedback.delays import Density, GammaDelay, UniformDelay, rule_for
 from core.numerics.clock import NS_PER_S
 from core.numerics.streams import stream
 
@@ -21,6 +21,8 @@ __all__ = ["IntendedPress", "SimulatedTrainer", "TrainerConfig", "draw_delay_s",
 _BLOCK = 64
 """Steps whose draws are made at once: setting up a stream takes longer than drawing from it."""
 _N_DRAWS = 6
+READING_S = 2.0
+"""A simulated participant reads a question for so long before anything else, seconds. (Our choice.)"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +31,7 @@ class IntendedPress:
 
     time_ns: int
     value: float
-    """1.0 for the good key, -1.0 for the bad one."""
+    """1.0 for the good key, -1.0 for the bad one; -2.0 to 2.0 where feedback is graded."""
     step: int
     """The step it is about, which need not be on screen any more."""
     believed: float
@@ -70,6 +72,29 @@ def judgement(
     return 1.0 if better < good_share else -1.0
 
 
+def graded_judgement(
+    oracle_values: NDArray[np.float64],
+    action: int,
+    *,
+    good_share: float,
+    skip_margin: float = 0.0,
+    equal_margin: float = 0.0,
+) -> float:
+    """Return the judgement on the scale from -2 to 2: 0 where `judgement` says nothing.
+
+    2 is for the better half of the good actions, -2 for the worse half of the bad ones. Arguments as in
+    `judgement`.
+    """
+    plain = judgement(
+        oracle_values, action, good_share=good_share, skip_margin=skip_margin, equal_margin=equal_margin
+    )
+    if plain is None:
+        return 0.0
+    better = float(np.count_nonzero(oracle_values > oracle_values[action])) / len(oracle_values)
+    sure = better < good_share / 2 if plain > 0 else better >= (1 + good_share) / 2
+    return 2 * plain if sure else plain
+
+
 def _too_close(values: NDArray[np.float64], value: float, good_share: float, margin: float) -> bool:
     known = np.sort(values[np.isfinite(values)])[::-1]
     if known[0] == known[-1]:
@@ -89,14 +114,16 @@ class SimulatedTrainer:
     All draws about a step follow from (seed, episode, step); only the budget of presses links the steps.
     """
 
-    def __init__(self, config: TrainerConfig, *, root_seed: int) -> None:
+    def __init__(self, config: TrainerConfig, *, root_seed: int, graded: bool = False) -> None:
         """Begin a session.
 
         Args:
             config: what kind of participant.
             root_seed: of the session; stream "trainer".
+            graded: they judge on the scale from -2 to 2, and press 0 where they would say nothing.
         """
         self.config = config
+        self._judge = graded_judgement if graded else judgement
         self._root_seed = root_seed
         self._watched_episodes = 0
         self._episode = -1
@@ -197,7 +224,7 @@ class SimulatedTrainer:
         speaks, mistakes, deliberates, anticipates, bursts, moment = self._drawn(step)[0].tolist()
         if speaks >= self.press_probability * attention:
             return ()
-        believed = judgement(
+        believed = self._judge(
             oracle_values,
             action,
             good_share=config.good_share,
@@ -213,7 +240,9 @@ class SimulatedTrainer:
             first_ns = shown_ns + round(moment * (hidden_ns - shown_ns))
         else:
             rng = stream(self._root_seed, "trainer delay", self._episode, step)
-            first_ns = hidden_ns + round(draw_delay_s(config.delay, rng=rng) * NS_PER_S)
+            delay = rule_for(config.delay, value)
+            assert isinstance(delay, GammaDelay | UniformDelay), "a participant's delay is a density"
+            first_ns = hidden_ns + round(draw_delay_s(delay, rng=rng) * NS_PER_S)
         n_presses = config.burst_presses if bursts < config.burst_rate else 1
         interval_ns = round(config.burst_interval_s * NS_PER_S)
         return tuple(
@@ -246,6 +275,15 @@ class SimulatedTrainer:
         if mistakes >= config.mistake_rate:
             return ranked[0]
         return ranked[1 + int(which * (len(ranked) - 1))]
+
+    def answer_delay_s(self, step: int) -> float:
+        """Return after how long on screen they answer a question about a step, seconds: they read it first
+        (`READING_S`), and then press as they do otherwise.
+        """
+        rng = stream(self._root_seed, "trainer answer delay", self._episode, step)
+        delay = rule_for(self.config.delay, 1.0)
+        assert isinstance(delay, GammaDelay | UniformDelay), "a participant's delay is a density"
+        return READING_S + draw_delay_s(delay, rng=rng)
 
 
 def draw_delay_s(delay: Density, *, rng: np.random.Generator) -> float:

@@ -10,13 +10,22 @@ from typing import Any
 import msgspec
 
 from core.configuration.catalogue import field_docs
-from core.events import FocusLost, FocusRegained, Input, KeyPressed, Output, TimeGap
+from core.events import (
+    FocusLost,
+    FocusRegained,
+    Input,
+    KeyPressed,
+    Output,
+    QuestionAnswered,
+    QuestionPosed,
+    TimeGap,
+)
 from core.recording import version_1
 from core.recording.recorder import CHAIN_DIGITS
 from core.recording.schema import VERSION, End, Header
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
-_LATER = (TimeGap, FocusLost, FocusRegained)
+_LATER = (TimeGap, FocusLost, FocusRegained, QuestionAnswered, QuestionPosed)
 """Events that version 1 does not have."""
 _LATER_FIELDS: dict[type[msgspec.Struct], tuple[str, ...]] = {KeyPressed: ("read_as", "layout")}
 _CHAIN = {
@@ -63,9 +72,8 @@ def schema_of(version: int = VERSION) -> dict[str, Any]:
 def _definition(record: type[msgspec.Struct], components: Mapping[str, Any], version: int) -> dict[str, Any]:
     found = dict(components[record.__name__])
     docs = field_docs(record)
-    fields = dict(zip(record.__struct_encode_fields__, record.__struct_fields__, strict=True))
     properties = {
-        name: {**below, "description": docs[fields[name]]} if fields.get(name) in docs else dict(below)
+        name: {**below, "description": docs[name]} if name in docs else dict(below)
         for name, below in found["properties"].items()
         if version > 1 or name not in _LATER_FIELDS.get(record, ())
     }

@@ -1,6 +1,7 @@
 """What a recording holds and how its session ended, in the words that every command uses."""
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, cast
 
@@ -80,6 +81,10 @@ class RecordingSummary:
     """Presses that were accepted and not taken back."""
     presses_simulated: int
     """Of these, those of simulated participants."""
+    presses_of_people: tuple[tuple[str, int], ...]
+    """Code and counted presses of each of several people at one keyboard, in order; () where there is one."""
+    presses_by_value: tuple[tuple[float, int], ...]
+    """Counted presses of each value, from the lowest, where feedback was graded; else ()."""
     presses_taken_back: int
     """By the participant, or as a held key's repeats."""
     gaps: int
@@ -95,7 +100,9 @@ class RecordingSummary:
         if self.games_planned is None:
             games = _counted(self.games_begun, "game")
         presses = f"{_counted(self.presses_counted, 'press', 'presses')} counted"
-        about = [f"{self.presses_simulated} simulated"] if self.presses_simulated else []
+        about = [f"{name} {n}" for name, n in self.presses_of_people]
+        about += [f"{n} of {value:+g}" if value else f"{n} of 0" for value, n in self.presses_by_value]
+        about += [f"{self.presses_simulated} simulated"] if self.presses_simulated else []
         about += [f"{self.presses_taken_back} more taken back"] if self.presses_taken_back else []
         presses += f" ({', '.join(about)})" if about else ""
         parts = [f"{self.game}, protocol {self.protocol}"]
@@ -126,7 +133,7 @@ class Summarising:
         """Begin with so many steps that are not among the events."""
         self._steps = steps
         self._begun = self._finished = self._gaps = self._focus_lost = 0
-        self._simulated: dict[int, bool] = {}  # number of each accepted press: whether it was simulated
+        self._accepted: dict[int, KeyPressed] = {}  # by the number of the press
         self._taken_back: set[int] = set()
         self._stop: StopAsked | None = None
         self._last_output: Output | None = None
@@ -139,7 +146,7 @@ class Summarising:
             case StepTaken():
                 self._steps += 1
             case KeyPressed(verdict="accepted"):
-                self._simulated[event.press] = event.source == "simulated"
+                self._accepted[event.press] = event
             case PressRetracted():
                 self._taken_back.add(event.press)
             case EpisodeStarted():
@@ -184,8 +191,8 @@ class Summarising:
         """Return what was counted; arguments as for `ending`."""
         protocol = header.protocol
         imported = header.origin == "imported"
-        simulated = sum(self._simulated.values())
-        taken_back = self._taken_back & self._simulated.keys()
+        taken_back = self._taken_back & self._accepted.keys()
+        counted = [press for number, press in self._accepted.items() if number not in taken_back]
         return RecordingSummary(
             game=_game(protocol),
             protocol=str(protocol.get("name", "default")),
@@ -194,8 +201,10 @@ class Summarising:
             games_begun=self._begun,
             games_planned=None if imported else _planned(protocol),
             steps=self._steps,
-            presses_counted=len(self._simulated) - len(taken_back),
-            presses_simulated=simulated - sum(self._simulated[press] for press in taken_back),
+            presses_counted=len(counted),
+            presses_simulated=sum(press.source == "simulated" for press in counted),
+            presses_of_people=_of_people(header, counted),
+            presses_by_value=_by_value(protocol, counted),
             presses_taken_back=len(taken_back),
             gaps=self._gaps,
             focus_lost=self._focus_lost,
@@ -212,6 +221,22 @@ def _stop_words(header: Header, stop: StopAsked, *, complete: bool, last_word: b
     if not complete:
         words += "; the end of the file is missing"
     return words
+
+
+def _of_people(header: Header, counted: Sequence[KeyPressed]) -> tuple[tuple[str, int], ...]:
+    """Return how many presses of each of several people counted."""
+    names = header.participants if isinstance(header.participants, list) else []
+    return tuple(
+        (name, sum(press.person == person for press in counted)) for person, name in enumerate(names)
+    )
+
+
+def _by_value(protocol: Mapping[str, Any], counted: Sequence[KeyPressed]) -> tuple[tuple[float, int], ...]:
+    """Return how many presses of each value counted, where anybody's feedback was graded."""
+    keys = [protocol.get("keys"), *(protocol.get("people") or ())]
+    if not any(isinstance(each, Mapping) and each.get("graded") for each in keys):
+        return ()
+    return tuple(sorted(Counter(press.value or 0.0 for press in counted).items()))
 
 
 def condition_of(header: Header) -> str:

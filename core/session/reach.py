@@ -28,6 +28,8 @@ from core.feedback.delays import (
     Delay,
     Density,
     GammaDelay,
+    PerValueDelay,
+    PressRule,
     PreviousStep,
     UniformDelay,
 )
@@ -64,7 +66,7 @@ class Reach:
     """Share of a press that reaches the step it was meant for, in [0, 1]."""
     step_s: float
     """Mean time on screen of a step, in seconds, weighted by how often it is judged."""
-    delay: DelayDistribution
+    delay: DelayDistribution | PerValueDelay
     """The participant's delay that was assumed."""
 
     @property
@@ -82,22 +84,44 @@ def reach_of(protocol: Protocol, delay: DelayDistribution | None = None) -> Reac
     Args:
         protocol: with the game, its pace and the credit rule.
         delay: of the participant; left out, the delay in force: the density by which the protocol gives
-            credit, or the paper's gamma(2.5, 0.3) where it gives credit by a rule that is no density.
+            credit, or the paper's gamma(2.5, 0.3) where it gives credit by a rule that is no density. Where
+            each value has a density, the mean over the values. Of several people with delays of their own,
+            the one whose presses reach least.
     """
     from core.registry import game_of  # here, not above: games bring compiled code
 
     steps = game_of(protocol).steps_on_screen(protocol)
-    assumed = delay_in_force(protocol) if delay is None else delay
-    return Reach(fraction_reached(steps, protocol.agent.credit.delay, assumed), mean_time_s(steps), assumed)
+    rules = dict.fromkeys(credit.delay for credit in protocol.credit_of_participants)
+    found = [_reach(steps, rule, assumed_delay(rule) if delay is None else delay) for rule in rules]
+    return min(found, key=lambda reach: reach.fraction)
 
 
-def delay_in_force(protocol: Protocol) -> Density:
+def _reach(steps: Sequence[Watched], rule: Delay, delay: DelayDistribution | PerValueDelay) -> Reach:
+    """Return the share under one credit rule; of a density per value, the mean over the values."""
+    each: list[PressRule] = [rule] if not isinstance(rule, PerValueDelay) else list(rule.densities)
+    if isinstance(rule, PerValueDelay) and rule.values:
+        each.pop()  # the density of values that are not listed
+    fractions = []
+    for one in each:
+        if isinstance(delay, PerValueDelay):
+            assert isinstance(one, GammaDelay | UniformDelay), "a delay per value is that of such a rule"
+            fractions.append(fraction_reached(steps, one, one))
+        else:
+            fractions.append(fraction_reached(steps, one, delay))
+    return Reach(float(np.mean(fractions)), mean_time_s(steps), delay)
+
+
+def delay_in_force(protocol: Protocol) -> Density | PerValueDelay:
     """Return the participant's delay as a protocol assumes it: its credit density, or the paper's."""
-    rule = protocol.agent.credit.delay
+    return assumed_delay(protocol.agent.credit.delay)
+
+
+def assumed_delay(rule: Delay) -> Density | PerValueDelay:
+    """Return the delay that a credit rule assumes: its density, or the paper's where it has none."""
     return GammaDelay() if isinstance(rule, PreviousStep | CurrentStep) else rule
 
 
-def fraction_reached(steps: Sequence[Watched], rule: Delay, delay: DelayDistribution) -> float:
+def fraction_reached(steps: Sequence[Watched], rule: PressRule, delay: DelayDistribution) -> float:
     """Return the fraction of a press that reaches the step it was meant for, in [0, 1] (model: see the
     module).
 

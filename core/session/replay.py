@@ -2,14 +2,17 @@
 
 import itertools
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Any
 
 import msgspec
 
 from core.events import CreditGiven, Input, Output, SessionEnded
+from core.feedback.asking_config import AskingConfig
 from core.feedback.keys import KeyConfig
+from core.feedback.people import PersonConfig, keys_of_person
 from core.numerics.clock import ManualClock
 from core.recording.reader import RecordingError
 from core.recording.stored import AnyRecording
@@ -107,10 +110,12 @@ def replay_exactly(
     if recording.header.origin == "imported":
         raise RecordingError(
             f"{recording.path}: imported from {recording.header.source.get('format', 'elsewhere')}: its "
-            "agent cannot be run again. Ask what other credit rules and schemes would have learned from it: "
-            "--credit RULE"
+            f"agent cannot be "
+            "run again. Ask what other credit rules and schemes would have learned from it: --credit RULE"
         )
-    check_inputs(recording, msgspec.convert(recording.header.protocol.get("keys", {}), KeyConfig))
+    protocol = recording.header.protocol
+    asking = protocol.get("agent", {}).get("asking", {})
+    check_inputs(recording, _keys_of(protocol), msgspec.convert(asking, AskingConfig, strict=False))
     compared = 0
     for recorded, replayed in _run_both(recording, session):
         if recorded is None and replayed is None:
@@ -123,6 +128,13 @@ def replay_exactly(
         if compared % TOLD_EVERY == 0:
             on_progress(TOLD_EVERY)
     return ReplayResult(compared, None)
+
+
+def _keys_of(protocol: Mapping[str, Any]) -> list[KeyConfig]:
+    """Return the keys of each person at the keyboard, from a header's protocol."""
+    shared = msgspec.convert(protocol.get("keys", {}), KeyConfig)
+    people = msgspec.convert(protocol.get("people", []), list[PersonConfig])
+    return [keys_of_person(person, shared) for person in people] or [shared]
 
 
 def _run_both(recording: AnyRecording, session: Session) -> Iterator[tuple[Output | None, Output | None]]:

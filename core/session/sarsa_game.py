@@ -104,7 +104,8 @@ class SarsaGame(ABC):
             learner,
             protocol.agent,
             n_feedback_features=len(domain.feedback_feature_names),
-            n_participants=1 + len(protocol.others),
+            n_participants=protocol.n_participants,
+            credits=protocol.credit_of_participants,
             feedback_tiles=domain.feedback_tiles,
             root_seed=root_seed,
         )

@@ -13,6 +13,7 @@ from typing import Any
 import msgspec
 
 from core.combination.agent import ArlAgent, Decision, EpisodePolicy
+from core.combination.asking import Question
 from core.combination.human_learner import HumanLearner
 from core.combination.tally import AGREED, AGREED_WORST, EpisodeTally
 from core.domain import Choices, Domain, Features
@@ -23,6 +24,7 @@ from core.events import (
     Input,
     KeyPressed,
     PressRetracted,
+    QuestionPosed,
     Resumed,
     SessionEnded,
     StepTaken,
@@ -84,7 +86,7 @@ def watched_steps(recording: Recording, protocol: Protocol) -> dict[int, Watched
         own = protocol_from(recording.header.protocol)
     except ValueError as error:
         raise RecordingError(f"{recording.path}:1: the protocol cannot be used: {error}") from error
-    check_inputs(recording, own.keys)
+    check_inputs(recording, own.keys_of_people, own.agent.asking)
     recorded = own.game
     if recorded != protocol.game:
         raise RecordingError(
@@ -104,8 +106,9 @@ def watched_steps(recording: Recording, protocol: Protocol) -> dict[int, Watched
                 if choices is None or not _could_be(output, choices, domain, state):
                     raise RecordingError(
                         f"{recording.path}: step {output.step} was {output.detail}, and comes out otherwise "
-                        f"now: {domain.name} has changed since, and what was on screen was not recorded. Use "
-                        "the program that recorded it: "
+                        f"now: {domain.name} "
+                        "has changed since, and what was on screen was not recorded. Use the program that "
+                        "recorded it: "
                         f"{recording.header.software.get('commit', 'its header does not name the commit')}"
                     )
                 state = domain.transition(state, output.action).next_state
@@ -128,6 +131,18 @@ def _could_be(taken: StepTaken, choices: Choices, domain: Domain[Any], state: An
     if not 0 <= taken.action < len(choices.ruled_out):
         return False
     return domain.action_record(state, taken.action).plain() == taken.detail
+
+
+def recorded_question(posed: QuestionPosed, steps: dict[int, WatchedStep]) -> Question | None:
+    """Return a recorded question with the features that `steps` have; None where its step was never taken.
+
+    What was asked stays as it was recorded, as steps and presses do: an agent that learns again poses no
+    questions of its own.
+    """
+    if posed.step not in steps:
+        return None
+    features = steps[posed.step].choices.feedback_features
+    return Question(tuple(posed.options), features[posed.options], posed.disagreement)
 
 
 def relearn(
@@ -171,6 +186,8 @@ def relearn(
                     watched.begin(agent.begin_episode(exploring=session.watched == "proposed", watched=True))
                 case StepTaken():
                     watched.take(agent, intake, output)
+                case QuestionPosed():
+                    intake.pose(recorded_question(output, steps))
                 case EpisodeEnded():
                     agent.learn_from_domain(watched.policy, watched.played(output))
                     relearned.trust.append(agent.trust)
@@ -205,6 +222,8 @@ def replay_human_model(
                 credits.extend(intake.attend(-1))
             if isinstance(output, StepTaken):
                 intake.expect(output.step, steps[output.step].taken)
+            elif isinstance(output, QuestionPosed):
+                intake.pose(recorded_question(output, steps))
             elif isinstance(output, SessionEnded):
                 human.finish(output.time_ns)
         credits.extend(_attend_rest(intake, source, recording))

@@ -50,7 +50,8 @@ class TetrisGame:
             _learner(protocol, root_seed),
             protocol.agent,
             n_feedback_features=len(domain.feedback_feature_names),
-            n_participants=1 + len(protocol.others),
+            n_participants=protocol.n_participants,
+            credits=protocol.credit_of_participants,
             root_seed=root_seed,
         )
 

@@ -244,7 +244,8 @@ def _check(protocol: Protocol) -> None:
             protocol.agent.scheme.acts_on != "policy",
             "a scheme whose presses teach the human model, not the learner itself",
         ),
-        (not protocol.others, "one participant: no others"),
+        (protocol.n_participants == 1, "one participant: no others, no people"),
+        (protocol.agent.asking.per_episode == 0, "no questions: agent.asking.per_episode = 0"),
         (
             not protocol.agent.bootstrap.trust.needs.window,
             "a trust rule that needs no window of decisions (give it its chance level)",

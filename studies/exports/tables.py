@@ -1,7 +1,7 @@
 """The tidy tables: every column with its unit, its levels and its meaning. The codebook is made from them."""
 
 from studies.exports.columns import Column, Table
-from studies.exports.event_tables import CREDIT, FRAMES, INTERRUPTIONS, PRESSES, STEPS
+from studies.exports.event_tables import CREDIT, FRAMES, INTERRUPTIONS, PRESSES, QUESTIONS, STEPS
 from studies.exports.shared_columns import (
     KEYS,
     ORIGINS,
@@ -122,6 +122,7 @@ PLAYED = Table(
         integer("presses_counted", "Presses made in it that were accepted and not taken back.", "presses"),
         integer("presses_good", "Of these, praise.", "presses"),
         integer("presses_bad", "Of these, blame.", "presses"),
+        integer("presses_neither", "Of these, neither (graded feedback).", "presses"),
     ),
 )
 ANSWERS = Table(
@@ -175,7 +176,8 @@ TRIALS = Table(
         seconds(
             "onset_s",
             "When the stimulus's frame was handed to the terminal; in catch trials, when it would have been. "
-            "Empty if it never was.",
+            "Empty "
+            "if it never was.",
         ),
         text("key", "First allowed key at or after the onset; empty without one."),
         seconds("rt_s", "Reaction time; empty without a key."),
@@ -203,6 +205,6 @@ TRIALS = Table(
     ),
 )
 TABLES = (
-    SESSIONS, SETTINGS, PLAYED, STEPS, PRESSES, CREDIT, FRAMES, INTERRUPTIONS, ANSWERS, TRIALS,
+    SESSIONS, SETTINGS, PLAYED, STEPS, PRESSES, CREDIT, FRAMES, INTERRUPTIONS, QUESTIONS, ANSWERS, TRIALS,
 )  # fmt: skip
 """All tables, in the order of the codebook."""

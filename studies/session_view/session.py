@@ -26,7 +26,7 @@ from studies.session_view.tables import Rows
 
 Kind = Literal["frame", "step", "press", "game"]
 """What the viewer goes to."""
-PressKind = Literal["good", "bad", "taken back", "refused", "no feedback"]
+PressKind = Literal["good", "bad", "neither", "taken back", "refused", "no feedback"]
 """What became of a press. `refused`: it meant something and did not count; `no feedback`: another key."""
 
 
@@ -39,7 +39,7 @@ class Press:
     number: int
     time_ns: int
     value: float
-    """> 0 good, < 0 bad, NaN for another key."""
+    """> 0 good, < 0 bad, 0 neither, NaN for another key."""
     key: str
     verdict: str
     kind: PressKind
@@ -52,11 +52,16 @@ class Press:
     @property
     def words(self) -> str:
         """Say in a few words what it was and what became of it."""
-        said = {"good": "good", "bad": "bad"}.get(self.kind)
+        grade = f" ({self.value:+g})" if abs(self.value) > 1 else ""
+        said = f"{self.kind}{grade}" if self.kind in ("good", "bad", "neither") else None
         if said is None:
-            meant = "" if np.isnan(self.value) else ("good, " if self.value > 0 else "bad, ")
+            meant = "" if np.isnan(self.value) else f"{_kind_of(self.value)}, "
             said = meant + (self.kind if self.kind == "taken back" else f"refused: {self.verdict}")
         return f"{said} (asked to be wrong)" if self.asked_wrong else said
+
+
+def _kind_of(value: float) -> Literal["good", "bad", "neither"]:
+    return "good" if value > 0 else "bad" if value < 0 else "neither"
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,6 +129,12 @@ class SessionView:
         """
         found = self.index.header.protocol
         return protocol_from(found) if found else None
+
+    @property
+    def people(self) -> list[str]:
+        """Codes of several people at one keyboard, in order; [] where one participated."""
+        names = self.index.header.participants
+        return names if isinstance(names, list) else []
 
     # --- what was on screen ---------------------------------------------------------------------------------
 
@@ -217,7 +228,7 @@ class SessionView:
         elif number in self.taken_back:
             kind = "taken back"
         else:
-            kind = "good" if value > 0 else "bad"
+            kind = _kind_of(value)
         return Press(
             row, number, int(entry["time"]), value, entry["key"].decode(errors="replace"), verdict, kind,
             int(entry["step"]), int(entry["person"]), bool(entry["simulated"]), bool(entry["asked_wrong"]),

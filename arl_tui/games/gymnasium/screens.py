@@ -30,6 +30,18 @@ WORDS = Words(
     steps="steps",
     step="step",
 )
+ACTIONS: dict[str, tuple[str, ...]] = {
+    "CartPole": ("push to the left", "push to the right"),
+    "MountainCar": ("drive to the left", "let it roll", "drive to the right"),
+    "Acrobot": ("push one way", "do nothing", "push the other way"),
+    "LunarLander": ("do nothing", "left engine", "main engine", "right engine"),
+    "FrozenLake": ("go left", "go down", "go right", "go up"),
+    "CliffWalking": ("go up", "go right", "go down", "go left"),
+    "Blackjack": ("stick", "take a card"),
+    "Taxi": ("go down", "go up", "go right", "go left", "pick up", "drop off"),
+}
+"""What the actions of Gymnasium's own environments are, by the environment's name without its version:
+Gymnasium gives them numbers only (its documentation of each environment names them)."""
 
 
 class GymnasiumScreens(GameScreens):
@@ -41,6 +53,15 @@ class GymnasiumScreens(GameScreens):
     def slower(self, screen: ScreenConfig) -> str:
         """Return the pace and how it is made slower."""
         return f"[screen] tick_ms is {screen.tick_ms}: more is slower"
+
+    def option(self, detail: dict[str, int], protocol: Protocol) -> str:
+        """Return the action in words where it is one of `ACTIONS`, else its number."""
+        from core.interop.gymnasium.config import GymnasiumConfig
+
+        assert isinstance(protocol.domain, GymnasiumConfig), "a protocol of Gymnasium"
+        names = ACTIONS.get(protocol.domain.env.rpartition("-v")[0], ())
+        number = detail["action"]
+        return names[number] if 0 <= number < len(names) else f"action {number}"
 
     def renderer(self, protocol: Protocol) -> "GymnasiumRenderer":
         """Return what plays the environment again and lets it draw itself."""

@@ -1,12 +1,13 @@
 """Keepaway in the play screen: the pitch, smooth between cycles, and the figures of the game."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from textual.geometry import Size
 from textual.widget import Widget
 from textual.widgets import Static
 
 from arl_tui.app.link import Picture, TakenFor
+from arl_tui.games.rendering import Place
 from arl_tui.games.panel import SMALLEST, Progress
 from arl_tui.palette import Palette
 from arl_tui.widgets.pitch import PitchWidget
@@ -112,13 +113,23 @@ class KeepawayPanel:
         if taken.step < 0 or not taken.place:
             return "but no option was on screen"
         ((player, target),) = taken.place
-        self.pitch.mark(player, target, good=taken.value > 0)
+        if taken.value != 0:  # a mark is good or bad
+            self.pitch.mark(player, target, good=taken.value > 0)
         keeper = f"K{player + 1}"
         return f"for {keeper} holding the ball" if target < 0 else f"for {keeper}'s pass to K{target + 1}"
 
     def unmark(self) -> None:
         """Take the mark away."""
         self.pitch.unmark()
+
+    def pose(self, places: Sequence[Place], keys: Sequence[str]) -> None:
+        """Write each option's key beside the keeper who would have the ball."""
+        players = [player if target < 0 else target for ((player, target),) in places]
+        self.pitch.pose(tuple(zip(players, keys, strict=False)))
+
+    def unpose(self) -> None:
+        """Take the keys away."""
+        self.pitch.pose(())
 
     def presses_left(self, presses: int) -> None:
         """Write them into the pitch's boundary, where the eye is."""

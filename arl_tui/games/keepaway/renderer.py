@@ -95,6 +95,10 @@ class KeepawayRenderer:
         """Return who chose an option, and who was passed to."""
         return next((place for known, place in reversed(self._options) if known == step), ())
 
+    def place_of_option(self, detail: dict[str, int]) -> Place:
+        """Return who has the ball, and who would be passed to."""
+        return ((detail["keeper"], detail["target"]),)
+
     def _ticks(self, pictures: list[PitchFrame]) -> tuple[TickView, ...]:
         """Return all but the last picture, which belongs to what comes now, each with the one after it."""
         self._now = pictures[-1]

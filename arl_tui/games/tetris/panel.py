@@ -1,11 +1,12 @@
 """Tetris in the play screen: the board, the next piece, and the score."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from textual.geometry import Size
 from textual.widget import Widget
 
 from arl_tui.app.link import Picture, TakenFor
+from arl_tui.games.rendering import Place
 from arl_tui.games.panel import SMALLEST, Progress
 from arl_tui.palette import Palette
 from arl_tui.widgets.blocks import CELLS_PER_BLOCK
@@ -82,6 +83,8 @@ class TetrisPanel:
         """Mark the piece, where it is falling or what is left of it on the wall."""
         if taken.step < 0:
             return "but no piece had landed"
+        if taken.value == 0:
+            return "for the falling piece" if taken.step == self._step else "for the piece that landed"
         if taken.step == self._step and self.board.shows_falling:
             self.board.mark(None, good=taken.value > 0)
         elif taken.place:
@@ -93,6 +96,19 @@ class TetrisPanel:
     def unmark(self) -> None:
         """Take the mark away."""
         self.board.unmark()
+
+    def pose(self, places: Sequence[Place], keys: Sequence[str]) -> None:
+        """Draw the piece where each option would put it, by the option's key."""
+        self.board.pose(
+            [
+                ([(row, column) for row, column in place], key)
+                for place, key in zip(places, keys, strict=False)
+            ]
+        )
+
+    def unpose(self) -> None:
+        """Take the options away."""
+        self.board.pose(())
 
     def presses_left(self, presses: int) -> None:
         """Say nothing: the feedback bar is near enough."""

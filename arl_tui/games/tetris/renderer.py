@@ -5,7 +5,7 @@ from core.events import EpisodeStarted, StepTaken
 from core.feedback.keys import NS_PER_MS
 from core.tetris.action import PlacedPiece
 from core.tetris.config import TetrisConfig
-from core.tetris.game import reachable_placements
+from core.tetris.game import FallingPiece, landing_row, reachable_placements
 from core.tetris.picture import Counts, PieceAnimation, Snapshot, Wall, animate, snapshot
 from core.tetris.practice import PIECE_STREAMS
 
@@ -78,6 +78,12 @@ class TetrisRenderer:
     def place_of(self, step: int) -> Place:
         """Return the piece's blocks on the wall; none where all have been cleared, or it is too long ago."""
         return self._landed.get(step, ())
+
+    def place_of_option(self, detail: dict[str, int]) -> Place:
+        """Return where the piece would come to rest."""
+        piece, orientation, column = detail["piece"], detail["orientation"], detail["column"]
+        row = landing_row(self._wall.board, piece, orientation, column)
+        return tuple(FallingPiece(piece, orientation, row, column).cells())
 
     def _note_landed(self, step: int, shown: PieceAnimation) -> None:
         self._landed = {

@@ -10,6 +10,7 @@ from core.feedback.config import TrainerConfig
 from core.feedback.keys import NS_PER_MS
 from core.session.protocol import Protocol, ScreenConfig, SessionConfig
 from core.tetris.config import TetrisConfig
+from core.tetris.shapes import ORIENTATION_ROWS
 from studies.reaction_time.protocol import NO, YES, Schedule
 
 if TYPE_CHECKING:
@@ -22,7 +23,8 @@ WORDS = Words(
     heading="Teach a computer to play Tetris",
     welcome=(
         "You will watch a computer play {games} of Tetris. It does not know yet how to play well. "
-        "{practises}You can help it: tell it what you think of where it has just put a piece."
+        "{practises}You can "
+        "help it: tell it what you think of where it has just put a piece."
     ),
     rules=(
         "The computer drops one piece after another. Full rows disappear: the more, the better. A game ends "
@@ -33,11 +35,13 @@ WORDS = Words(
     units=("line", "lines"),
     steps="pieces",
     step="piece",
+    question="Where should the next piece go?",
 )
 JUDGING = JudgingWords(
     instruction=(
         "You watch a computer play Tetris. A piece enters and is moved, then it [b]drops[/]; its shadow "
-        "shows where. Full rows disappear, so a piece should leave no holes and not stand out.\n\n"
+        "shows "
+        "where. Full rows disappear, so a piece should leave no holes and not stand out.\n\n"
         f"It goes to a good place: press {cap(YES)}\nIt goes to a bad place:  press {cap(NO)}\n\n"
         "Press as soon as you have made up your mind. The computer's mistakes are put right before the next "
         "piece."
@@ -76,6 +80,13 @@ class TetrisScreens(GameScreens):
                 trainer or TrainerConfig(), press_probability=0.35, mean_presses=None
             ),
         )
+
+    def option(self, detail: dict[str, int], protocol: Protocol) -> str:
+        """Return which columns the piece would take."""
+        rows = ORIENTATION_ROWS[detail["piece"]][detail["orientation"]]
+        first = detail["column"] + 1
+        last = detail["column"] + max(row.bit_length() for row in rows)
+        return f"column {first}" if first == last else f"columns {first} to {last}"
 
     def renderer(self, protocol: Protocol) -> "TetrisRenderer":
         """Return what draws pieces as they fall."""

@@ -1,5 +1,7 @@
 """When the agent asks, what it asks, and what an answer says."""
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -129,7 +131,7 @@ def test_an_agent_asks_its_top_policies_and_learns_from_the_answer(n_participant
 
 def test_an_answer_outlives_a_press_that_is_taken_back():
     learner = HumanLearner(CreditConfig(delay=CurrentStep()), RidgeModel(), 2)
-    learner.learn_from_answer(samples_of(Question((0, 1), np.eye(2), 0.5), 0, number=0))
+    learner.learn_from_answer(Question((0, 1), np.eye(2), 0.5), 0)
     weights = learner.weights.tolist()
     learner.step_shown(0, np.array([0.0, 1.0]), 0)
     learner.learn_from_press(0, 1, 1.0)
@@ -142,3 +144,45 @@ def test_an_answer_outlives_a_press_that_is_taken_back():
 def test_the_papers_agent_does_not_ask():
     who = ArlAgent(CountingLearner(), AgentConfig(), n_feedback_features=2, root_seed=1)
     assert who.question(decision(2)) is None
+
+
+def asked_by_values(rows, config=ASKING):
+    asker = Asker(config)
+    asker.reset()
+    return [asker.question_by_values(decision(len(row)), np.array(row)) for row in rows]
+
+
+CLEAR, CLOSE = [3.0, 1.0, 0.0], [1.0, 3.0, 2.75]
+
+
+def test_a_learner_without_policies_asks_where_its_best_values_are_closest():
+    questions = asked_by_values([CLEAR] * 4 + [CLOSE])
+    assert [question is not None for question in questions] == [False] * 4 + [True]
+    assert questions[-1].options == (1, 2, 0)
+    assert questions[-1].disagreement == pytest.approx(1 / 1.25)
+
+
+def test_actions_that_are_ruled_out_are_no_options():
+    asker = Asker(ASKING)
+    asker.reset()
+    choices = Choices(np.zeros((3, 1)), np.zeros((3, 2)), np.array([False, True, False]))
+    for _ in range(4):
+        asker.question_by_values(choices, np.array([3.0, 9.0, 1.0]))
+    assert asker.question_by_values(choices, np.array([3.0, 9.0, 2.9])).options == (0, 2)
+
+
+def test_one_action_alone_is_no_question():
+    assert asked_by_values([[1.0]] * 9) == [None] * 9
+
+
+def test_equal_values_are_asked_about_as_rarely_as_the_rest():
+    config = AskingConfig(per_episode=9, share=0.25, memory=8, minimum_decisions=4)
+    asked = [question is not None for question in asked_by_values([[0.0, 0.0]] * 16, config)]
+    places = [n for n, was in enumerate(asked) if was]
+    assert places
+    assert all(later - earlier > 4 for earlier, later in itertools.pairwise(places))
+
+
+def test_keys_choose_options():
+    config = AskingConfig(keys=("a", "b", "c"), none_key="9")
+    assert [config.option_of(key, 2) for key in "abc9x"] == [0, 1, None, -1, None]

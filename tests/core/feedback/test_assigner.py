@@ -305,8 +305,8 @@ def test_what_cannot_be_is_refused_with_the_reason() -> None:
         assigner.step_hidden(9, ns(5))
     with pytest.raises(ValueError, match="must not go back"):
         assigner.step_hidden(3, ns(2))
-    with pytest.raises(ValueError, match="got 0"):
-        assigner.add_press(0, ns(3), 0.0)
+    with pytest.raises(ValueError, match="got nan"):
+        assigner.add_press(0, ns(3), float("nan"))
     assigner.add_press(1, ns(3), 1.0)
     with pytest.raises(ValueError, match="given already"):
         assigner.add_press(1, ns(3), 1.0)

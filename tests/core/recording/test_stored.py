@@ -152,7 +152,8 @@ def peak_of_a_replay(folder: Path, n_steps: int) -> tuple[int, float]:
         recording = stored_recording(path)
         assert recording is not None
         told: list[int] = []
-        result = replay_exactly(recording, Again(path, n_steps), on_progress=told.append)  # type: ignore[arg-type]
+        # type: ignore[arg-type]
+        result = replay_exactly(recording, Again(path, n_steps), on_progress=told.append)
         peak = tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()
