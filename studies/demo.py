@@ -50,23 +50,16 @@ def simulate_session(
     """
     clock = ManualClock()
     session = build_session(protocol, root_seed)
-    game, numbers = game_of(protocol), count()
-    others = [
-        ParticipantParts(
-            game.oracle(msgspec.structs.replace(protocol, trainer=other)),
-            SimulatedTrainer(other, root_seed=stream_seed(root_seed, "person", person)),
-            PressGate(protocol.keys, person=person, numbers=numbers),
-        )
-        for person, other in enumerate(protocol.others, 1)
-    ]
+    first, *others = simulated_people(protocol, root_seed)
     simulated = SimulatedParticipant[Any](
         session.domain,
-        game.oracle(protocol),
-        SimulatedTrainer(protocol.trainer, root_seed=root_seed),
-        PressGate(protocol.keys, numbers=numbers),
+        first.oracle,
+        first.trainer,
+        first.gate,
         clock,
-        game.viewing(protocol),
+        game_of(protocol).viewing(protocol),
         others=others,
+        asking=protocol.agent.asking,
     )
     header = Header(
         origin="simulated",
@@ -81,6 +74,7 @@ def simulate_session(
         departures=protocol.departures(),
         source=dict(source or {}),
         study=dict(study or {}),
+        participants=protocol.participants,
     )
     writer = LineWriter(target, header)
     for output in session.run(simulated, clock):
@@ -89,6 +83,31 @@ def simulate_session(
             writer.write(item)
     writer.close()
     return target
+
+
+def simulated_people(protocol: Protocol, root_seed: int) -> list[ParticipantParts[Any]]:
+    """Return the simulated participants of a session, each with their gate: `trainer`, then `others`.
+
+    Args:
+        protocol: of the session; where it has people, those without an entry in `others` are as `trainer`.
+        root_seed: of the session.
+    """
+    game, numbers = game_of(protocol), count()
+    trainers = [protocol.trainer, *protocol.others]
+    trainers += [protocol.trainer] * (protocol.n_participants - len(trainers))
+    keys = protocol.keys_of_people if protocol.people else (protocol.keys,) * len(trainers)
+    return [
+        ParticipantParts(
+            game.oracle(msgspec.structs.replace(protocol, trainer=trainer)),
+            SimulatedTrainer(
+                trainer,
+                root_seed=stream_seed(root_seed, "person", person) if person else root_seed,
+                graded=bool(own.graded),
+            ),
+            PressGate(own, person=person, numbers=numbers),
+        )
+        for person, (trainer, own) in enumerate(zip(trainers, keys, strict=True))
+    ]
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,9 +129,9 @@ class SessionSummary:
     other_presses: int
     """Presses that did not count, for whatever reason."""
     trust: float
-    """What the rule of trust said of the human after the last watched episode."""
+    """What the rule of trust said of the participant after the last watched episode."""
     weight: float
-    """Weight w_h of the human's values that the scheme used in the last watched episode."""
+    """Weight w_h of the participant's values that the scheme used in the last watched episode."""
     complete: bool
 
 

@@ -184,8 +184,8 @@ def test_json_can_be_read(block: Block):
 EXAMPLES = sorted((REPOSITORY / "examples").glob("*.py"))
 
 
-def test_there_are_five_examples():
-    assert len(EXAMPLES) == 5
+def test_there_are_six_examples():
+    assert len(EXAMPLES) == 6
 
 
 @pytest.mark.jit

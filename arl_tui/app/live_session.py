@@ -11,8 +11,10 @@ from dataclasses import dataclass
 from itertools import count
 from typing import Literal, Protocol
 
+from arl_tui.app.asking import OpenQuestion
 from arl_tui.app.link import (
     Alive,
+    AskNow,
     Begin,
     Crashed,
     FromWorker,
@@ -34,6 +36,8 @@ from core.events import (
     KeyPressed,
     Output,
     PressRetracted,
+    QuestionAnswered,
+    QuestionPosed,
     Resumed,
     ScreenCleared,
     SessionEnded,
@@ -43,13 +47,15 @@ from core.events import (
     TimeGap,
     WrongPressAsked,
 )
+from core.feedback.asking_config import AskingConfig
 from core.feedback.frames import FrameLedger
 from core.feedback.keys import KeyConfig, PressGate, WrongPressPlan
+from core.feedback.people import new_gate
 from core.numerics.clock import NS_PER_S, Clock
 from core.recording.joined import latest_ns
 
-Cover = Literal["pause", "help", "quit-dialogue", "resize", "gap", "count-down"]
-Occurrence = Event | Picture | PressSuggested | Preparing | Ready | TakenFor
+Cover = Literal["pause", "help", "quit-dialogue", "resize", "gap", "count-down", "question"]
+Occurrence = Event | Picture | PressSuggested | Preparing | Ready | TakenFor | AskNow
 
 
 class EventSink(Protocol):
@@ -95,28 +101,34 @@ class LiveSession:
     def __init__(
         self,
         *,
-        keys: KeyConfig,
+        keys: KeyConfig | Sequence[KeyConfig],
         root_seed: int,
         link: Link,
         clock: Clock,
         listener: Callable[[Occurrence], None],
         on_over: Callable[[str | None], None],
         earlier: Sequence[Event] = (),
+        asking: AskingConfig | None = None,
     ) -> None:
         """Prepare; nothing is recorded before `begin`.
 
         Args:
-            keys: which keys mean what.
+            keys: which keys mean what; of several people those of each.
             root_seed: the session's seed (stream "wrong-press" says which presses are asked to be wrong).
             link: the worker.
             clock: the clock of key and flush times.
             listener: told of everything that happens, in order.
             on_over: called once when nothing more will happen; with the reason if the worker failed.
             earlier: what the session had done before it broke off, up to its last finished game.
+            asking: keys and limit of answers to questions; None: the defaults.
         """
         presses = [event.press for event in earlier if isinstance(event, KeyPressed)]
-        self.gate = PressGate(keys, numbers=count(max(presses, default=-1) + 1))
+        of_each = (keys,) if isinstance(keys, KeyConfig) else tuple(keys)
+        self.gate = new_gate(of_each, numbers=count(max(presses, default=-1) + 1))
         self.tally = Tally()
+        self._asking = asking or AskingConfig()
+        self.question: OpenQuestion | None = None
+        """The question that covers the game; None where none does."""
         self.stop_reason: StopReason | None = None
         """Why the session was asked to end; None while it was not."""
         self.phase: Literal["waiting", "running", "stopping", "over"] = "waiting"
@@ -134,21 +146,36 @@ class LiveSession:
         self._listener = listener
         self._on_over = on_over
         self._sink: EventSink | None = None
-        self._accepted: dict[int, float] = {}
-        self._wrong_presses = WrongPressPlan(keys.wrong_press_rate, root_seed)
+        self._accepted: dict[int, KeyPressed] = {}
+        self._wrong_presses = WrongPressPlan(of_each[0].wrong_press_rate, root_seed)
         self._worker_error: str | None = None
         self._unconfirmed: deque[Unconfirmed] = deque()
         self._taken: dict[int, TakenFor] = {}
         """What presses were taken for that are not known to be in the file yet."""
         self._episodes_begun = 0
         self._heard_ns = clock.now_ns()
-        self.presses_left = self.gate.presses_left
-        """Presses that are left of the budget, as far as presses have been confirmed."""
+        self._left = [self.gate.left_of(person) for person in range(len(of_each))]
+        """Presses that are left of each person's budget, as far as presses have been confirmed."""
+        self._person_of: dict[int, int] = {}
         self._ended_before_ns = latest_ns(earlier) if earlier else None
         """When the session broke off; None where it has just begun."""
         self._take_up(earlier)
 
     # --- from the screens -----------------------------------------------------------------------------------
+
+    @property
+    def presses_left(self) -> int:
+        """Presses that are left of the first person's budget, as far as presses have been confirmed."""
+        return self._left[0]
+
+    def person_of(self, event: KeyPressed | PressRetracted) -> int:
+        """Return whose press this is; a press taken back is whose it was."""
+        return event.person if isinstance(event, KeyPressed) else self._person_of.get(event.press, 0)
+
+    def left_of(self, event: KeyPressed | PressRetracted) -> int:
+        """Return how many presses of their budget the one has left whose press this is; 0 for nobody."""
+        person = self.person_of(event)
+        return self._left[person] if person >= 0 else 0
 
     def begin(self, sink: EventSink) -> None:
         """Start: events are recorded from here on."""
@@ -168,12 +195,16 @@ class LiveSession:
                 case KeyPressed() | PressRetracted():
                     self._count(event)
                     if isinstance(event, KeyPressed) and event.verdict == "accepted":
-                        self.gate.wrong_asked = False
-                case WrongPressAsked():
+                        self._wrong_press_made()
+                case WrongPressAsked() if isinstance(self.gate, PressGate):
                     self._wrong_presses.asked(self.gate)
                 case _:
                     if isinstance(event, Output):
                         self.tally.note(event)
+
+    def _wrong_press_made(self) -> None:
+        if isinstance(self.gate, PressGate):
+            self.gate.wrong_asked = False
 
     def _mark_joint(self) -> None:
         """Record where a session goes on: no press is credited to what was on screen before it broke off."""
@@ -183,7 +214,7 @@ class LiveSession:
             self._sink.record(joint)
             self._link.send(joint)  # not to the screens: the participant has not been interrupted now
 
-    def press(
+    def key_pressed(
         self, key: str, time_ns: int, *, source: Literal["participant", "simulated"] = "participant"
     ) -> None:
         """Take in a key press made at `time_ns`."""
@@ -192,9 +223,45 @@ class LiveSession:
         self.notice_gap()
         self.collect_frames()
         self.gate.frame, self.gate.step = self._frames.at(time_ns)
-        for record in self.gate.press(key, time_ns, source=source):
+        for record in self.gate.judge(key, time_ns, source=source):
             self._count(record)
             self._enter(record)
+            if isinstance(record, KeyPressed) and self.question is not None:
+                self._answer(self.question.answered_by(record))
+
+    def pose(self, posed: QuestionPosed) -> None:
+        """Note that a question covers the game, or is there again after a page."""
+        self.cover("question")
+        self.question = OpenQuestion(posed, self._asking)
+
+    def question_painted(self) -> int:
+        """Note that the options have been drawn; returns the frame's number."""
+        frame = self._frames.painted(-1)
+        if self.question is not None:
+            self.question.painted(frame)
+        return frame
+
+    def look_at_question(self) -> float | None:
+        """Take a question back whose time is up; return the seconds that are left; None where none is
+        open.
+        """
+        if self.question is None or self.phase != "running":
+            return None
+        now_ns = self._clock.now_ns()
+        self._answer(self.question.timed_out(now_ns))
+        return None if self.question is None else self.question.left_s(now_ns)
+
+    def take_question_down(self) -> None:
+        """Note that a question has left the screen without an answer: a page comes in its place."""
+        if self.question is not None:
+            self.question = None
+            self.uncover()
+
+    def _answer(self, answered: QuestionAnswered | None) -> None:
+        if answered is not None:
+            self.question = None
+            self._enter(answered)
+            self.uncover()
 
     def painted(self, step: int) -> int:
         """Note that new content for `step` has been drawn; returns the frame's number."""
@@ -206,6 +273,8 @@ class LiveSession:
         for frame, time_ns in self.take_stamps():
             if self.phase != "running" or self.gate.covered:
                 self._frames.dropped(frame)
+                if self.question is not None:
+                    self.question.flushed(frame, time_ns)
             else:
                 self._enter(self._frames.flushed(frame, time_ns))
 
@@ -270,7 +339,9 @@ class LiveSession:
         ):
             waiting = self._unconfirmed.popleft()
             same = waiting.episode == self._episodes_begun
-            self.presses_left = waiting.presses_left if same else self.gate.presses_left
+            person = self.person_of(waiting.event)
+            if person >= 0:
+                self._left[person] = waiting.presses_left if same else self.gate.left_of(person)
             self._listener(waiting.event)
             taken = self._taken.pop(waiting.event.press, None)
             if taken is not None:
@@ -315,7 +386,7 @@ class LiveSession:
             self._worker_error = f"{message.error}\n\n{message.trace}"
         elif isinstance(message, TakenFor):
             self._note_taken(message)
-        elif isinstance(message, Picture | PressSuggested | Preparing):
+        elif isinstance(message, Picture | PressSuggested | Preparing | AskNow):
             self._listener(message)
         elif isinstance(message, Ready):
             self.ready = True
@@ -345,7 +416,7 @@ class LiveSession:
         if isinstance(output, EpisodeStarted):
             self.gate.episode_started()
             self._episodes_begun += 1
-            self.presses_left = self.gate.presses_left
+            self._left = [self.gate.left_of(person) for person in range(len(self._left))]
         elif isinstance(output, StepTaken):
             self._ask_wrong_press(output.step)
         self._listener(output)
@@ -354,26 +425,20 @@ class LiveSession:
             self._on_over(None)
 
     def _ask_wrong_press(self, step: int) -> None:
-        if self._wrong_presses.due(self.gate):
+        if isinstance(self.gate, PressGate) and self._wrong_presses.due(self.gate):
             self._enter(WrongPressAsked(time_ns=self._clock.now_ns(), step=step))
 
     # --- both -----------------------------------------------------------------------------------------------
 
     def _count(self, record: KeyPressed | PressRetracted) -> None:
         if isinstance(record, PressRetracted):
-            value = self._accepted.pop(record.press)
+            self.tally.count(self._accepted.pop(record.press), -1)
             self.tally.taken_back += 1
-            change = -1
         elif record.verdict == "accepted" and record.value is not None:
-            value = self._accepted[record.press] = record.value
+            self._accepted[record.press] = record
+            self._person_of[record.press] = record.person
             self._wrong_presses.accepted()
-            change = 1
-        else:
-            return
-        if value > 0:
-            self.tally.good += change
-        else:
-            self.tally.bad += change
+            self.tally.count(record, 1)
 
     def _enter(self, event: Input) -> None:
         """Record an input, send it to the worker, tell the screens: of a press only when it is in the
@@ -388,7 +453,7 @@ class LiveSession:
         waiting = Unconfirmed(
             number=self._sink.recorded,
             event=event,
-            presses_left=self.gate.presses_left,
+            presses_left=self.gate.left_of(self.person_of(event)),
             episode=self._episodes_begun,
             since_ns=self._clock.now_ns(),
         )

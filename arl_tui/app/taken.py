@@ -7,7 +7,7 @@ worker answers from what has been on screen so far, with the function that gives
 from collections import deque
 
 from core.events import FrameShown, Input, KeyPressed, ScreenCleared
-from core.feedback.delays import Delay
+from core.feedback.delays import Delay, rule_for
 
 REMEMBERED = 128
 """Intervals on screen that are kept: far more than any delay reaches back."""
@@ -16,13 +16,13 @@ REMEMBERED = 128
 class StepsShown:
     """Which step was on screen when."""
 
-    def __init__(self, rule: Delay) -> None:
+    def __init__(self, *rules: Delay) -> None:
         """Begin with an empty screen.
 
         Args:
-            rule: by which presses are credited.
+            rules: by which each person's presses are credited, in order.
         """
-        self._rule = rule
+        self._rules = rules
         self._intervals: deque[tuple[int, int, int]] = deque(maxlen=REMEMBERED)
         """Step, time shown and time hidden, oldest first."""
         self._step = -1
@@ -34,9 +34,11 @@ class StepsShown:
             case FrameShown(step=step, flushed_ns=time_ns) if step != self._step:
                 self._hide(time_ns)
                 self._step, self._since_ns = step, time_ns
-            case ScreenCleared(time_ns=time_ns):
+            case ScreenCleared(time_ns=time_ns, reason=reason):
                 self._hide(time_ns)
                 self._step = -1
+                if reason == "question":  # no later press is credited to what was before
+                    self._intervals.clear()
             case _:
                 pass
 
@@ -53,7 +55,8 @@ class StepsShown:
             return -1
         table = np.array(intervals, dtype=np.int64)
         steps = table[:, 0]
-        shares = credit(press.time_ns, table[:, 1], table[:, 2], self._rule, steps=steps).shares
+        rule = rule_for(self._rules[press.person], press.value or 0.0)
+        shares = credit(press.time_ns, table[:, 1], table[:, 2], rule, steps=steps).shares
         by_step = {int(step): float(shares[steps == step].sum()) for step in steps}
         best = max(by_step, key=lambda step: (by_step[step], step))
         return best if by_step[best] > 0 else -1

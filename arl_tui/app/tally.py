@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from core.events import EpisodeEnded, EpisodeStarted, Output, StepTaken, UnseenPlayed
+from core.events import EpisodeEnded, EpisodeStarted, KeyPressed, Output, StepTaken, UnseenPlayed
 
 
 @dataclass
@@ -18,12 +18,21 @@ class Tally:
     good: int = 0
     bad: int = 0
     taken_back: int = 0
+    said: dict[tuple[int, float], int] = field(default_factory=dict)
+    """How many presses of each person had each value, those taken back left out."""
     trust: float = 0.0
     """What the rule of trust says of the participant, after the last episode."""
     weight: float | None = None
     """Weight of the participant's judgement in the last watched game; None before the first."""
     steps: int = 0
     """Watched steps."""
+
+    def count(self, press: KeyPressed, change: int) -> None:
+        """Count an accepted press, or with -1 one that is taken back."""
+        value = press.value or 0.0
+        self.good += change if value > 0 else 0
+        self.bad += change if value < 0 else 0
+        self.said[press.person, value] = self.said.get((press.person, value), 0) + change
 
     def note(self, output: Output) -> None:
         """Take in what the domain or the agent did."""
@@ -44,5 +53,7 @@ class Tally:
 
 
 def weight_in_use(episode: EpisodeStarted) -> float:
-    """Return the weight that the human has in an episode: in control sharing, the chance of a handover."""
-    return episode.share if episode.share > 0 else episode.weight
+    """Return the weight that the participant has in an episode: in control sharing, the chance of a
+    handover.
+    """
+    return episode.handover if episode.handover > 0 else episode.weight

@@ -21,7 +21,8 @@ from arl_tui.participants import (
     task_key,
     task_of,
 )
-from core.feedback.delays import Delay
+from core.feedback.delays import Delay, PerValueDelay
+from core.feedback.people import PersonConfig
 from core.recording.reader import Recording
 from core.session.effects import wrong_delay
 from core.session.protocol import Protocol
@@ -59,12 +60,35 @@ def settle_credit(
         participant: pseudonym.
     """
     asked = option if option is not None else protocol.delay_of
+    if protocol.people and asked != "rule":
+        return _settle_people(protocol, asked, option, recordings)
     by = {"credit_asked_by": "protocol" if option is None else "command line"}
     if asked == "rule":
         choice = rule_as_written(protocol.agent.credit.delay)
     else:
         choice = _choice_of(protocol, asked, recordings, participant)
     return with_credit(protocol, choice), choice.source | by
+
+
+def _settle_people(
+    protocol: Protocol, asked: str, option: str | None, recordings: Path
+) -> tuple[Protocol, dict[str, str]]:
+    """Return the protocol with the delay of each person at the keyboard in numbers, found under their code,
+    and where each comes from.
+    """
+    people: list[PersonConfig] = []
+    sources: dict[str, str] = {}
+    for person in protocol.people:
+        choice = _choice_of(protocol, asked, recordings, person.name)
+        people.append(msgspec.structs.replace(person, delay=choice.delay))
+        sources |= {f"{name} of {person.name}": value for name, value in choice.source.items()}
+    rules = "; ".join(f"{person.name} {sources[f'credit_rule of {person.name}']}" for person in people)
+    shared = {
+        "credit": asked,
+        "credit_rule": rules,
+        "credit_asked_by": "protocol" if option is None else "command line",
+    }
+    return msgspec.structs.replace(protocol, people=tuple(people), delay_of="rule"), shared | sources
 
 
 def _choice_of(protocol: Protocol, asked: str, recordings: Path, participant: str) -> CreditChoice:
@@ -138,8 +162,15 @@ def what_if_delays(texts: Sequence[str], recording: Recording, protocol: Protoco
     """
     found: dict[Delay, str] = {}
     for text in texts:
-        if text == "rule":
-            choice = rule_as_written(protocol.agent.credit.delay)
+        own = protocol.agent.credit.delay
+        if text == "rule" or (text == "per-value" and isinstance(own, PerValueDelay)):
+            choice = rule_as_written(own)
+        elif text in MEASURED and protocol.people:
+            names = ", ".join(person.name for person in protocol.people)
+            raise click.ClickException(
+                f"--credit {text}: a what-if credits everybody by one rule, and {names} have delays of their "
+                "own: name a rule, or only --scheme"
+            )
         else:
             choice = _choice_of(protocol, text, home_of(recording.path), recording.header.participant)
         words = "; ".join(f"{name.removeprefix('credit_')} {value}" for name, value in choice.source.items())

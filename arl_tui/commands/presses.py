@@ -26,9 +26,21 @@ if TYPE_CHECKING:
     help="Seconds; presses of the same sign that follow within this time are one burst.",
 )
 @click.option(
+    "--delays-by-value",
+    is_flag=True,
+    help="Print a credit rule with a density of the delay for each value, to copy into a protocol. For "
+    "imported evaluations.",
+)
+@click.option(
     "--csv", "csv_path", type=click.Path(dir_okay=False, path_type=Path), help="Write every press to a file."
 )
-def presses(recordings: tuple[Path, ...], each: bool, burst_within: float, csv_path: Path | None) -> None:
+def presses(
+    recordings: tuple[Path, ...],
+    each: bool,
+    burst_within: float,
+    delays_by_value: bool,
+    csv_path: Path | None,
+) -> None:
     """Report the accepted presses in RECORDINGS: how often each value, how long after what, in which bursts.
 
     Delays are measured from the event that was judged (imported evaluations), else from the appearance of the
@@ -61,9 +73,40 @@ def presses(recordings: tuple[Path, ...], each: bool, burst_within: float, csv_p
     say("\n".join(report_lines(found, delays_of_what=what)))
     for name, some in people.items() if each else ():
         say(f"\n{name}\n" + "\n".join(report_lines(some, delays_of_what=what)))
+    if delays_by_value:
+        if kinds != {True}:
+            raise click.ClickException(
+                "--delays-by-value needs imported evaluations (`arl import evaluations`): in a session a "
+                "delay is known since the step on screen appeared, which need not be the step that was judged"
+            )
+        say("\n".join(_rule_lines(found)))
     if csv_path is not None:
         _write(csv_path, found)
         say(f"Table: {csv_path}")
+
+
+def _rule_lines(found: "list[Press]") -> list[str]:
+    """Return a credit rule with a density for each value, as lines of a protocol."""
+    import msgspec
+
+    from arl_tui.commands.protocol import toml_value
+    from studies.evaluations.by_value import fit_per_value
+
+    try:
+        rule = fit_per_value(found)
+    except ValueError as error:
+        raise click.ClickException(f"--delays-by-value: {error}") from error
+    plain = msgspec.to_builtins(rule)
+    values = [f"  {toml_value(each)}," for each in plain["values"]]
+    return [
+        "",
+        "[agent.credit.delay]",
+        'type = "per-value"',
+        "values = [",
+        *values,
+        "]",
+        f"other = {toml_value(plain['other'])}",
+    ]
 
 
 def _write(path: Path, found: "list[Press]") -> None:

@@ -11,6 +11,7 @@ import msgspec
 from arl_tui.command_line import say
 from arl_tui.commands.play import read_protocol
 from core.configuration.catalogue import TAG, Kind, Setting, Struct, settings_of, table_docs, tag_of
+from core.feedback.config import TrainerConfig
 from core.session.effects import MODES, idle, uses_of
 from core.session.protocol import DEFAULTS, Protocol
 
@@ -63,7 +64,7 @@ def _table_lines(table: msgspec.Struct, heading: str, unused: Unused) -> Iterato
             yield from _setting_lines(setting, getattr(table, key), path, unused)
     for key, setting in settings.items():
         if setting.kind.base == "tables":
-            yield from _tables_lines(setting, getattr(table, key))
+            yield from _tables_lines(setting, getattr(table, key), heading)
     for key, value in inner.items():
         path = f"{heading}.{key}" if heading else key
         yield ""
@@ -89,12 +90,13 @@ def _setting_lines(setting: Setting, value: object, path: str, unused: Unused) -
         yield f"{'# ' if unused.commented(path) else ''}{setting.key} = {toml_value(plain)}"
 
 
-def _tables_lines(setting: Setting, value: Sequence[msgspec.Struct]) -> Iterator[str]:
+def _tables_lines(setting: Setting, value: Sequence[msgspec.Struct], heading: str) -> Iterator[str]:
     yield ""
     yield from _comment(setting.doc)
-    yield from _comment(
-        f"Each is a table [[{setting.key}]] at the end of the file with keys as in [trainer]."
-    )
+    (struct,) = (setting.kind.structs or {}).values()
+    keys = "as in [trainer]" if struct is TrainerConfig else ", ".join(settings_of(struct))
+    where = f"; [[{setting.key}]] stands at the end of a file" if not heading else ""
+    yield from _comment(f"Each is a table with the keys {keys}{where}.")
     if value:
         # Inline, because a key above the first table may not be a list of tables below it.
         yield f"{setting.key} = {toml_value(msgspec.to_builtins(value))}"

@@ -74,7 +74,7 @@ def _table(struct: Struct, tetris: object, keepaway: object) -> Iterator[str]:
         cells = (
             f"`{setting.key}`",
             _values(setting.kind),
-            _defaults(ours or [setting.default]),
+            "must be given" if setting.required else _defaults(ours or [setting.default]),
             _cell(setting),
         )
         yield f"| {' | '.join(cells)} |"

@@ -45,6 +45,10 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
     games_finished: int | str = ""
     steps: int | str = ""
     presses_counted: int | str = ""
+    presses_of_people: str = ""
+    """Of several people at one keyboard: code and number of each, separated by "; "."""
+    presses_by_value: str = ""
+    """Of graded feedback: value and number of each, separated by "; "."""
     presses_simulated: int | str = ""
     """Of those that counted."""
     presses_taken_back: int | str = ""
@@ -170,6 +174,8 @@ def row_of(path: Path, recording: Recording | None, reason: str) -> Row:
         games_finished=held.games_finished,
         steps=held.steps,
         presses_counted=held.presses_counted,
+        presses_of_people="; ".join(f"{name} {n}" for name, n in held.presses_of_people),
+        presses_by_value="; ".join(f"{value:g} {n}" for value, n in held.presses_by_value),
         presses_simulated=held.presses_simulated,
         presses_taken_back=held.presses_taken_back,
         gaps=held.gaps,

@@ -15,7 +15,8 @@ from arl_tui.command_line import FILE, ToWrite, protocol_option, seed_option
     multiple=True,
     metavar="RULE",
     help="What-if: how presses are shared out among steps: gamma:2.5,0.3 uniform:0.2,0.8 previous current, "
-    "or participant (its own delay, see `arl calibrate`). May be given several times.",
+    "per-value (a density for each value of a press), or participant (its own delay, see `arl calibrate`). "
+    "May be given several times.",
 )
 @click.option(
     "--scheme",

@@ -8,12 +8,14 @@ from textual.binding import Binding, BindingType
 from textual.widget import Widget
 from textual.widgets import Static
 
-from arl_tui.app.outcome import Outcome, SessionControls
-from arl_tui.screens.page import Page
+from arl_tui.app.outcome import SessionControls, SessionOutcome
+from arl_tui.feedback_words import told
+from arl_tui.screens.page import PageScreen
 from arl_tui.words import Words
+from core.session.protocol import Protocol
 
 
-class ClosingScreen(Page):
+class ClosingScreen(PageScreen):
     """Says how the session ended."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -26,12 +28,13 @@ class ClosingScreen(Page):
 
     def __init__(
         self,
-        outcome: Outcome,
+        outcome: SessionOutcome,
         words: Words,
         *,
         show_weight: bool = False,
         show_file: bool = True,
         practice: bool = False,
+        protocol: Protocol | None = None,
     ) -> None:
         """Prepare.
 
@@ -41,10 +44,12 @@ class ClosingScreen(Page):
             show_weight: whether the participant may see the weight that their feedback had.
             show_file: say where the recording is; not to the participant of a study.
             practice: nothing counted.
+            protocol: which keys there were, and whose; without it two of one participant.
         """
         super().__init__()
         self.outcome = outcome
         self._show_weight = show_weight
+        self._protocol = protocol
         self._show_file = show_file
         self._words = words
         self.HEADING = "That was the practice" if practice else "Thank you!"
@@ -60,8 +65,9 @@ class ClosingScreen(Page):
             # The end of a traceback says most.
             yield Static(Text("\n".join(details.strip().splitlines()[-10:])), id="trace")
         yield Static(self._what_happened())
-        # Where something failed, the room is for what to do about it.
-        if outcome.trouble is None and len(outcome.tally.practised) >= 2:
+        # Where something failed, the room is for what to do about it; of several people, for their lines.
+        several = self._protocol is not None and bool(self._protocol.people)
+        if outcome.trouble is None and len(outcome.tally.practised) >= 2 and not several:
             from arl_tui.widgets.learning_curve import LearningCurve  # here: nobody needs it before the end
 
             yield Static(f"\nIn practice, {self._words.units[1]} per game, block by block:")
@@ -76,16 +82,31 @@ class ClosingScreen(Page):
             return "No game was shown."
         games = len(tally.performances)
         lines = ", ".join(f"{performance:.4g}" for performance in tally.performances) or "-"
-        told = f"good {tally.good}, bad {tally.bad}"
+        what_was_told = self._told()
         if tally.taken_back:
-            told += f" ({tally.taken_back} taken back)"
+            what_was_told += f" ({tally.taken_back} taken back)"
         practised = f"On its own it practised {tally.unseen} games.\n" if tally.unseen else ""
         return (
             f"You watched {games} {'game' if games == 1 else 'games'} ({tally.steps} {self._words.steps}).\n"
             f"{self._words.performance}: {lines}\n"
-            f"What you told the computer: {told}\n"
+            f"What you told the computer: {what_was_told}\n"
             f"{practised}{self._weight()}"
         ).rstrip()
+
+    def _told(self) -> str:
+        """Return how often each key was pressed, of several people a line for each."""
+        protocol, tally = self._protocol, self.outcome.tally
+        if protocol is None:
+            return f"good {tally.good}, bad {tally.bad}"
+        of_each = [
+            told({value: n for (who, value), n in tally.said.items() if who == person}, keys)
+            for person, keys in enumerate(protocol.keys_of_people)
+        ]
+        if not protocol.people:
+            return of_each[0]
+        return "".join(
+            f"\n  {person.name}: {text}" for person, text in zip(protocol.people, of_each, strict=True)
+        )
 
     def _weight(self) -> str:
         weight = self.outcome.tally.weight
@@ -98,7 +119,7 @@ class ClosingScreen(Page):
         cast(SessionControls, self.app).exit(self.outcome)
 
 
-def how_much_recorded(outcome: Outcome) -> str:
+def how_much_recorded(outcome: SessionOutcome) -> str:
     """Return how much of the session is recorded and known to be on the disk, in words.
 
     The terminal names the file afterwards: names of files and folders may tell the condition.

@@ -9,11 +9,11 @@ from textual.geometry import Size
 from textual.widget import Widget
 from textual.widgets import Static
 
-from arl_tui.screens.page import Page, feedback_keys, session_keys
-from core.feedback.keys import KeyConfig
+from arl_tui.screens.page import PageScreen, keys_of_all, presses_of_all, session_keys
+from core.session.protocol import Protocol
 
 
-class PauseScreen(Page):
+class PauseScreen(PageScreen):
     """The game waits."""
 
     HEADING = "Pause"
@@ -45,7 +45,7 @@ class PauseScreen(Page):
         self.leave(True)
 
 
-class HelpScreen(Page):
+class HelpScreen(PageScreen):
     """All keys and what they do."""
 
     HEADING = "Help"
@@ -53,28 +53,27 @@ class HelpScreen(Page):
         Binding("h,f1,space,enter,escape", "back", "Go on", id="help.back", tooltip="Go on with the game")
     ]
 
-    def __init__(self, keys: KeyConfig, rules: str) -> None:
+    def __init__(self, protocol: Protocol, rules: str) -> None:
         """Prepare.
 
         Args:
-            keys: which keys mean what.
+            protocol: which keys mean what, and how many presses there are.
             rules: what happens in the game and what is to be judged, in markup.
         """
         super().__init__()
-        self._keys = keys
+        self._protocol = protocol
         self._rules = rules
 
     def body(self) -> Iterable[Widget]:
         """Return the text."""
-        keys = self._keys
         yield Static(self._rules)
-        yield Static(feedback_keys(keys))
+        yield Static(keys_of_all(self._protocol))
         yield Static(
-            f"\nYou have {keys.max_presses_per_episode} presses in each game. A press counts once, however "
+            f"\nYou have {presses_of_all(self._protocol)}. A press counts once, however "
             f"long you "
             "hold the key. If a press does not count, the screen says why.\n"
         )
-        yield Static(session_keys(keys))
+        yield Static(session_keys(*self._protocol.keys_of_people))
         yield Static("Press [reverse] H [/] or [reverse] Space [/] to go on", classes="call")
 
     def action_back(self) -> None:
@@ -82,7 +81,7 @@ class HelpScreen(Page):
         self.leave(True)
 
 
-class StopScreen(Page):
+class StopScreen(PageScreen):
     """Asks whether to stop."""
 
     HEADING = "Stop the session?"
@@ -107,7 +106,7 @@ class StopScreen(Page):
         self.leave(False)
 
 
-class SmallWindowScreen(Page):
+class SmallWindowScreen(PageScreen):
     """Asks for a larger window, and leaves by itself when it is there; answers False to stop."""
 
     HEADING = "This window is too small"

@@ -8,14 +8,13 @@ from arl_tui.calibration.fitting import FitOrder, fit_files
 from arl_tui.calibration.plan import (
     PLANNED,
     CalibrationSetup,
-    GameName,
     configure,
     new_parts,
     slug,
     task_names,
 )
 from arl_tui.recordings import CALIBRATION_FOLDER, new_path
-from core.feedback.delays import Density
+from core.feedback.delays import Density, PerValueDelay
 from core.feedback.trainers import draw_delay_s
 from core.numerics.clock import NS_PER_S, wall_time_utc
 from core.numerics.streams import stream
@@ -33,12 +32,13 @@ def calibration_configs(loaded: LoadedStudy, step: Calibration) -> tuple[TaskCon
     """Return the tasks of a calibration, at the pace of the study's sessions.
 
     Raises:
-        ValueError: a task is unknown.
+        ValueError: a task is unknown, or the study's game does not have it.
     """
     protocol = next(iter(loaded.protocols.values()))
-    game: GameName = "tetris" if protocol.game == "tetris" else "keepaway"
     names = task_names(",".join(step.tasks))
-    return configure(names, n_trials=step.trials, n_practice=step.practice, game=game, protocol=protocol)
+    return configure(
+        names, n_trials=step.trials, n_practice=step.practice, game=protocol.game, protocol=protocol
+    )
 
 
 def simulated_calibration(
@@ -50,6 +50,8 @@ def simulated_calibration(
         Names of the files in the participant's folder.
     """
     delay = next(iter(loaded.protocols.values())).trainer.delay
+    if isinstance(delay, PerValueDelay):
+        delay = delay.for_value(1.0)  # a calibration asks for one answer, and nobody is in two minds
     setup = CalibrationSetup(
         participant=code, configs=calibration_configs(loaded, step), root_seed=seed, recordings=folder
     )

@@ -1,6 +1,7 @@
 """The timeline of a session: games, presses, pauses, performance, trust, weight, and where the viewer is."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -81,6 +82,13 @@ class Facts:
         counted = (presses["verdict"] == 0) & ~np.isin(presses["number"], taken_back)
         self.good: Times = np.sort(times[counted & (value > 0)])
         self.bad: Times = np.sort(times[counted & (value < 0)])
+        self.neither: Times = np.sort(times[counted & (value == 0)])
+        self.people = [
+            (name, tuple(np.sort(times[mine & said]) for said in (value > 0, value < 0, value == 0)))
+            for person, name in enumerate(session.people)
+            for mine in [counted & (presses["person"] == person)]
+        ]
+        """Code of each of several people, and when they pressed good, bad and neither."""
         self.taken_back: Times = np.sort(times[(presses["verdict"] == 0) & ~counted])
         self.refused: Times = np.sort(times[(presses["verdict"] != 0) & ~np.isnan(value)])
         self.starts: Times = session.times("game")
@@ -131,16 +139,25 @@ class Timeline(Rows):
         self._session = session
         self._facts = facts
         self._unit = unit
-        self.stretch = Stretch(session.start_ns, session.end_ns)
+        self.stretch = self._whole = Stretch(session.start_ns, session.end_ns)
         """What is shown; see `zoom`."""
         self.differences: Times = np.zeros(0, dtype=np.int64)
         self.tags: list[Tag] = []
         self._drawn: tuple[object, ...] = ()
         self._base: list[list[Cell]] = []
 
+    def renew(self, facts: Facts) -> None:
+        """Draw other facts: more of the session is known. Where all of it was shown, all of it is."""
+        whole = self.stretch == self._whole
+        self._facts = facts
+        self._whole = Stretch(self._session.start_ns, self._session.end_ns)
+        if whole:
+            self.stretch = self._whole
+        self._drawn = ()
+
     def get_content_height(self, *_: object) -> int:
-        """Return the number of lines."""
-        return 10 if self.tall else 7
+        """Return the number of lines: a tall one has a line for each of several people."""
+        return len(self._names())
 
     def zoom(self, factor: float, centre_ns: int) -> None:
         """Show a shorter stretch around a time, or with a factor below 1 a longer one."""
@@ -174,12 +191,14 @@ class Timeline(Rows):
 
     def _names(self) -> list[str]:
         if self.tall:
-            return ["games", "good", "bad", "other", "pauses", self._unit, "trust", "weight", "marks", ""]
+            said = [name for name, _ in self._facts.people] or ["good", "bad"]
+            return ["games", *said, "other", "pauses", self._unit, "trust", "weight", "marks", ""]
         return ["games", "good", "bad", self._unit, "weight", "marks", ""]
 
     def _cells(self, width: int) -> list[list[Cell]]:
         facts, edges = self._facts, self.stretch.edges(width)
         good, bad = _marks(facts.good, edges, "▲", GOOD), _marks(facts.bad, edges, "▼", BAD)
+        good = _over(_marks(facts.neither, edges, "◇", OTHER), good)
         other = _over(_marks(facts.refused, edges, "·", OTHER), _marks(facts.taken_back, edges, "x", OTHER))
         performance = self._bars(edges, facts.performance, SCORE)
         trust, weight = (
@@ -190,7 +209,8 @@ class Timeline(Rows):
         marks = _over(_marks(self.differences, edges, "◆", DIFFERS), self._tags(width))
         games, ruler = self._games(edges), self._ruler(width)
         if self.tall:
-            return [games, good, bad, other, pauses, performance, trust, weight, marks, ruler]
+            said = [_of_person(when, edges) for _, when in facts.people] or [good, bad]
+            return [games, *said, other, pauses, performance, trust, weight, marks, ruler]
         # Few lines: what became of refused presses stands with the bad ones, pauses with the marks.
         return [games, good, _over(other, bad), performance, weight, _over(pauses, marks), ruler]
 
@@ -300,6 +320,13 @@ def _marks(times: Times, edges: Times, mark: str, style: Style) -> list[Cell]:
         (" ", None) if not n else (mark if n == 1 else str(n) if n < 10 else "+", style)
         for n in counts.tolist()
     ]
+
+
+def _of_person(when: Sequence[Times], edges: Times) -> list[Cell]:
+    """Return in one line when one of several people pressed good, bad and neither."""
+    good, bad, neither = when
+    said = _over(_marks(neither, edges, "◇", OTHER), _marks(good, edges, "▲", GOOD))
+    return _over(said, _marks(bad, edges, "▼", BAD))
 
 
 def _over(below: list[Cell], above: list[Cell]) -> list[Cell]:

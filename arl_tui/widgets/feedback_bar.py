@@ -13,6 +13,7 @@ from textual.widget import Widget
 
 from arl_tui.app.foreign_keys import ForeignKeys
 from arl_tui.app.once import after
+from arl_tui.feedback_words import kind_of, short_words, word_of
 from arl_tui.widgets.big_letters import LINES, big
 from core.events import KeyPressed, PressRetracted
 from core.feedback.keys import KeyConfig
@@ -30,7 +31,7 @@ WRONG_ASKED = (
 )
 SAVING = "saving ..."
 """What stands below the presses left while the disk is behind."""
-_REFUSALS = {
+REFUSALS = {
     "no-presses-left": "No presses left in this game: not counted",
     "covered": "The game has not begun: not counted",
     "not-playing": "No game on screen: not counted",
@@ -47,6 +48,7 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
     COMPONENT_CLASSES: ClassVar[set[str]] = {
         "feedback--good",
         "feedback--bad",
+        "feedback--neither",
         "feedback--back",
         "feedback--idle",
         "feedback--note",
@@ -65,6 +67,7 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
     }
     FeedbackBar > .feedback--good { background: #1f7a4d; color: #ffffff; text-style: bold; }
     FeedbackBar > .feedback--bad { background: #b3372f; color: #ffffff; text-style: bold; }
+    FeedbackBar > .feedback--neither { background: #4a5568; color: #ffffff; text-style: bold; }
     FeedbackBar > .feedback--back { background: #7a6a1f; color: #ffffff; text-style: bold; }
     FeedbackBar > .feedback--idle { color: $foreground 65%; }
     FeedbackBar > .feedback--note { color: $foreground; }
@@ -96,7 +99,7 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
         self.wrong_asked = False
         """Whether one deliberately wrong press is asked for."""
         self.word = ""
-        """What stands in big letters: GOOD, BAD, TAKEN BACK, or nothing."""
+        """What stands in big letters: GOOD, BAD, TAKEN BACK, a grade, or nothing."""
         self.note = ""
         """What stands below it."""
         self.saving = False
@@ -111,7 +114,7 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
         """Return the height, which never changes."""
         return self.LINES_HIGH
 
-    def begin_episode(self, presses_left: int) -> None:
+    def begin_game(self, presses_left: int) -> None:
         """Clear the bar and show a new budget."""
         self.presses_left = presses_left
         self._say("", "idle", "")
@@ -122,15 +125,19 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
         by = self._by = " by the simulated participant" if press.source == "simulated" else ""
         if press.verdict == "accepted":
             assert press.value is not None, f"an accepted press has a value: {press}"
-            good = press.value > 0
             read_as = f" {press.key} as {press.read_as}: another keyboard layout" if press.layout else ""
-            self._say("GOOD" if good else "BAD", "good" if good else "bad", f"Counted{by}{read_as}")
+            self._say(word_of(press.value).upper(), kind_of(press.value), f"Counted{by}{read_as}")
         elif press.verdict != "repeat" and (press.read_as or press.key) != self.keys.retract:
             advice = self._foreign_keys.advice(press.key, read=bool(press.read_as))
-            self._say("", "idle", advice or _REFUSALS[press.verdict])
+            self._say("", "idle", advice or REFUSALS[press.verdict])
 
-    def show_taken(self, taken: str) -> None:
-        """Say what the press that has just been confirmed was taken for, while its word stands."""
+    def show_taken(self, taken: str, press: int) -> None:
+        """Say what the press that has just been confirmed was taken for, while its word stands.
+
+        Args:
+            taken: in words.
+            press: its number; of one person always the press that has just been confirmed.
+        """
         if self.note == f"Counted{self._by}":
             self.note += f" {taken}"
             self.refresh()
@@ -214,7 +221,8 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
         ]
 
     def _key_names(self) -> list[tuple[str, str]]:
-        names = ((self.keys.good, "good"), (self.keys.bad, "bad"), (self.keys.retract, "take back"))
+        back = "back" if self.keys.graded else "take back"
+        names = (*short_words(self.keys), (self.keys.retract, back))
         room = self.size.width - sum(len(f" {key} {name}") for key, name in names)
         gap = " " * min(4, max(1, room // len(names)))
         parts: list[tuple[str, str]] = []
@@ -228,12 +236,15 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
 
     def _line(self, parts: Iterable[tuple[str, str]]) -> Strip:
         """Return a line of styled parts, centred."""
-        segments = [Segment(text, self._style(name)) for name, text in parts if text.strip()]
-        strip = Strip(segments)
+        strip = self._joined((name, text) for name, text in parts if text.strip())
         left = max(0, (self.size.width - strip.cell_length) // 2)
-        return Strip([Segment(" " * left, self.rich_style), *segments]).adjust_cell_length(
+        return Strip([Segment(" " * left, self.rich_style), *strip]).adjust_cell_length(
             self.size.width, self.rich_style
         )
+
+    def _joined(self, parts: Iterable[tuple[str, str]]) -> Strip:
+        """Return styled parts one after the other."""
+        return Strip([Segment(text, self._style(name)) for name, text in parts])
 
     def _filled(self, name: str, text: str) -> Strip:
         """Return a line in one style from edge to edge, its text centred."""

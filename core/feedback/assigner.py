@@ -12,10 +12,11 @@ import numpy as np
 
 from core.domain import Features
 from core.feedback.credit import STILL_SHOWN_NS, CurrentStep, PreviousStep, credit
-from core.feedback.samples import CreditConfig, MassAccount, PressCredit, Sample
+from core.feedback.delays import PressRule, rule_for
+from core.feedback.samples import CreditConfig, FeedbackSample, MassAccount, PressCredit
 from core.numerics.clock import NS_PER_S
 
-__all__ = ["CreditAssigner", "CreditConfig", "MassAccount", "PressCredit", "Sample"]
+__all__ = ["CreditAssigner", "CreditConfig", "FeedbackSample", "MassAccount", "PressCredit"]
 
 LATENESS_NS = 200_000_000
 """A report may come this long after what it reports (terminal, queues): a press still finds its step open,
@@ -47,7 +48,7 @@ class CreditAssigner:
         self._taken = 0
 
     @property
-    def samples(self) -> Sequence[Sample]:
+    def samples(self) -> Sequence[FeedbackSample]:
         """All samples so far, in the order in which a model is to see them."""
         return self._ledger.samples
 
@@ -56,7 +57,7 @@ class CreditAssigner:
         """Where the mass of all presses went."""
         return self._ledger.account
 
-    def take(self) -> Sequence[Sample]:
+    def take(self) -> Sequence[FeedbackSample]:
         """Return the samples that are new since the last call."""
         new = self._ledger.samples[self._taken :]
         self._taken = len(self._ledger.samples)
@@ -86,17 +87,17 @@ class CreditAssigner:
         """
         self._do(_Ledger.interrupted, last_ns)
 
-    def press(self, press: int, time_ns: int, value: float) -> PressCredit:
+    def add_press(self, press: int, time_ns: int, value: float) -> PressCredit:
         """Share out a press.
 
         Args:
             press: its number; no other press has the same.
             time_ns: when.
-            value: what it says, > 0 good, < 0 bad.
+            value: what it says, > 0 good, < 0 bad, 0 neither: then the label of its samples is 0.
         """
         if press in self._known:
             raise ValueError(f"press {press} was given already")
-        given = self._do(_Ledger.press, press, time_ns, value)
+        given = self._do(_Ledger.add_press, press, time_ns, value)
         self._known.add(press)
         return given
 
@@ -105,7 +106,7 @@ class CreditAssigner:
 
         Afterwards a model has to be fitted to all `samples` again; `take` goes on from their end.
         """
-        kept = [entry for entry in self._log if entry[0] is not _Ledger.press or entry[1] != press]
+        kept = [entry for entry in self._log if entry[0] is not _Ledger.add_press or entry[1] != press]
         if len(kept) == len(self._log):
             raise ValueError(f"press {press} cannot be retracted: it was never given, or retracted before")
         self._log = kept
@@ -140,7 +141,7 @@ class _Ledger:
     """
 
     def __init__(self, config: CreditConfig, features: dict[int, Features]) -> None:
-        self.samples: list[Sample] = []
+        self.samples: list[FeedbackSample] = []
         self.account = MassAccount()
         self._config = config
         # One entry per interval on screen; all three ascend.
@@ -202,10 +203,10 @@ class _Ledger:
         self._n_before_gap, self._gap_ns = len(self._shown_ns), last_ns
         self._last_press = None
 
-    def press(self, press: int, time_ns: int, value: float) -> PressCredit:
+    def add_press(self, press: int, time_ns: int, value: float) -> PressCredit:
         self._check_open()
-        if not (math.isfinite(value) and value != 0):
-            raise ValueError(f"press {press}: a value is > 0 (good) or < 0 (bad), got {value}")
+        if not math.isfinite(value):
+            raise ValueError(f"press {press}: a value is > 0 (good), < 0 (bad) or 0 (neither), got {value}")
         opener = self._opener(press, time_ns, value)
         self._n_presses += 1
         self._last_press = _Press(time_ns, value, opener)
@@ -237,12 +238,13 @@ class _Ledger:
         return last.opener
 
     def _share_out(self, press: int, time_ns: int, value: float) -> PressCredit:
-        first = self._first_relevant_interval(time_ns)
+        rule = rule_for(self._config.delay, value)
+        first = self._first_relevant_interval(time_ns, rule)
         result = credit(
             time_ns,
             np.array(self._shown_ns[first:], dtype=np.int64),
             np.array(self._hidden_ns[first:], dtype=np.int64),
-            self._config.delay,
+            rule,
             steps=np.array(self._interval_steps[first:], dtype=np.int64),
         )
         by_step: dict[int, float] = {}
@@ -276,7 +278,9 @@ class _Ledger:
                 f"{FORGET_AFTER_NS // NS_PER_S} s ago"
             )
         if self._config.scheme == "individual":
-            self.samples.append(Sample(self._features[step], value, min(credit_share, 1.0), step, (press,)))
+            self.samples.append(
+                FeedbackSample(self._features[step], value, min(credit_share, 1.0), step, (press,))
+            )
         else:
             self._labels[step] = self._labels.get(step, 0.0) + value * credit_share
             self._presses.setdefault(step, []).append(press)
@@ -299,9 +303,9 @@ class _Ledger:
         while self._untouched and self._untouched[0][0] < now_ns:
             self._features.pop(self._untouched.popleft()[1], None)
 
-    def _first_relevant_interval(self, press_ns: int) -> int:
+    def _first_relevant_interval(self, press_ns: int, rule: PressRule) -> int:
         """Return the first interval that can matter; what lies before it is beyond the delay's reach."""
-        match self._config.delay:
+        match rule:
             case PreviousStep() | CurrentStep():
                 on_screen = bisect_right(self._shown_ns, press_ns) - 1
                 if on_screen < 0:
@@ -321,7 +325,7 @@ class _Ledger:
             presses = tuple(self._presses.get(step, ()))
             if presses or self._config.silence == "zero-label":
                 label = self._labels.get(step, 0.0)
-                self.samples.append(Sample(self._features[step], label, 1.0, step, presses))
+                self.samples.append(FeedbackSample(self._features[step], label, 1.0, step, presses))
             self._n_final += 1
 
     def _is_given_out(self, step: int) -> bool:

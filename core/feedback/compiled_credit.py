@@ -6,7 +6,14 @@ The shares agree with those of `credit` to rounding (the incomplete gamma functi
 import math
 from typing import Final, NamedTuple, assert_never
 
-from core.feedback.delays import CurrentStep, Delay, GammaDelay, PreviousStep, UniformDelay
+from core.feedback.delays import (
+    CurrentStep,
+    Delay,
+    GammaDelay,
+    PerValueDelay,
+    PreviousStep,
+    UniformDelay,
+)
 from core.numerics.arrays import Floats, Ints
 from core.numerics.clock import NS_PER_S
 from core.numerics.compiled import kernel
@@ -37,7 +44,11 @@ class CreditRule(NamedTuple):
 
 
 def credit_rule(delay: Delay) -> CreditRule:
-    """Return the kernels' form of a density or rule."""
+    """Return the kernels' form of a density or rule.
+
+    Raises:
+        ValueError: each value of a press has a density of its own: compiled play knows one for all.
+    """
     match delay:
         case GammaDelay(shape=shape, scale_s=scale_s, offset_s=offset_s):
             log_gamma = math.lgamma(shape)
@@ -50,6 +61,11 @@ def credit_rule(delay: Delay) -> CreditRule:
             return CreditRule(PREVIOUS, 0.0, 0.0, 0.0, 0.0, 0.0)
         case CurrentStep():
             return CreditRule(CURRENT, 0.0, 0.0, 0.0, 0.0, 0.0)
+        case PerValueDelay():
+            raise ValueError(
+                "compiled play of experiments has one density for all presses: play a session for a "
+                "per-value delay"
+            )
         case _:
             assert_never(delay)
 

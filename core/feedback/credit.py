@@ -18,6 +18,8 @@ from core.feedback.delays import (
     DelayDensity,
     Density,
     GammaDelay,
+    PerValueDelay,
+    PressRule,
     PreviousStep,
     UniformDelay,
     describe,
@@ -34,6 +36,7 @@ __all__ = [
     "DelayDensity",
     "Density",
     "GammaDelay",
+    "PerValueDelay",
     "PreviousStep",
     "UniformDelay",
     "credit",
@@ -62,7 +65,7 @@ def credit(
     press_ns: int,
     shown_ns: NDArray[np.int64],
     hidden_ns: NDArray[np.int64],
-    delay: Delay | DelayDensity,
+    delay: PressRule | DelayDensity,
     *,
     steps: NDArray[np.int64] | None = None,
 ) -> Credit:
@@ -73,7 +76,8 @@ def credit(
         shown_ns: when each interval began, shape (n,), ascending. Intervals after the press get nothing.
         hidden_ns: when each ended, shape (n,), not before it began nor after the next one began;
             `STILL_SHOWN_NS` for the last one if it has not ended.
-        delay: density of the delay, or a rule. Any object with `cdf` and `horizon_s` is a density.
+        delay: density of the delay, or a rule: of this press, where each value has its own
+            (`core.feedback.delays.rule_for`). Any object with `cdf` and `horizon_s` is a density.
         steps: number of the step shown in each interval, shape (n,), never falling; a step that was covered
             for a while has several intervals. Each interval is a step of its own when left out.
 

@@ -115,8 +115,70 @@ class CurrentStep(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="
 
 
 Density = GammaDelay | UniformDelay
-Delay = GammaDelay | UniformDelay | PreviousStep | CurrentStep
+PressRule = GammaDelay | UniformDelay | PreviousStep | CurrentStep
+"""What one press is shared out by: `rule_for`."""
+
+
+class ValueDelay(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """Density of the delay of presses of one value."""
+
+    value: Annotated[float, number(ge=-1000, le=1000)]
+    """What the press says: -1 or 1; -2, -1, 0, 1 or 2 where feedback is graded."""
+    delay: Density = GammaDelay()
+    """Density of the delay of these presses."""
+
+
+def _measured(median_s: float) -> GammaDelay:
+    """Return the gamma density of the paper's shape, 2.5, with this median (to three digits)."""
+    return GammaDelay(2.5, round(median_s / _MEDIAN_OF_UNIT_SCALE, 3))
+
+
+_MEDIAN_OF_UNIT_SCALE = 2.1757
+"""Median of gamma(2.5, 1)."""
+
+
+class PerValueDelay(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="per-value"):
+    """A density of the delay for each value: people are fast when they are sure.
+
+    The defaults have the medians of 5,349 evaluations on the scale from -2 to 2 (`docs/results/delays.md`):
+    0.75 s for -2 and 2, 1.15 s for -1 and 1, 1.53 s for 0; the shape is the paper's, 2.5.
+    """
+
+    values: tuple[ValueDelay, ...] = tuple(
+        ValueDelay(value, _measured(median_s))
+        for value, median_s in ((-2.0, 0.75), (-1.0, 1.15), (0.0, 1.53), (1.0, 1.15), (2.0, 0.75))
+    )
+    """The density of each value, every value once."""
+    other: Density = GammaDelay()
+    """Density of presses of all other values."""
+
+    def __post_init__(self) -> None:
+        listed = [each.value for each in self.values]
+        if len(set(listed)) < len(listed):
+            raise ValueError(f"per-value delay: values have one density each, got {listed}")
+
+    def for_value(self, value: float) -> Density:
+        """Return the density of presses of a value."""
+        return next((each.delay for each in self.values if each.value == value), self.other)
+
+    @property
+    def densities(self) -> tuple[Density, ...]:
+        """All densities, those of the values first."""
+        return (*(each.delay for each in self.values), self.other)
+
+    @property
+    def horizon_s(self) -> float:
+        """Delay in seconds beyond which at most `HORIZON_MASS` of any density is left."""
+        return max(density.horizon_s for density in self.densities)
+
+
+Delay = GammaDelay | UniformDelay | PreviousStep | CurrentStep | PerValueDelay
 """Any credit rule; msgspec decodes it by its tag, the field "type"."""
+
+
+def rule_for(delay: Delay, value: float) -> PressRule:
+    """Return by what a press of this value is shared out."""
+    return delay.for_value(value) if isinstance(delay, PerValueDelay) else delay
 
 
 def parse_delay(text: str) -> Delay:
@@ -124,17 +186,21 @@ def parse_delay(text: str) -> Delay:
 
     Args:
         text: "gamma", "gamma:SHAPE,SCALE", "gamma:SHAPE,SCALE,OFFSET", "uniform", "uniform:LOW,HIGH",
-            "previous" or "current"; in seconds, except for SHAPE.
+            "previous" or "current"; in seconds, except for SHAPE. "per-value", or a density for each value:
+            "per-value:2=gamma:2.5,0.3;0=gamma:2.5,0.7;other=gamma".
     """
     name, colon, rest = text.strip().partition(":")
-    kinds: dict[str, tuple[type[Delay], tuple[int, ...]]] = {
+    if name == "per-value":
+        return _parse_per_value(text, rest) if colon else PerValueDelay()
+    kinds: dict[str, tuple[type[PressRule], tuple[int, ...]]] = {
         "gamma": (GammaDelay, (2, 3)),
         "uniform": (UniformDelay, (2,)),
         "previous": (PreviousStep, ()),
         "current": (CurrentStep, ()),
     }
     if name not in kinds:
-        raise ValueError(f"unknown credit rule {text!r}: use one of {', '.join(kinds)}, as in gamma:2.5,0.3")
+        known = ", ".join([*kinds, "per-value"])
+        raise ValueError(f"unknown credit rule {text!r}: use one of {known}, as in gamma:2.5,0.3")
     kind, counts = kinds[name]
     if not colon:
         return kind()
@@ -148,9 +214,46 @@ def parse_delay(text: str) -> Delay:
     return kind(*numbers)
 
 
+def one_density(delay: Density | PerValueDelay) -> Density:
+    """Return the density of all presses, for what knows no values: experiments.
+
+    Raises:
+        ValueError: each value of a press has its own.
+    """
+    if isinstance(delay, PerValueDelay):
+        raise ValueError(  # noqa: TRY004 - a setting is wrong, not a type
+            "experiments have one density of the delay for all presses: gamma or uniform"
+        )
+    return delay
+
+
+def _parse_per_value(text: str, rest: str) -> PerValueDelay:
+    """Return the rule with a density for each value."""
+    values: list[ValueDelay] = []
+    other: Density = PerValueDelay().other
+    for part in filter(None, rest.split(";")):
+        name, equals, density_text = part.partition("=")
+        density = parse_delay(density_text) if equals else None
+        if not isinstance(density, GammaDelay | UniformDelay):
+            raise ValueError(  # noqa: TRY004 - the text is wrong, not its type
+                f"credit rule {text!r}: expected VALUE=gamma:... or VALUE=uniform:..., got {part!r}"
+            )
+        if name.strip() == "other":
+            other = density
+            continue
+        try:
+            values.append(ValueDelay(float(name), density))
+        except ValueError:
+            raise ValueError(f"credit rule {text!r}: {name!r} is no value of a press") from None
+    return PerValueDelay(tuple(values), other)
+
+
 def describe(delay: Delay) -> str:
     """Return the text that `parse_delay` turns back into an equal rule."""
     match delay:
+        case PerValueDelay(values=values, other=other):
+            parts = [f"{_plain(each.value)}={describe(each.delay)}" for each in values]
+            return "per-value:" + ";".join([*parts, f"other={describe(other)}"])
         case GammaDelay(shape=shape, scale_s=scale_s, offset_s=offset_s):
             numbers = [shape, scale_s] + ([offset_s] if offset_s else [])
             return "gamma:" + ",".join(map(_plain, numbers))

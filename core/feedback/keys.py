@@ -7,7 +7,7 @@ opened it back.
 
 from collections.abc import Iterator
 from itertools import count
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 import msgspec
 
@@ -19,6 +19,9 @@ from core.numerics.clock import NS_PER_S
 NS_PER_MS = 1_000_000
 
 
+FeedbackKey = Annotated[str, text("one lower-case letter a-z")]
+GRADES = (-2.0, -1.0, 0.0, 1.0, 2.0)
+"""What the keys of graded feedback say, in their order."""
 RepeatDelay = Annotated[int, number("milliseconds", ge=0, le=1_000_000, usual=(0, 5000))]
 
 
@@ -31,6 +34,9 @@ class KeyConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     """Key for -1."""
     retract: Annotated[str, text("one lower-case letter a-z")] = "u"
     """Key that takes the last accepted press back."""
+    graded: tuple[FeedbackKey, ...] = ()
+    """Five keys for -2, -1, 0, 1 and 2 in place of `good` and `bad`, such as ["d", "f", "g", "h", "j"]. []:
+    two keys. 0 says "neither": H of the step is 0 (`docs/decisions/graded-feedback.md`)."""
     max_presses_per_episode: Annotated[int, number("presses", ge=0, le=1_000_000)] = 5
     """Accepted presses per watched episode (paper, section 4: at most 5 in Tetris, 2 in Keepaway)."""
     refractory_ms: Annotated[int, number("milliseconds", ge=0, le=1_000_000, usual=(0, 2000))] = 100
@@ -40,23 +46,61 @@ class KeyConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     repeat_delay_ms: tuple[RepeatDelay, RepeatDelay] = (200, 700)
     """A held key's first repeat comes this long after the press itself."""
     wrong_press_rate: Annotated[float, number(ge=0, le=1)] = 0.0
-    """Share of steps' feedback the participant is asked to give wrongly (paper, section 4: about 0.1)."""
+    """Fraction of steps' feedback the participant is asked to give wrongly (paper, section 4: about 0.1)."""
+
+    LATER: ClassVar[frozenset[str]] = frozenset({"graded"})
+    """Settings that came after version 0.2: at their defaults they are not written to recordings."""
 
     def __post_init__(self) -> None:
-        keys = (self.good, self.bad, self.retract)
-        for key in keys:
+        for key in (self.good, self.bad, *self.letters):
             if len(key) != 1 or not key.islower() or not key.isascii():
                 raise ValueError(f"a feedback key is one lower-case letter a-z, got {key!r}")
-        if len(set(keys)) != 3:
-            raise ValueError(f"good, bad and retract need three different keys, got {', '.join(keys)}")
+        check_letters(self)
         if self.max_presses_per_episode < 0:
             raise ValueError(f"max_presses_per_episode is >= 0, got {self.max_presses_per_episode}")
         if not 0.0 <= self.wrong_press_rate <= 1.0:
-            raise ValueError(f"wrong_press_rate is a share in [0, 1], got {self.wrong_press_rate}")
+            raise ValueError(f"wrong_press_rate is a fraction in [0, 1], got {self.wrong_press_rate}")
+
+    @property
+    def meanings(self) -> dict[str, float]:
+        """What each key says: 1 and -1, or -2 to 2 where feedback is graded; the worst first."""
+        if self.graded:
+            return dict(zip(self.graded, GRADES, strict=True))
+        return {self.bad: -1.0, self.good: 1.0}
+
+    @property
+    def letters(self) -> tuple[str, ...]:
+        """All keys that mean something: those of feedback, and the one that takes a press back."""
+        return (*(self.graded or (self.good, self.bad)), self.retract)
 
     def value(self, key: str) -> float | None:
-        """Return the feedback that `key` means: 1.0, -1.0, or None."""
-        return {self.good: 1.0, self.bad: -1.0}.get(key)
+        """Return the feedback that `key` means: 1.0 or -1.0, or -2.0 to 2.0 where it is graded; else None."""
+        return self.meanings.get(key)
+
+    def key_of(self, value: float) -> str:
+        """Return the key that says a value.
+
+        Raises:
+            KeyError: none does.
+        """
+        by_value = {said: key for key, said in self.meanings.items()}
+        return by_value[value]
+
+
+def check_letters(keys: KeyConfig) -> None:
+    """Refuse keys that cannot be told apart, and any other number of grades than five.
+
+    Raises:
+        ValueError: with what came.
+    """
+    if keys.graded and len(keys.graded) != len(GRADES):
+        raise ValueError(
+            f"graded takes five keys, for -2, -1, 0, 1 and 2, or none; got {len(keys.graded)}: "
+            f"{', '.join(keys.graded)}"
+        )
+    if len(set(keys.letters)) < len(keys.letters):
+        names = "graded and retract need six" if keys.graded else "good, bad and retract need three"
+        raise ValueError(f"{names} different keys, got {', '.join(keys.letters)}")
 
 
 class PressGate:
@@ -93,12 +137,16 @@ class PressGate:
         """How many presses of this episode's budget are left."""
         return self.config.max_presses_per_episode - len(self._accepted)
 
+    def left_of(self, person: int) -> int:
+        """Return `presses_left`, whoever is asked about: one person uses this gate."""
+        return self.presses_left
+
     def episode_started(self) -> None:
         """Begin a watched episode: a new budget; presses count from here on."""
         self.playing = True
         self._accepted.clear()
 
-    def press(
+    def judge(
         self, key: str, time_ns: int, *, source: Literal["participant", "simulated"] = "participant"
     ) -> Iterator[KeyPressed | PressRetracted]:
         """Yield the record of a press and, where it takes an earlier one back, that retraction."""
@@ -182,7 +230,7 @@ class WrongPressPlan:
         """Draw for the first press.
 
         Args:
-            rate: share of presses that are to be wrong, in [0, 1]; 0 draws nothing.
+            rate: fraction of presses that are to be wrong, in [0, 1]; 0 draws nothing.
             root_seed: of the session, >= 0.
         """
         self._rate = rate

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.feedback.config import TrainerConfig
-from core.feedback.delays import Density, GammaDelay, UniformDelay
+from core.feedback.delays import Density, GammaDelay, UniformDelay, rule_for
 from core.numerics.clock import NS_PER_S
 from core.numerics.streams import stream
 
@@ -21,6 +21,8 @@ __all__ = ["IntendedPress", "SimulatedTrainer", "TrainerConfig", "draw_delay_s",
 _BLOCK = 64
 """Steps whose draws are made at once: setting up a stream takes longer than drawing from it."""
 _N_DRAWS = 6
+READING_S = 2.0
+"""A simulated participant reads a question for so long before anything else, seconds. (Our choice.)"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +31,7 @@ class IntendedPress:
 
     time_ns: int
     value: float
-    """1.0 for the good key, -1.0 for the bad one."""
+    """1.0 for the good key, -1.0 for the bad one; -2.0 to 2.0 where feedback is graded."""
     step: int
     """The step it is about, which need not be on screen any more."""
     believed: float
@@ -52,8 +54,9 @@ def judgement(
     Args:
         oracle_values: the oracle's value of each action, shape (n,); -inf for a fatal one.
         action: the chosen one.
-        good_share: an action is good if fewer than this share of the n actions are better.
-        skip_margin: nothing is said if the share of better actions is less than this away from `good_share`.
+        good_share: an action is good if fewer than this fraction of the n actions are better.
+        skip_margin: nothing is said if the fraction of better actions is less than this away from
+            `good_share`.
         equal_margin: nothing is said of an action (not a fatal one) whose value is less than this many sd of
             the finite values away from the middle between the worst good and the best bad value; nor where
             all are alike.
@@ -67,6 +70,29 @@ def judgement(
     if equal_margin > 0 and np.isfinite(value) and _too_close(oracle_values, value, good_share, equal_margin):
         return None
     return 1.0 if better < good_share else -1.0
+
+
+def graded_judgement(
+    oracle_values: NDArray[np.float64],
+    action: int,
+    *,
+    good_share: float,
+    skip_margin: float = 0.0,
+    equal_margin: float = 0.0,
+) -> float:
+    """Return the judgement on the scale from -2 to 2: 0 where `judgement` says nothing.
+
+    2 is for the better half of the good actions, -2 for the worse half of the bad ones. Arguments as in
+    `judgement`.
+    """
+    plain = judgement(
+        oracle_values, action, good_share=good_share, skip_margin=skip_margin, equal_margin=equal_margin
+    )
+    if plain is None:
+        return 0.0
+    better = float(np.count_nonzero(oracle_values > oracle_values[action])) / len(oracle_values)
+    sure = better < good_share / 2 if plain > 0 else better >= (1 + good_share) / 2
+    return 2 * plain if sure else plain
 
 
 def _too_close(values: NDArray[np.float64], value: float, good_share: float, margin: float) -> bool:
@@ -88,14 +114,16 @@ class SimulatedTrainer:
     All draws about a step follow from (seed, episode, step); only the budget of presses links the steps.
     """
 
-    def __init__(self, config: TrainerConfig, *, root_seed: int) -> None:
+    def __init__(self, config: TrainerConfig, *, root_seed: int, graded: bool = False) -> None:
         """Begin a session.
 
         Args:
             config: what kind of participant.
             root_seed: of the session; stream "trainer".
+            graded: they judge on the scale from -2 to 2, and press 0 where they would say nothing.
         """
         self.config = config
+        self._judge = graded_judgement if graded else judgement
         self._root_seed = root_seed
         self._watched_episodes = 0
         self._episode = -1
@@ -105,7 +133,7 @@ class SimulatedTrainer:
         self._block = -1
         self._draws = np.empty((0, _N_DRAWS))
 
-    def begin_episode(self, episode: int) -> None:
+    def watch_episode(self, episode: int) -> None:
         """Note that a watched episode begins; `episode` is its number in the session."""
         self._watched_episodes += self._episode >= 0
         self._episode = episode
@@ -185,10 +213,10 @@ class SimulatedTrainer:
             action: what the agent chose.
             shown_ns: when the step came on screen.
             hidden_ns: when its outcome is seen: the end of its time on screen.
-            attention: chance to speak of this step as a share of `press_probability`, in [0, 1].
+            attention: chance to speak of this step as a fraction of `press_probability`, in [0, 1].
         """
         if self._episode < 0:
-            raise ValueError("begin_episode comes before the first step")
+            raise ValueError("watch_episode comes before the first step")
         config = self.config
         if self.judgements_left <= 0 or self.press_probability == 0:
             return ()
@@ -196,7 +224,7 @@ class SimulatedTrainer:
         speaks, mistakes, deliberates, anticipates, bursts, moment = self._drawn(step)[0].tolist()
         if speaks >= self.press_probability * attention:
             return ()
-        believed = judgement(
+        believed = self._judge(
             oracle_values,
             action,
             good_share=config.good_share,
@@ -212,7 +240,9 @@ class SimulatedTrainer:
             first_ns = shown_ns + round(moment * (hidden_ns - shown_ns))
         else:
             rng = stream(self._root_seed, "trainer delay", self._episode, step)
-            first_ns = hidden_ns + round(draw_delay_s(config.delay, rng=rng) * NS_PER_S)
+            delay = rule_for(config.delay, value)
+            assert isinstance(delay, GammaDelay | UniformDelay), "a participant's delay is a density"
+            first_ns = hidden_ns + round(draw_delay_s(delay, rng=rng) * NS_PER_S)
         n_presses = config.burst_presses if bursts < config.burst_rate else 1
         interval_ns = round(config.burst_interval_s * NS_PER_S)
         return tuple(
@@ -245,6 +275,15 @@ class SimulatedTrainer:
         if mistakes >= config.mistake_rate:
             return ranked[0]
         return ranked[1 + int(which * (len(ranked) - 1))]
+
+    def answer_delay_s(self, step: int) -> float:
+        """Return after how long on screen they answer a question about a step, seconds: they read it first
+        (`READING_S`), and then press as they do otherwise.
+        """
+        rng = stream(self._root_seed, "trainer answer delay", self._episode, step)
+        delay = rule_for(self.config.delay, 1.0)
+        assert isinstance(delay, GammaDelay | UniformDelay), "a participant's delay is a density"
+        return READING_S + draw_delay_s(delay, rng=rng)
 
 
 def draw_delay_s(delay: Density, *, rng: np.random.Generator) -> float:

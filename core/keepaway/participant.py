@@ -10,6 +10,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from core.feedback.config import TrainerConfig
+from core.feedback.delays import one_density
 from core.feedback.trainers import SimulatedTrainer, draw_delay_s, judgement
 from core.keepaway.participant_config import KeepawayPersonConfig
 from core.keepaway.pitch import CYCLE_NS, CYCLE_S, Rules
@@ -95,7 +96,8 @@ def watch_episode(
         episode: its number, >= 0.
     """
     rng = stream(root_seed, "trainer delays", episode)
-    delays_s = [draw_delay_s(config.trainer.delay, rng=rng) for _ in range(trainer.judgements_left)]
+    delay = one_density(config.trainer.delay)
+    delays_s = [draw_delay_s(delay, rng=rng) for _ in range(trainer.judgements_left)]
     probability = trainer.press_probability
     return judge._replace(
         pass_chance=float(probability),

@@ -9,7 +9,7 @@ import hashlib
 import hmac
 import re
 from base64 import b32encode
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, get_args
 
@@ -50,8 +50,8 @@ class Anonymising:
     """Secret, kept apart from the copies: new codes follow from it and from the old ones."""
     removed: frozenset[Removal] = frozenset(REMOVALS)
     keyed_hash: bool = False
-    """Name the old file by HMAC-SHA256 under the key; False: by SHA-256, which anybody can compute of the old
-    file."""
+    """Name the old file by HMAC-SHA256 under the key; False: by SHA-256, which any reader can compute of the
+    old file."""
 
     def code(self, old: str) -> str:
         """Return the new code of a participant: `A` and 10 of the letters A-Z and digits 2-7.
@@ -116,13 +116,13 @@ def anonymised(recording: Recording, how: Anonymising, *, resumes: Resumes | Non
         OSError: the recording's file cannot be read again.
     """
     about = how.about(recording.path.read_bytes())
-    retract = _retract_key(recording)
+    retract = _retract_keys(recording)
 
     def change_event(payload: bytes) -> bytes:
         if "other-keys" not in how.removed or _OTHER_PRESS not in payload:
             return payload
         plain = msgspec.json.decode(payload)
-        if (plain.get("read_as") or plain["key"]) == retract:
+        if (plain.get("read_as") or plain["key"]) in retract:
             return payload  # it takes presses back: without it, they would be taken back by nothing
         plain["key"] = OTHER_KEY
         for name in ("read_as", "layout"):
@@ -132,10 +132,14 @@ def anonymised(recording: Recording, how: Anonymising, *, resumes: Resumes | Non
     return resealed(recording, lambda header: _header(header, how), change_event, about, resumes=resumes)
 
 
-def _retract_key(recording: Recording) -> str:
-    """Return the key that takes presses back; where the protocol does not say, that of all by default."""
-    keys = recording.header.protocol.get("keys", {})
-    return str(keys.get("retract", KeyConfig().retract)) if isinstance(keys, Mapping) else KeyConfig().retract
+def _retract_keys(recording: Recording) -> set[str]:
+    """Return the keys that take presses back; where the protocol does not say, that of all by default."""
+    protocol = recording.header.protocol
+    keys = protocol.get("people") or [protocol.get("keys", {})]
+    return {
+        str(each.get("retract", KeyConfig().retract)) if isinstance(each, Mapping) else KeyConfig().retract
+        for each in keys
+    }
 
 
 def resealed(
@@ -179,7 +183,18 @@ def last_chain(content: bytes) -> str:
 
 def _header(plain: dict[str, Any], how: Anonymising) -> dict[str, Any]:
     old = plain["participant"]
-    source = _source(plain.get("source", {}), how, old)
+    people = plain.get("participants", [])
+    source = _source(plain.get("source", {}), how, [old, *people])
+    if people:
+        plain = plain | {
+            "participants": [how.code(name) for name in people],
+            "protocol": plain["protocol"]
+            | {
+                "people": [
+                    each | {"name": how.code(each["name"])} for each in plain["protocol"].get("people", [])
+                ]
+            },
+        }
     if "dates" in how.removed:
         plain = without_dates(plain)
     return plain | {
@@ -189,13 +204,15 @@ def _header(plain: dict[str, Any], how: Anonymising) -> dict[str, Any]:
     }
 
 
-def _source(source: Mapping[str, str], how: Anonymising, old: str) -> dict[str, str]:
+def _source(source: Mapping[str, str], how: Anonymising, codes: Sequence[str]) -> dict[str, str]:
     kept: dict[str, str] = {}
     for name, value in source.items():
         if "free-text" in how.removed and not _KEPT_SOURCES.match(name):
             value = NO_TEXT
-        if "codes" in how.removed:
-            value = re.sub(rf"(?<![\w]){re.escape(old)}(?![\w])", how.code(old), value)
+        for old in codes if "codes" in how.removed else ():
+            name, value = (
+                re.sub(rf"(?<![\w]){re.escape(old)}(?![\w])", how.code(old), text) for text in (name, value)
+            )
         kept[name] = how.text(value)
     return kept
 

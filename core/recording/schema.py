@@ -5,7 +5,6 @@ hex digits of the running SHA-256 over all lines so far (without their chains): 
 line is noticed, and where. The format is described for readers of other languages in `recordings/README.md`.
 """
 
-from collections.abc import Mapping
 from typing import Any, Literal
 
 import msgspec
@@ -66,6 +65,9 @@ class Header(Record, frozen=True, kw_only=True, omit_defaults=False, tag="header
     study: dict[str, str] = msgspec.field(default_factory=dict)
     """Where the session belongs in a study: its name, version and hash, place, order, sitting, step,
     condition. Empty outside of studies."""
+    participants: list[str] | msgspec.UnsetType = msgspec.UNSET
+    """Codes of several people at one keyboard, in the order of `KeyPressed.person`; not there where one
+    participates, whose code is `participant`."""
     resumes: Resumes | None = None
     """What a resumed session goes on with (`core.recording.joined`); None: it begins with this file."""
 
@@ -76,6 +78,19 @@ class Header(Record, frozen=True, kw_only=True, omit_defaults=False, tag="header
             )
         if self.root_seed < 0:
             raise ValueError(f"root_seed is >= 0, got {self.root_seed}")
+
+
+def code_of(header: Header, person: int) -> str:
+    """Return the code of whoever made a press: of several people at one keyboard their own.
+
+    Args:
+        header: of the recording.
+        person: as in `KeyPressed.person`; of -1, nobody's key, the code is that of the group.
+    """
+    names = header.participants
+    if isinstance(names, list) and 0 <= person < len(names):
+        return names[person]
+    return header.participant
 
 
 class End(Record, frozen=True, kw_only=True, tag="end"):
@@ -93,6 +108,7 @@ DURABLE = frozenset(
     {
         "KeyPressed",
         "PressRetracted",
+        "QuestionAnswered",
         "TimeGap",
         "EpisodeEnded",
         "UnseenPlayed",
@@ -110,7 +126,24 @@ def encode(line: Line) -> bytes:
 
 
 def to_plain(value: object) -> dict[str, Any]:
-    """Return a configuration as plain JSON types, for `Header.protocol`."""
+    """Return a configuration as plain JSON types, for `Header.protocol`.
+
+    A setting that a table names in `LATER` is left out at its default, so that a session without it is
+    recorded as before there was such a setting.
+    """
     plain = msgspec.to_builtins(value)
-    assert isinstance(plain, Mapping)
-    return dict(plain)
+    assert isinstance(plain, dict)
+    _leave_out_later(value, plain)
+    return plain
+
+
+def _leave_out_later(value: object, plain: object) -> None:
+    if not (isinstance(value, msgspec.Struct) and isinstance(plain, dict)):
+        return
+    later: frozenset[str] = getattr(value, "LATER", frozenset())
+    for field in msgspec.structs.fields(value):
+        held = getattr(value, field.name)
+        if field.name in later and held == field.default:
+            plain.pop(field.encode_name, None)
+        else:
+            _leave_out_later(held, plain.get(field.encode_name))

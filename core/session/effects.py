@@ -20,13 +20,15 @@ from core.combination.config import (
     Linear,
 )
 from core.configuration.catalogue import settings_of
-from core.configuration.reading import Path, Problem, shown_path
-from core.feedback.delays import Delay, GammaDelay, UniformDelay
+from core.configuration.messages import Path, shown_path
+from core.configuration.reading import Problem
+from core.feedback.delays import Delay, GammaDelay, PerValueDelay, UniformDelay
 from core.learners.cross_entropy_config import CrossEntropyConfig
 from core.learners.human_config import SgdModel
 from core.learners.policy_gradient_config import PolicyGradientConfig
 from core.learners.sarsa_config import SarsaConfig
 from core.plugins import GamePlugin, plugin_of, plugins
+from core.session.answer_keys import keys_used_twice
 from core.session.protocol import Protocol
 
 Mode = Literal["live", "simulated", "what-if"]
@@ -134,13 +136,36 @@ _IN_ANY_GAME: tuple[Use, ...] = (
         refused=False,
     ),
     Use(("trainer",), "in simulated sessions only: in a live one the participant presses", _simulated, False),
-    Use(("others",), "in simulated sessions only: a live one has one participant", _simulated, False),
+    Use(
+        ("others",), "in simulated sessions only: in a live one those press who are there", _simulated, False
+    ),
+    Use(
+        ("keys.good", "keys.bad"),
+        "with two keys for one participant: without people, and without keys.graded",
+        lambda p, m: not p.people and not p.keys.graded,
+    ),
+    Use(
+        ("keys.retract", "keys.graded"),
+        "for one participant: each of several people has keys of their own",
+        lambda p, m: not p.people,
+    ),
     Use(
         ("trainer.burst_presses", "trainer.burst_interval_s"),
         "where trainer.burst_rate is > 0",
         lambda p, m: p.trainer.burst_rate > 0,
     ),
-    Use(("agent.asking",), "in no session yet, because no screen poses questions", lambda p, m: False),
+    Use(
+        ("agent.asking",),
+        "where agent.asking.per_episode is > 0",
+        lambda p, m: p.agent.asking.per_episode > 0,
+    ),
+    Use(
+        ("agent.asking",),
+        "in live and simulated sessions, with every scheme but coach: a what-if learns from the questions "
+        "that were recorded, and with coach answers teach a human model that has no say",
+        lambda p, m: _on_screen(p, m) and not isinstance(p.agent.scheme, Coach),
+        refused=False,
+    ),
     Use(
         ("delay_of", "delay_if_missing"),
         "in live sessions and what-ifs: a simulated participant's delay is not measured",
@@ -190,8 +215,8 @@ _IN_ANY_GAME: tuple[Use, ...] = (
     ),
     Use(
         ("agent.bootstrap.window_decisions",),
-        'with others, or a trust that looks back (measured = "window"; a chance-corrected match without chance)',  # noqa: E501
-        lambda p, m: _looks_back(p) or bool(p.others),
+        'with others or people, or a trust that looks back (measured = "window"; a chance-corrected match without chance)',  # noqa: E501
+        lambda p, m: _looks_back(p) or p.n_participants > 1,
     ),
     Use(
         ("session.unseen_steps",),
@@ -338,6 +363,11 @@ def contradictions(protocol: Protocol) -> Iterator[Problem]:
         (("agent", "credit", "delay"), agent.credit.delay),
         (("trainer", "delay"), protocol.trainer.delay),
     ]
+    delays += [
+        (("people", number, "delay"), person.delay)
+        for number, person in enumerate(protocol.people)
+        if person.delay is not None
+    ]
     delays += [(("others", number, "delay"), other.delay) for number, other in enumerate(protocol.others)]
     for path, delay in delays:
         reason = wrong_delay(delay)
@@ -360,6 +390,7 @@ def contradictions(protocol: Protocol) -> Iterator[Problem]:
             model.step_size,
         )
     yield from plugin_of(protocol).contradictions(protocol)
+    yield from keys_used_twice(protocol)
     low_ms, high_ms = protocol.keys.repeat_delay_ms
     if low_ms > high_ms:
         yield Problem(
@@ -376,6 +407,8 @@ def wrong_delay(delay: Delay) -> str:
             mean_s = delay.mean_s
         case UniformDelay():
             mean_s = (delay.low_s + delay.high_s) / 2
+        case PerValueDelay():
+            return next(filter(None, map(wrong_delay, delay.densities)), "")
         case _:
             return ""
     if mean_s <= USUAL_MEAN_S:

@@ -2,12 +2,15 @@
 
 from core.combination.config import Coach, EnvironmentOnly, EpisodeWeights, Exponential, FixedWeight, Linear
 from core.feedback.delays import describe
+from core.feedback.keys import KeyConfig
 from core.plugins import plugin_of
 from core.session.protocol import Protocol
 
 SHOWN_GAMES = 5
 FADED = 0.01
-"""A weight below this share of the first game's is as good as none."""
+"""A weight below this fraction of the first game's is as good as none."""
+ANSWER_S = 4.0
+"""What an answer is taken to need, seconds: two or three options are read and compared. (Our choice.)"""
 MEASURED = {
     "feedback-lag": "own measured delay of judging this game (task feedback lag)",
     "simple": "own measured delay of a simple reaction (task simple)",
@@ -22,6 +25,7 @@ def plan(protocol: Protocol) -> dict[str, str]:
         "Game": f"{protocol.game}; learner {_tag(protocol.learner)}",
         "Games": _games(protocol),
         "Presses": _presses(protocol),
+        **_questions(protocol),
         "Time": _time(protocol),
         "Weight": weight_in_words(protocol),
         "Credit": credit_in_words(protocol),
@@ -39,7 +43,25 @@ def expected_minutes(protocol: Protocol) -> float:
     game_s = plugin_of(protocol).expected_game_s(protocol)
     screen = protocol.screen
     between_s = screen.count_down_s + screen.pause_between_episodes_s
-    return protocol.session.episodes * (game_s + between_s) / 60
+    return protocol.session.episodes * (game_s + between_s) / 60 + question_minutes(protocol)
+
+
+def expected_questions(protocol: Protocol) -> float:
+    """Return how many questions a whole session may be expected to pose, at most.
+
+    Games are taken to be of all their steps. Of these, `share` are unsure enough to be asked about.
+    """
+    asking, session = protocol.agent.asking, protocol.session
+    first = max(0, session.watched_steps - asking.minimum_decisions)
+    steps = (min(first, session.watched_steps), *[session.watched_steps] * (session.episodes - 1))
+    return sum(min(float(asking.per_episode), asking.share * step) for step in steps)
+
+
+def question_minutes(protocol: Protocol) -> float:
+    """Return how long these questions take, in minutes: `ANSWER_S` each, and the game stands still before."""
+    asking = protocol.agent.asking
+    each_s = asking.settle_s + min(ANSWER_S, asking.limit_s)
+    return expected_questions(protocol) * each_s / 60 if asking.per_episode else 0.0
 
 
 def weights_of_games(protocol: Protocol) -> list[EpisodeWeights]:
@@ -49,7 +71,7 @@ def weights_of_games(protocol: Protocol) -> list[EpisodeWeights]:
     for game in range(session.episodes):
         episode = session.unseen_before + game * (session.unseen_between + 1)
         number = game if getattr(scheme, "per", "episode") == "watched-game" else episode
-        found.append(scheme.weights(1.0, number))
+        found.append(scheme.episode_weights(1.0, number))
     return found
 
 
@@ -65,7 +87,10 @@ def weight_in_words(protocol: Protocol) -> str:
         rule = (
             f"{trust.w_h:g} in every game" if isinstance(trust, FixedWeight) else "found anew after each game"
         )
-        return f"{name}: w_h by bootstrap learning ({_tag(trust)}): 0 before the first press, then {rule}"
+        whose = "of each person " if protocol.people else ""
+        return (
+            f"{name}: w_h {whose}by bootstrap learning ({_tag(trust)}): 0 before the first press, then {rule}"
+        )
     what, values = _falling(weights_of_games(protocol))
     text = f"{name}: {what} {_listed(values)}"
     faded = next((game for game, value in enumerate(values, 1) if abs(value) < FADED * abs(values[0])), None)
@@ -77,6 +102,12 @@ def weight_in_words(protocol: Protocol) -> str:
 def credit_in_words(protocol: Protocol) -> str:
     """Return by whose delay presses are credited, for every participant."""
     rule = describe(protocol.agent.credit.delay)
+    if protocol.delay_of == "rule" and any(person.delay is not None for person in protocol.people):
+        own = (
+            f"{person.name} {describe(credit.delay)}"
+            for person, credit in zip(protocol.people, protocol.credit_of_participants, strict=True)
+        )
+        return f"as written in the protocol: {', '.join(own)}"
     if protocol.delay_of == "rule":
         return f"{rule}, as written in the protocol, for every participant"
     if protocol.delay_of == "paper":
@@ -119,13 +150,41 @@ def _games(protocol: Protocol) -> str:
 
 
 def _presses(protocol: Protocol) -> str:
-    keys, games = protocol.keys, protocol.session.episodes
-    most = keys.max_presses_per_episode
-    letters = f"good {keys.good}, bad {keys.bad}, take back {keys.retract}"
-    text = f"at most {most} in a game, {most * games} in all; {letters}"
+    games = protocol.session.episodes
+    if protocol.people:
+        return "; ".join(
+            f"{person.name}: {_presses_of(keys, games, ' in all,')}"
+            for person, keys in zip(protocol.people, protocol.keys_of_people, strict=True)
+        )
+    keys = protocol.keys
+    text = _presses_of(keys, games, " in all;")
     if keys.wrong_press_rate:
         text += f"; asked to press wrongly at {keys.wrong_press_rate:.0%} of the steps"
     return text
+
+
+def _questions(protocol: Protocol) -> dict[str, str]:
+    """Return what the agent asks; nothing where it asks nothing."""
+    asking, games = protocol.agent.asking, protocol.session.episodes
+    if asking.per_episode == 0:
+        return {}
+    return {
+        "Asking": f"at most {asking.per_episode} in a game, {asking.per_episode * games} in all; about "
+        f"{expected_questions(protocol):.0f} expected, {question_minutes(protocol):.1f} minutes; options "
+        f"{', '.join(asking.keys[: asking.options])}, none of them {asking.none_key}, {asking.limit_s:g} "
+        "seconds each"
+    }
+
+
+def _presses_of(keys: KeyConfig, games: int, in_all: str) -> str:
+    """Return how many presses one person has, and their keys."""
+    most = keys.max_presses_per_episode
+    letters = f"good {keys.good}, bad {keys.bad}"
+    if keys.graded:
+        letters = ", ".join(
+            f"{value:+g} {key}" if value else f"0 {key}" for key, value in keys.meanings.items()
+        )
+    return f"at most {most} in a game, {most * games}{in_all} {letters}, take back {keys.retract}"
 
 
 def _time(protocol: Protocol) -> str:

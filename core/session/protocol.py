@@ -6,16 +6,23 @@ The whole protocol is written to each recording's header, and a session is built
 """
 
 from collections.abc import Iterator, Mapping
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 import msgspec
 
 from core.combination.config import AgentConfig, check_learner
 from core.configuration.catalogue import tag_of
 from core.configuration.fields import number
-from core.feedback.config import TrainerConfig
+from core.feedback.config import CreditConfig, TrainerConfig
 from core.feedback.delays import GammaDelay, describe
 from core.feedback.keys import KeyConfig
+from core.feedback.people import (
+    MOST_PEOPLE,
+    PersonConfig,
+    check_people,
+    credit_of_person,
+    keys_of_person,
+)
 from core.learners.cross_entropy_config import CrossEntropyConfig
 from core.learners.policy_gradient_config import PolicyGradientConfig
 from core.learners.sarsa_config import SarsaConfig
@@ -129,8 +136,14 @@ class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     """The simulated participant of demonstrations and of simulated sessions."""
     others: Annotated[tuple[TrainerConfig, ...], msgspec.Meta(max_length=100)] = ()
     """Further simulated participants of simulated sessions: persons 1, 2, ... The agent has a human model and
-    a weight for each. (Section 3.1: "one or more sources"; the paper's sessions have one, and so have live
-    ones.)"""
+    a weight for each. With `people` they are those after the first; a person without one is simulated as
+    `trainer` says."""
+    people: Annotated[tuple[PersonConfig, ...], msgspec.Meta(max_length=MOST_PEOPLE)] = ()
+    """Several people at one keyboard, each with keys of their own. The agent has a human model and a weight
+    for each (section 3.1: "one or more sources"; the paper's sessions have one). []: one, with [keys]."""
+
+    LATER: ClassVar[frozenset[str]] = frozenset({"people"})
+    """Settings that came after version 0.2: at their defaults they are not written to recordings."""
 
     def __post_init__(self) -> None:
         plugin = plugin_of(self)
@@ -149,6 +162,12 @@ class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
             )
         check_learner(self.agent.scheme, self.learner.kind, tag_of(self.learner))
         plugin.check(self)
+        check_people(self.people, self.keys)
+        if self.people and len(self.others) >= len(self.people):
+            raise ValueError(
+                f"others are the people after the first: at most {len(self.people) - 1}, got "
+                f"{len(self.others)}"
+            )
         needs = self.agent.bootstrap.trust.needs
         if needs.side_by_side:
             raise ValueError(
@@ -165,6 +184,28 @@ class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     def game(self) -> str:
         """Name of the game, as in `core.plugins.GamePlugin.name`."""
         return str(self.domain.__struct_config__.tag)
+
+    @property
+    def n_participants(self) -> int:
+        """How many people the agent listens to, >= 1."""
+        return len(self.people) or 1 + len(self.others)
+
+    @property
+    def participants(self) -> list[str] | msgspec.UnsetType:
+        """Codes of the people at the keyboard, for a recording's header; not set without `people`."""
+        return [person.name for person in self.people] or msgspec.UNSET
+
+    @property
+    def keys_of_people(self) -> tuple[KeyConfig, ...]:
+        """Keys and limits of each person at the keyboard, in order; of one without `people` [keys]."""
+        return tuple(keys_of_person(person, self.keys) for person in self.people) or (self.keys,)
+
+    @property
+    def credit_of_participants(self) -> tuple[CreditConfig, ...]:
+        """How the presses of each participant become samples, in order, one per `n_participants`."""
+        if not self.people:
+            return (self.agent.credit,) * self.n_participants
+        return tuple(credit_of_person(person, self.agent.credit) for person in self.people)
 
     def departures(self) -> list[str]:
         """Return, in plain sentences, where this protocol does otherwise than the paper, or fills its
@@ -186,7 +227,7 @@ class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
             found.append(f"a press is credited by the rule {describe(credit.delay)}")
         else:
             found.append("gamma(2.5, 0.3) is read as shape and scale: mean 0.75 s, mode 0.45 s, not 0.5 s")
-        found.append(f"trust in the human follows the rule {type(trust).__name__}")
+        found.append(f"trust in the participant follows the rule {type(trust).__name__}")
         return found + plugin_of(self).departures(self)
 
 

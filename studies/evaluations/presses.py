@@ -9,6 +9,7 @@ import numpy as np
 from core.events import Event, FrameShown, KeyPressed, PressRetracted
 from core.numerics.clock import NS_PER_S
 from core.recording.reader import Recording
+from core.recording.schema import code_of
 
 BURST_WITHIN_S = 0.5
 """Presses of the same sign within this time of the one before are one burst. TAMER's logs: 0.18 to 0.20 s
@@ -37,25 +38,28 @@ def presses_of(recording: Recording, *, burst_within_s: float = BURST_WITHIN_S) 
     shown_ns, first_of_step_ns = _frames(events)
     begin_ns = min(_times_ns(events), default=0)
     presses: list[Press] = []
-    last: KeyPressed | None = None
+    lasts: dict[int, KeyPressed] = {}  # of each person: two who press at once make no burst
+    bursts: dict[int, int] = {}
     burst = -1
     for event in events:
         if not isinstance(event, KeyPressed) or event.verdict != "accepted" or event.press in retracted:
             continue
         value = event.value or 0.0
+        last = lasts.get(event.person)
         joined = last is not None and np.sign(last.value or 0.0) == np.sign(value)
         if last is None or not joined or event.time_ns - last.time_ns > burst_within_s * NS_PER_S:
             burst += 1
-        last = event
+            bursts[event.person] = burst
+        lasts[event.person] = event
         since = first_of_step_ns.get(event.step) if event.step >= 0 else shown_ns.get(event.frame)
         presses.append(
             Press(
-                participant=recording.header.participant,
+                participant=code_of(recording.header, event.person),
                 file=recording.path.name,
                 time_s=(event.time_ns - begin_ns) / NS_PER_S,
                 value=value,
                 delay_s=None if since is None else (event.time_ns - since) / NS_PER_S,
-                burst=burst,
+                burst=bursts[event.person],
             )
         )
     return presses
@@ -100,7 +104,7 @@ def report_lines(presses: Sequence[Press], *, delays_of_what: str) -> list[str]:
         f"{len(presses)} presses in {len(bursts)} bursts ({(sizes > 1).sum()} of more than one press"
         + (f", {np.median(gaps):.2f} s between their presses)" if gaps.size else ")"),
         (
-            f"{'value':>7}{'presses':>9}{'share':>7}   delay {delays_of_what} (s): 5 %   25 %   50 %   75 %  "
+            f"{'value':>7}{'presses':>9}{'part':>7}   delay {delays_of_what} (s): 5 %   25 %   50 %   75 %  "
             " 95 %"
         ),
     ]

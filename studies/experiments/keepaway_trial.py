@@ -3,7 +3,7 @@
 import msgspec
 import numpy as np
 
-from core.feedback.delays import Density, GammaDelay
+from core.feedback.delays import Density, GammaDelay, one_density
 from core.feedback.trainers import draw_delay_s
 from core.keepaway.arl_autoplay import ArlAutoplay, ArlKeepawayConfig
 from core.numerics.arrays import Floats
@@ -100,7 +100,9 @@ def _calibrated(settings: KeepawayTrial, root_seed: int) -> ArlKeepawayConfig:
     if not settings.calibration_trials:
         return play
     assert play.person is not None, "checked by the settings"
-    delay = measured_delay(play.person.trainer.delay, settings.calibration_trials, root_seed=root_seed)
+    delay = measured_delay(
+        one_density(play.person.trainer.delay), settings.calibration_trials, root_seed=root_seed
+    )
     credit = msgspec.structs.replace(play.agent.credit, delay=delay)
     agent = msgspec.structs.replace(play.agent, credit=credit)
     return msgspec.structs.replace(play, agent=agent)

@@ -1,4 +1,4 @@
-"""Rows of one session that come in great numbers: steps, presses, credit, frames, interruptions."""
+"""Rows of one session that come in great numbers: steps, presses, credit, frames, questions."""
 
 import json
 from collections.abc import Iterator
@@ -10,6 +10,8 @@ from core.events import (
     FocusRegained,
     FrameShown,
     KeyPressed,
+    QuestionAnswered,
+    QuestionPosed,
     Resumed,
     ScreenCleared,
     StepTaken,
@@ -19,6 +21,7 @@ from core.events import (
 )
 from studies.exports.columns import Row
 from studies.exports.session_rows import OnScreen, SessionRows, between, step_actor, time_of
+from studies.exports.words import action_of
 
 _NEVER = OnScreen()
 _INTERRUPTIONS = (ScreenCleared, Resumed, TimeGap, FocusLost, FocusRegained, WrongPressAsked, StopAsked)
@@ -83,7 +86,7 @@ def press_rows(session: SessionRows) -> Iterator[Row]:
         on_screen = pressed.step in session.steps
         started = session.started[place.game - 1] if place.game else None
         yield {
-            **session.keys,
+            **session.keys_of(pressed),
             "game": place.game,
             "step": place.step,
             "press_index": press,
@@ -97,14 +100,14 @@ def press_rows(session: SessionRows) -> Iterator[Row]:
             "read_as": pressed.read_as or None,
             "layout": pressed.layout or None,
             "value": pressed.value,
-            "judgement": None if not pressed.value else "good" if pressed.value > 0 else "bad",
+            "judgement": _judgement(pressed.value),
             "verdict": pressed.verdict,
             "counted": session.counted(press),
             "retracted": None if back is None else back.reason,
             "retracted_s": None if back is None else session.seconds(back.time_ns),
             "asked_wrong": pressed.asked_wrong,
             "pressed_by": pressed.source,
-            "person": pressed.person + 1,
+            "person": pressed.person + 1 if pressed.person >= 0 else None,
             "frame_index": _index(pressed.frame),
             "piece": session.piece(pressed.step),
             "action": session.action(pressed.step),
@@ -112,6 +115,12 @@ def press_rows(session: SessionRows) -> Iterator[Row]:
             "trust": None if started is None else started.trust,
             "weight": None if started is None else started.weight,
         }
+
+
+def _judgement(value: float | None) -> str | None:
+    if value is None:
+        return None
+    return "good" if value > 0 else "bad" if value < 0 else "neither"
 
 
 def _since_frame(session: SessionRows, pressed: KeyPressed) -> float | None:
@@ -143,7 +152,7 @@ def credit_rows(session: SessionRows) -> Iterator[Row]:
         for step, share in zip(credit.steps, credit.shares, strict=True):
             place, seen = session.places.get(step), session.on_screen.get(step, _NEVER)
             yield {
-                **session.keys,
+                **session.keys_of(pressed),
                 "game": None if place is None else place.game,
                 "step": None if place is None else place.step,
                 "press_index": press,
@@ -198,6 +207,45 @@ def interruption_rows(session: SessionRows) -> Iterator[Row]:
                 "stood_still_s": None if gap is None else between(gap.last_ns, gap.time_ns),
                 "suspended_s": None if gap is None else between(0, gap.suspended_ns),
             }
+
+
+def question_rows(session: SessionRows) -> Iterator[Row]:
+    """Yield the rows of `questions`."""
+    events = session.recording.events
+    answers = {event.question: event for event in events if isinstance(event, QuestionAnswered)}
+    for posed in (event for event in events if isinstance(event, QuestionPosed)):
+        answer, place = answers.get(posed.question), session.places.get(posed.step)
+        words = [action_of(session.game, detail) for detail in posed.details]
+        taken = session.steps.get(posed.step)
+        chosen = None if answer is None else _index(answer.chosen)
+        yield {
+            **session.keys,
+            "game": None if place is None else place.game,
+            "step": None if place is None else place.step,
+            "question_index": posed.question,
+            "step_index": posed.step,
+            "options": len(posed.options),
+            "options_json": json.dumps(posed.options),
+            **{f"option_{n + 1}": words[n] if n < len(words) else None for n in range(3)},
+            "disagreement": posed.disagreement,
+            "answer": None if answer is None else answer.answer,
+            "chosen_index": chosen,
+            "chosen_option": None if chosen is None else posed.options.index(chosen) + 1,
+            "followed": None if chosen is None or taken is None else taken.action == chosen,
+            "posed_s": session.seconds(posed.time_ns),
+            **_answered(session, answer),
+        }
+
+
+def _answered(session: SessionRows, answer: QuestionAnswered | None) -> Row:
+    if answer is None:
+        return dict.fromkeys(("press_index", "shown_s", "answered_s", "latency_s"))
+    return {
+        "press_index": _index(answer.press),
+        "shown_s": session.seconds(answer.shown_ns),
+        "answered_s": session.seconds(answer.time_ns),
+        "latency_s": between(answer.shown_ns, answer.time_ns) if answer.press >= 0 else None,
+    }
 
 
 def _index(number: int) -> int | None:

@@ -23,6 +23,7 @@ from core.events import (
 from core.feedback.delays import describe
 from core.numerics.clock import NS_PER_S
 from core.recording.reader import Recording
+from core.recording.schema import code_of
 from core.recording.summary import summarise_recording
 from core.recording.upgrade import recorded_version
 from core.session.protocol import Protocol
@@ -159,6 +160,10 @@ class SessionRows:
         """Return whether a press was accepted and not taken back."""
         return self.presses[press].verdict == "accepted" and press not in self.retracted
 
+    def keys_of(self, press: KeyPressed) -> Row:
+        """Return the first columns of a press; with the code of whichever of several people pressed."""
+        return {**self.keys, "participant": code_of(self.recording.header, press.person)}
+
     def action(self, step: int) -> str | None:
         """Return a step's action in words."""
         return action_of(self.game, self.steps[step].detail) if step in self.steps else None
@@ -261,7 +266,7 @@ class SessionRows:
             "trust_after": None if ended is None else ended.trust,
             "weight": started.weight,
             "environment_weight": started.w_r,
-            "share": started.share,
+            "handover": started.handover,
             "shaping": started.shaping,
             "augmentation": started.augmentation,
             "agreed": None if ended is None else ended.agreed,
@@ -269,13 +274,14 @@ class SessionRows:
             "presses_counted": len(counted),
             "presses_good": sum(value > 0 for value in values),
             "presses_bad": sum(value < 0 for value in values),
+            "presses_neither": sum(value == 0 for value in values),
         }
 
     def _unseen_rows(self, event: UnseenPlayed) -> Iterator[Row]:
         watched_only = (
-            "game ended started_s ended_s duration_s trust_before environment_weight share shaping "
+            "game ended started_s ended_s duration_s trust_before environment_weight handover shaping "
             "augmentation "
-            "presses_counted presses_good presses_bad"
+            "presses_counted presses_good presses_bad presses_neither"
         )
         for k, policy in enumerate(event.policies):
             yield {

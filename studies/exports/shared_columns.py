@@ -37,7 +37,10 @@ ORIGINS = {
     "imported": "another program's log",
 }
 WHOSE = (
-    text("participant", "Code of the participant."),
+    text(
+        "participant",
+        "Code of the participant; of a press of several people at one keyboard, of the one who pressed.",
+    ),
     text(
         "session", "Name of the file, with the folders below the one that was exported, without its ending."
     ),

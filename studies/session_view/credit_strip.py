@@ -6,7 +6,16 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from core.feedback.credit import CurrentStep, Delay, GammaDelay, PreviousStep, UniformDelay, credit, describe
+from core.feedback.credit import (
+    CurrentStep,
+    Delay,
+    GammaDelay,
+    PreviousStep,
+    UniformDelay,
+    credit,
+    describe,
+)
+from core.feedback.delays import PressRule, rule_for
 from core.numerics.clock import NS_PER_S
 from studies.session_view.session import Press, SessionView
 
@@ -46,7 +55,8 @@ class CreditStrip:
     """What fell on no step: before the first one, into pauses and gaps, or too late."""
     span_s: float
     """Seconds before the press that are drawn."""
-    delay: Delay
+    delay: PressRule
+    """Of this press: of a rule with a density per value, that of its value."""
     merged_into: int | None = None
     """The press that opened the burst of which this one is part."""
 
@@ -63,16 +73,17 @@ class CreditStrip:
         return np.asarray(mass / max(float(mass.max()), 1e-300))
 
 
-def strip_of(session: SessionView, press: Press, delay: Delay, *, recorded: bool = False) -> CreditStrip:
+def strip_of(session: SessionView, press: Press, rule: Delay, *, recorded: bool = False) -> CreditStrip:
     """Return how a press is credited under a rule.
 
     Args:
         session: of the press.
-        press: any press that means good or bad.
-        delay: the rule.
-        recorded: take the shares that the session itself gave, where it gave any; `delay` is then the rule of
+        press: any press that means good, bad or neither.
+        rule: by which it is credited.
+        recorded: take the shares that the session itself gave, where it gave any; `rule` is then the rule of
             the session and says which density is drawn.
     """
+    words, delay = describe(rule), rule_for(rule, press.value)
     reach_s = MOST_S if isinstance(delay, PreviousStep | CurrentStep) else max(MOST_S, delay.horizon_s)
     shown, hidden, steps = session.on_screen(press.time_ns - round(reach_s * NS_PER_S), press.time_ns + 1)
     given = session.credit_of(press.number) if recorded else None
@@ -92,13 +103,13 @@ def strip_of(session: SessionView, press: Press, delay: Delay, *, recorded: bool
         for begin, end, step in zip(shown, hidden, steps, strict=True)
         if begin <= press.time_ns
     )
-    return CreditStrip(describe(delay), stretches, shares, outside, _span(stretches, delay), delay, merged)
+    return CreditStrip(words, stretches, shares, outside, _span(stretches, delay), delay, merged)
 
 
 def _shares(
     session: SessionView,
     press: Press,
-    delay: Delay,
+    delay: PressRule,
     intervals: tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]],
 ) -> tuple[dict[int, float], float]:
     shown, hidden, steps = intervals
@@ -114,7 +125,7 @@ def _shares(
     return shares, outside
 
 
-def _span(stretches: tuple[OnStrip, ...], delay: Delay) -> float:
+def _span(stretches: tuple[OnStrip, ...], delay: PressRule) -> float:
     """Return how much time is drawn: the density's mass but for a hundredth, and every step with credit."""
     needed = [stretch.begin_s for stretch in stretches if stretch.share >= 0.01]
     span = max([LEAST_S, *needed])

@@ -86,6 +86,15 @@ class Terminal:
             self._stream.feed(read)
         return True
 
+    def discard(self, duration_s: float) -> None:
+        """Read what arrives for a while and keep none of it: a session of hours writes gigabytes."""
+        end = time.monotonic() + duration_s
+        while (left := end - time.monotonic()) > 0:
+            try:
+                self.child.read_nonblocking(65536, timeout=left)
+            except (pexpect.TIMEOUT, pexpect.EOF):
+                return
+
     def _time_mark(self, read: bytes, now_ns: int) -> None:
         if self.mark:
             recent = self._tail + read  # what is read may begin anywhere in it

@@ -24,6 +24,7 @@ from core.session.protocol_file import ProtocolError
 from core.session.protocol_reading import load_protocol, protocol_from
 
 GOLDEN = Path(__file__).resolve().parents[3] / "recordings" / "reference"
+LISTS = {path for path, kind in tables_of(Protocol) if kind.base == "tables"}
 TABLES = [(path, tag, kind.base) for path, kind in tables_of(Protocol) for tag in kind.structs or {}]
 
 
@@ -46,22 +47,34 @@ def test_every_table_of_every_type_is_walked() -> None:
     names = {".".join(path) for path, _, _ in TABLES}
     for table in ("agent.scheme", "agent.bootstrap.trust", "agent.credit.delay", "agent.human_model"):
         assert table in names
-    for table in ("learner.noise", "trainer.delay", "others", "others.delay"):
+    for table in (
+        "learner.noise",
+        "trainer.delay",
+        "others",
+        "others.delay",
+        "people",
+        "people.delay.values",
+    ):
         assert table in names
     assert {tag for path, tag, _ in TABLES if path == ("agent", "scheme")} == set(SCHEMES)
+
+
+def type_with(path: tuple[str, ...], key: str) -> dict[str, str]:
+    """Return the type of a table that has a key, as written in the table; {} where all types have it."""
+    structs = next(kind.structs or {} for found, kind in tables_of(Protocol) if found == path)
+    tags = [tag for tag, struct in structs.items() if key in settings_of(struct)]
+    return {} if len(tags) == len(structs) else {TAG: tags[0]}
 
 
 @pytest.mark.parametrize(("path", "tag", "base"), TABLES, ids=lambda value: str(value))
 @pytest.mark.parametrize("game", ["tetris", "keepaway"])
 def test_no_table_takes_a_foreign_key(game: str, path: tuple[str, ...], tag: str, base: str) -> None:
     inner: object = {"foreign_key": 1} | ({TAG: tag} if tag else {})
-    if base == "tables":
-        inner = [inner]
-    for key in reversed(path[1:]):
-        inner = [{key: inner}] if path[0] == "others" and key == path[1] else {key: inner}
-    if path == ("learner", "noise"):
-        assert isinstance(inner, dict)
-        inner[TAG] = "cross-entropy"
+    for depth in range(len(path), 0, -1):
+        if path[:depth] in LISTS:
+            inner = [inner]
+        if depth > 1:
+            inner = {path[depth - 1]: inner} | type_with(path[: depth - 1], path[depth - 1])
     with pytest.raises(ConfigurationError, match=r"foreign_key = 1: there is no such key") as caught:
         protocol_from({path[0]: inner}, game=game)
     assert "$" not in str(caught.value)
@@ -137,6 +150,9 @@ def test_all_that_is_wrong_is_told_at_once_in_the_order_of_the_file(tmp_path: Pa
         ("[agent.credit]\nmerge_within_s = 300\n", "300 seconds is a value that nobody means"),
         ('[agent.human_model]\ntype = "sgd"\nstep_size = 2.0\n', "2 is a value that nobody means"),
         ('[agent.human_model]\ntype = "sgd"\nstep_size = 0.02\n', "diverge to infinity"),
+        ("[trainer]\nstops_after_episodes = 1" + "0" * 400 + "\n", "expected a whole number 0 to 1000000000"),
+        ("[keys]\nrefractory_ms = 1" + "0" * 400 + "\n", "expected a whole number 0 to 1000000 milliseconds"),
+        ("[trainer]\nmistake_rate = 1" + "0" * 400 + "\n", "expected a number 0 to 1"),
         ('[agent.human_model]\nl2 = 1e-300\nstandardise = false\n', "expected a number 1e-06 to 1000000"),
         ('[learner]\npopulation = 1000000000\n', "expected a whole number 2 to 10000 policies"),
         ('[domain]\ntype = "keepaway"\nlength_m = 1e6\n', "expected a number 10 to 120 metres"),
@@ -172,7 +188,7 @@ def test_a_type_alone_stands_for_its_table_with_the_defaults(tmp_path: Path) -> 
     assert msgspec.structs.asdict(protocol.learner)["noise"] == NoNoise()
     for path, kind in tables_of(Protocol):
         for tag in kind.structs or {}:
-            if tag and path[0] != "others":
+            if tag and not any(path[:depth] in LISTS for depth in range(1, len(path))):
                 inner: object = tag
                 for key in reversed(path):
                     inner = {key: inner}
