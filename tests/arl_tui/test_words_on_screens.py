@@ -23,7 +23,7 @@ from arl_tui.calibration.texts import practice_word
 from arl_tui.games.registry import BUILT_IN, words_of
 from arl_tui.language import later, tr
 from arl_tui.screens.closing import ClosingScreen
-from arl_tui.screens.covers import HelpScreen, PauseScreen, SmallWindowScreen, StopScreen
+from arl_tui.screens.covers import BreakScreen, HelpScreen, PauseScreen, SmallWindowScreen, StopScreen
 from arl_tui.screens.practice import PracticeHelp, PracticeScreen
 from arl_tui.screens.practice_keepaway import ENDS, KeeperHelp
 from arl_tui.screens.welcome import WelcomeScreen
@@ -128,6 +128,7 @@ PAGES: dict[str, Callable[[], Screen]] = {
     },
     "pause": lambda: PauseScreen(gap_s=12.0),
     "stop": StopScreen,
+    "break-in-session": lambda: BreakScreen(3, 9),
     "small-window": lambda: SmallWindowScreen(Size(90, 30)),
     "closing": lambda: ClosingScreen(
         SessionOutcome(Path("x"), TALLY, kept=Kept(recorded=9, written=9, synced=9)),
