@@ -12,6 +12,8 @@ from typing import Any, TextIO, TypeVar
 import click
 
 from arl_tui.home import VARIABLE, recordings_folder
+from arl_tui.themes import NAMES, theme_in_use
+from arl_tui.themes import VARIABLE as THEME_VARIABLE
 from core.system.foreign_text import printable_lines
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -54,6 +56,25 @@ seed_option = click.option(
 )
 protocol_option = click.option(
     "--protocol", type=FILE, help="TOML file with everything that is to be set; defaults without it."
+)
+
+
+def _use_theme(_context: click.Context, _parameter: click.Parameter, value: str | None) -> None:
+    """Let this process, and those it starts, show a theme."""
+    if value is not None:
+        os.environ[THEME_VARIABLE] = value
+    try:
+        theme_in_use()
+    except ValueError as error:
+        raise click.UsageError(str(error)) from error
+
+
+theme_option = click.option(
+    "--theme",
+    type=click.Choice(NAMES),
+    expose_value=False,
+    callback=_use_theme,
+    help=f"Colours of all pages; by default those of the protocol ([screen] theme), or of {THEME_VARIABLE}.",
 )
 
 

@@ -19,6 +19,8 @@ from textual.driver import Driver
 from arl_tui.app.driver import own_driver
 from arl_tui.app.foreign_keys import ForeignKeys, language
 from arl_tui.app.terminal_guard import QUIET, TerminalGuard
+from arl_tui.app.theme_colours import THEMES
+from arl_tui.themes import theme_in_use
 from core.feedback.layouts import KeyReader
 
 Result = TypeVar("Result")
@@ -33,13 +35,26 @@ class PlainApp(App[Result], inherit_bindings=False):
     ALLOW_SELECT = False
     AUTO_FOCUS = None
 
-    def __init__(self, driver_class: type[Driver] | None = None) -> None:
-        """Prepare; `driver_class` is that of all apps by default."""
+    def __init__(self, driver_class: type[Driver] | None = None, *, theme: str = "dark") -> None:
+        """Prepare.
+
+        Args:
+            driver_class: that of all apps by default.
+            theme: of the pages (`arl_tui.themes`), unless the environment names another.
+        """
         trust_the_terminal()
+        no_color = os.environ.get("NO_COLOR")
         self.reader = KeyReader(language())
         """Finds the Latin letter on a key where the keyboard is set to another alphabet."""
         self._foreign_keys = ForeignKeys()
         super().__init__(driver_class=driver_class or own_driver())
+        if no_color is not None:
+            os.environ["NO_COLOR"] = no_color  # Textual takes it away, and a study's next app needs it
+        for each in THEMES.values():
+            self.register_theme(each)
+        self.theme_name = theme_in_use(theme)
+        """Which theme is in use: a key of `arl_tui.themes.THEMES`."""
+        self.theme = THEMES[self.theme_name].name
         self.animation_level = "none"
         self.ended_by: signal.Signals | None = None
         """The signal that has ended this app; SIGHUP also where the terminal was found to be gone."""

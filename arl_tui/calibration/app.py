@@ -68,6 +68,7 @@ class CalibrationApp(PlainApp[CalibrationOutcome]):
         clock: Clock | None = None,
         helper: Helper = ask_helper,
         timing: TrialTiming | None = None,
+        theme: str = "dark",
     ) -> None:
         """Prepare.
 
@@ -76,10 +77,11 @@ class CalibrationApp(PlainApp[CalibrationOutcome]):
             clock: of trials and frames; keys bring their own time (the monotonic clock's).
             helper: asks another process; see `arl_tui.calibration.helper`.
             timing: limits for keys.
+            theme: of the pages (`arl_tui.themes`).
         """
         self._clock = clock or MonotonicClock()
         self._flush_clock = FlushClock(self._clock)
-        super().__init__(driver_class=stamped_driver(self._flush_clock))
+        super().__init__(driver_class=stamped_driver(self._flush_clock), theme=theme)
         self._setup = setup
         self._helper = helper
         self._timing = timing
@@ -244,7 +246,9 @@ class CalibrationApp(PlainApp[CalibrationOutcome]):
         )
         if answer is None:
             return None
-        palette = palette_for("standard", self.console.color_system)
+        palette = palette_for(
+            "standard", self.console.color_system, no_color=self.no_color, theme=self.theme_name
+        )
         return screens_called(schedule.config.game).trial_view(answer, schedule, palette)
 
     async def _wait_for(self, module: str, question: object, page: WaitingPage) -> bytes | None:
@@ -271,6 +275,8 @@ class CalibrationApp(PlainApp[CalibrationOutcome]):
             self.size.width, self.size.height, stamps=stamps, frames_per_s=constants.MAX_FPS
         )
         found = facts.software() | terminal
+        if self.theme_name != "dark":
+            found["theme"] = self.theme_name
         found |= timing_facts(self._setup.recordings, terminal, wall_time_utc())
         name, resolution_ns = facts.clock_facts()
         found |= {"clock": name, "clock_resolution_ns": str(resolution_ns), PLANNED: self._setup.planned}

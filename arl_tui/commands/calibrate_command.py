@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from arl_tui.command_line import FILE, GAMES, pseudonym, recordings_option, seed_option
+from arl_tui.command_line import FILE, GAMES, pseudonym, recordings_option, seed_option, theme_option
 
 
 @click.command(short_help="Measure how long a participant takes to react and to judge.")
@@ -38,6 +38,7 @@ from arl_tui.command_line import FILE, GAMES, pseudonym, recordings_option, seed
     is_flag=True,
     help="Measure nothing: fit the newest finished trials again, pooled with everybody there is by now.",
 )
+@theme_option
 def calibrate(
     participant: str,
     tasks: str,

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from arl_tui.command_line import GAMES, recordings_option, seed_option
+from arl_tui.command_line import GAMES, recordings_option, seed_option, theme_option
 
 
 @click.command(short_help="See the whole path in a minute: watch, press, record, replay.")
@@ -18,6 +18,7 @@ from arl_tui.command_line import GAMES, recordings_option, seed_option
 )
 @seed_option
 @recordings_option(to_write=True)
+@theme_option
 def demo(game: str, person: str | None, seed: int | None, recordings: Path) -> None:
     """Show the whole path in about a minute: watch, press, record, replay, summary.
 

@@ -157,6 +157,7 @@ def live_app(
     study: Mapping[str, str] | None = None,
     kept: "FinishedPart | None" = None,
     practice: bool = False,
+    part: str = "",
     on_gone: Callable[[], None] = lambda: None,
 ) -> "tuple[ArlApp, SessionOutcome | None]":
     """Start the worker, then the app; return the app and its result when both are gone.
@@ -171,6 +172,7 @@ def live_app(
         study: where the session belongs in a study, for the header.
         kept: what the session had done before it broke off; None where it begins.
         practice: nothing counts.
+        part: where in a visit the session is, in words ("Block 2 of 3").
         on_gone: called where the window is closed and this process is about to end.
     """
     try:
@@ -197,6 +199,7 @@ def live_app(
             study=study or {},
             kept=kept,
             practice=practice,
+            part=part,
         )
         app = build_app(setup, link)
         app.before_leaving = on_gone

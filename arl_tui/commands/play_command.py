@@ -4,7 +4,14 @@ from pathlib import Path
 
 import click
 
-from arl_tui.command_line import GAMES, protocol_option, pseudonym, recordings_option, seed_option
+from arl_tui.command_line import (
+    GAMES,
+    protocol_option,
+    pseudonym,
+    recordings_option,
+    seed_option,
+    theme_option,
+)
 
 
 @click.command(short_help="Watch an agent learn a game and judge it by key presses.")
@@ -39,6 +46,7 @@ from arl_tui.command_line import GAMES, protocol_option, pseudonym, recordings_o
     "rest of the session is recorded beside it.",
 )
 @recordings_option(to_write=True)
+@theme_option
 @click.pass_context
 def play(
     context: click.Context,

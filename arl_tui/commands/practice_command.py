@@ -2,12 +2,13 @@
 
 import click
 
-from arl_tui.command_line import seed_option
+from arl_tui.command_line import seed_option, theme_option
 
 
 @click.command(short_help="Play Tetris or Keepaway yourself, with the agent's own moves.")
 @click.argument("game", type=click.Choice(["tetris", "keepaway"]), default="tetris")
 @seed_option
+@theme_option
 @click.option(
     "--games", type=click.IntRange(1, 1000), default=3, show_default=True, help="How many games are played."
 )

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from arl_tui.command_line import recordings_option, say
+from arl_tui.command_line import recordings_option, say, theme_option
 
 if TYPE_CHECKING:
     from arl_tui.study.simulated import Drawn
@@ -102,6 +102,7 @@ def settings() -> None:
 @study_argument
 @click.option("--participant", "code", help="Code of the participant; a new one is drawn by default.")
 @recordings_option(to_write=True)
+@theme_option
 def run(file: Path, code: str | None, recordings: Path) -> None:
     """Lead a participant through their next sitting of STUDY, or go on with one that broke off."""
     from arl_tui.app.facts import software
@@ -115,7 +116,8 @@ def run(file: Path, code: str | None, recordings: Path) -> None:
     with _plain_errors():
         loaded, ledger = _open(file, recordings)
         code = code or drawn_code(loaded.study, ledger)
-        result = run_sitting(loaded, ledger, code, Terminal(player(loaded)), software=software())
+        terminal = Terminal(player(loaded), theme=loaded.theme)
+        result = run_sitting(loaded, ledger, code, terminal, software=software())
     said = {
         "finished": "finished the sitting",
         "stopped": "stopped the sitting",

@@ -118,6 +118,7 @@ def _session(
         study=call.facts,
         kept=kept,
         practice=practice,
+        part=call.part,
         on_gone=call.on_gone,
     )
     if outcome is None:
@@ -141,6 +142,7 @@ def _session(
         file=outcome.recording.name if outcome.recording else "",
         games=games,
         presses=tally.good + tally.bad,
+        taken_back=tally.taken_back,
         unit=words.units[1],
         trouble=outcome.trouble or "",
         remark=outcome.warning,
@@ -174,7 +176,7 @@ def _calibrate(loaded: LoadedStudy, call: BlockCall, step: Calibration) -> Playe
         recordings=call.folder,
         hindrances=tuple(HINDRANCES[name] for name in hindrances()),
     )
-    app = CalibrationApp(setup)
+    app = CalibrationApp(setup, theme=loaded.theme)
     app.before_leaving = call.on_gone
     outcome = app.run_in_terminal()
     if outcome is None or app.ended_by is not None:

@@ -9,10 +9,14 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from arl_tui.app.outcome import SessionControls, SessionOutcome
+from arl_tui.app.tally import beginning_and_end
 from arl_tui.feedback_words import told
 from arl_tui.screens.page import PageScreen
 from arl_tui.words import Words
 from core.session.protocol import Protocol
+
+FEWEST_COMPARED = 4
+"""With fewer games the list of their figures says as much as two means."""
 
 
 class ClosingScreen(PageScreen):
@@ -88,7 +92,7 @@ class ClosingScreen(PageScreen):
         practised = f"On its own it practised {tally.unseen} games.\n" if tally.unseen else ""
         return (
             f"You watched {games} {'game' if games == 1 else 'games'} ({tally.steps} {self._words.steps}).\n"
-            f"{self._words.performance}: {lines}\n"
+            f"{self._words.performance}: {lines}\n{self._change()}"
             f"What you told the computer: {what_was_told}\n"
             f"{practised}{self._weight()}"
         ).rstrip()
@@ -107,6 +111,14 @@ class ClosingScreen(PageScreen):
         return "".join(
             f"\n  {person.name}: {text}" for person, text in zip(protocol.people, of_each, strict=True)
         )
+
+    def _change(self) -> str:
+        """Return how the agent played at the beginning and at the end, where there are games to compare."""
+        performances = self.outcome.tally.performances
+        if len(performances) < FEWEST_COMPARED:
+            return ""
+        first, last = beginning_and_end(performances)
+        return f"At the beginning {self._words.told(first)} per game, at the end {self._words.told(last)}.\n"
 
     def _weight(self) -> str:
         weight = self.outcome.tally.weight

@@ -9,7 +9,7 @@ from textual.geometry import Size
 from textual.widget import Widget
 from textual.widgets import Static
 
-from arl_tui.screens.page import PageScreen, keys_of_all, presses_of_all, session_keys
+from arl_tui.screens.page import PageScreen, bar, keys_of_all, presses_of_all, session_keys
 from core.session.protocol import Protocol
 
 
@@ -39,6 +39,35 @@ class PauseScreen(PageScreen):
             )
         yield Static("The game waits for you. Take as long as you like; key presses do not count now.")
         yield Static("Press [reverse] P [/] or [reverse] Space [/] to go on", classes="call")
+
+    def action_back(self) -> None:
+        """Go on."""
+        self.leave(True)
+
+
+class BreakScreen(PageScreen):
+    """Between two blocks of a session: nothing happens until the participant goes on."""
+
+    HEADING = "Time for a break"
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("space,enter", "back", "Go on", id="break.back", tooltip="Go on with the next block")
+    ]
+
+    def __init__(self, done: int, count: int) -> None:
+        """Prepare.
+
+        Args:
+            done: games that have been watched.
+            count: games of the whole session.
+        """
+        super().__init__()
+        self._done, self._count = done, count
+
+    def body(self) -> Iterable[Widget]:
+        """Return the text."""
+        yield Static(f"{self._done} of {self._count} games are done.\n{bar(self._done / self._count)}\n")
+        yield Static("Look away from the screen, and stretch. The game waits for you.")
+        yield Static("Press [reverse] Space [/] to go on", classes="call")
 
     def action_back(self) -> None:
         """Go on."""

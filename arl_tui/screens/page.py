@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 from itertools import zip_longest
 
+from textual import events
 from textual.app import ComposeResult
 from textual.containers import VerticalScroll
 from textual.screen import Screen
@@ -18,6 +19,10 @@ MOST_LINES = 3
 PAGE_WIDTH = 74
 """Columns of a page in the smallest window."""
 
+MORE = "more below: ↓ and Page Down"
+PAGE_LINES = 10
+"""How far the page keys move a text, lines."""
+
 
 class PageScreen(Screen[bool], inherit_bindings=False):
     """A titled box in the middle of the screen; opaque, so that a game beneath it is not seen."""
@@ -26,10 +31,28 @@ class PageScreen(Screen[bool], inherit_bindings=False):
     _left = False
 
     def compose(self) -> ComposeResult:
-        """Lay out the title and what is under it."""
+        """Lay out the title and what is under it; what can be pressed stays in sight below a long text."""
         with VerticalScroll(classes="page", can_focus=False):
             yield Static(self.HEADING, classes="title")
             yield from self.body()
+
+    def on_resize(self, event: events.Resize) -> None:
+        """Say where a text goes on below the window."""
+        self.call_after_refresh(self._tell_more)
+
+    def _tell_more(self) -> None:
+        for scroll in self.query(VerticalScroll):
+            below = scroll.max_scroll_y > 0 and scroll.scroll_target_y < scroll.max_scroll_y
+            scroll.border_subtitle = MORE if below else ""
+
+    def on_key(self, event: events.Key) -> None:
+        """Move a text that is longer than the window."""
+        scroll = self.query_one(VerticalScroll)
+        by = {"up": -1, "down": 1, "pageup": -PAGE_LINES, "pagedown": PAGE_LINES}.get(event.key)
+        if by is not None and scroll.max_scroll_y > 0:
+            event.stop()
+            scroll.scroll_relative(y=by, animate=False)
+            self.call_after_refresh(self._tell_more)
 
     def body(self) -> Iterable[Widget]:
         """Return the widgets under the title."""
@@ -40,6 +63,16 @@ class PageScreen(Screen[bool], inherit_bindings=False):
         if not self._left:
             self._left = True
             self.dismiss(result)
+
+
+BAR_WIDTH = 20
+"""Cells."""
+
+
+def bar(fraction: float) -> str:
+    """Return a bar for a fraction in [0, 1], and the fraction in per cent."""
+    done = round(fraction * BAR_WIDTH)
+    return f"{'━' * done}[dim]{'─' * (BAR_WIDTH - done)}[/] {fraction:.0%}"
 
 
 def key_cap(key: str) -> str:

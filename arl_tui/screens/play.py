@@ -11,7 +11,7 @@ from textual.screen import Screen
 from textual.widgets import Static
 
 from arl_tui.app.gaps import length_s
-from arl_tui.app.link import AskNow, Picture, Preparing, TakenFor
+from arl_tui.app.link import AskNow, Picture, Practised, Preparing, TakenFor
 from arl_tui.app.live_session import Cover, LiveSession, Occurrence
 from arl_tui.app.once import after
 from arl_tui.app.outcome import SessionControls
@@ -20,8 +20,15 @@ from arl_tui.games.panel import Progress
 from arl_tui.games.registry import screens_of, words_of
 from arl_tui.palette import Palette
 from arl_tui.screens.count_down import CountDown
-from arl_tui.screens.covers import HelpScreen, PauseScreen, SmallWindowScreen, StopScreen, fits_into
-from arl_tui.screens.page import PageScreen, session_keys
+from arl_tui.screens.covers import (
+    BreakScreen,
+    HelpScreen,
+    PauseScreen,
+    SmallWindowScreen,
+    StopScreen,
+    fits_into,
+)
+from arl_tui.screens.page import PageScreen, bar, session_keys
 from arl_tui.screens.question import Questioning
 from arl_tui.widgets.feedback_bar import HOLD_S, FeedbackBar
 from arl_tui.widgets.people_bar import PeopleBar
@@ -48,14 +55,9 @@ COMMANDS: dict[str, tuple[str, str]] = {
 }
 
 
-BAR_WIDTH = 20
-"""Cells."""
-
-
-def bar(fraction: float) -> str:
-    """Return a bar for a fraction in [0, 1], and the fraction in per cent."""
-    done = round(fraction * BAR_WIDTH)
-    return f"{'━' * done}[dim]{'─' * (BAR_WIDTH - done)}[/] {fraction:.0%}"
+MOVES_S = 0.5
+"""How often something moves while unseen episodes are played, seconds."""
+MOVING = "◐◓◑◒"
 
 
 class PlayScreen(Screen[None], inherit_bindings=False):
@@ -68,28 +70,33 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         Binding(COMMANDS["leave"][1], "leave", "Stop", id="play.stop", tooltip="Stop the session"),
     ]
 
-    def __init__(self, protocol: Protocol, live: LiveSession, palette: Palette) -> None:
+    def __init__(self, protocol: Protocol, live: LiveSession, palette: Palette, *, part: str = "") -> None:
         """Draw a session that has not begun.
 
         Args:
             protocol: size of the board, keys, number of games.
             live: the session; asked only to cover and uncover.
             palette: colours of the game.
+            part: where in a visit the session is, in words ("Block 2 of 3").
         """
         super().__init__()
         self.panel = screens_of(protocol).panel(protocol, palette)
         self.add_class(f"-{protocol.game}")
+        if part:
+            self.panel.part(part)
         names = [person.name for person in protocol.people]
         keys = protocol.keys_of_people
         self.feedback = (
             PeopleBar(list(zip(names, keys, strict=True))) if names else FeedbackBar(protocol.keys)
         )
+        self.feedback.rest(True)
         self._several = len(keys) > 1
         self._status = Static(id="status")
         self._protocol = protocol
         self._words = words_of(protocol.game)
         self._episodes = protocol.session.episodes
         self._unseen = protocol.session.unseen_between
+        self._unseen_before = protocol.session.unseen_before
         self._live = live
         self._picture: Picture | None = None
         self._watched = 0
@@ -98,8 +105,15 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         self._human_weights: list[float] = []
         """In use, one per game so far; empty where they are not to be seen."""
         self._shows_weight = protocol.screen.show_weight
+        self._stretch, self._block = protocol.screen.games_per_stretch, protocol.screen.games_per_block
         self._counts = protocol.screen.count_down_s > 0
         self._count_down = CountDown(self, self.panel.game_widget(), protocol.screen.count_down_s)
+        self._practised: Practised | None = None
+        """How far the unseen episodes are; None while none are played."""
+        self._result = ""
+        """How the last game went, in words."""
+        self._moving = not protocol.screen.reduced_motion
+        self._moved = 0
         self._questioning = Questioning(self, live, self.panel, self.feedback, protocol)
         self._said = ""
         self._silence_shown = False
@@ -118,6 +132,14 @@ class PlayScreen(Screen[None], inherit_bindings=False):
                 yield self._questioning.bar
                 yield self._status
         yield Static(session_keys(*self._protocol.keys_of_people), id="session-keys")
+
+    def on_mount(self) -> None:
+        """Let something move while unseen episodes are played, also before the first game."""
+        before = self._unseen if self._watched else self._unseen_before
+        if before:
+            self._practised = Practised(done=0, count=before)
+            self._tell_practised()
+        self.set_interval(MOVES_S, self._move)
 
     # --- what happens ---------------------------------------------------------------------------------------
 
@@ -141,13 +163,20 @@ class PlayScreen(Screen[None], inherit_bindings=False):
             case EpisodeEnded():
                 self._end_episode(occurrence)
             case Preparing(fraction=fraction) if self._live.phase == "running":
-                self._say(f"One moment, this first time:\n{bar(fraction)}")
+                self._practised = None
+                self._moved += 1
+                self._say(f"{self._sign()} One moment, this first time:\n{bar(fraction)}")
+            case Practised():
+                self._practised = occurrence
+                self._tell_practised()
             case QuestionPosed() | AskNow() | QuestionAnswered():
                 self._show_question(occurrence)
             case TimeGap():
                 self._lay_over(PauseScreen(gap_s=length_s(occurrence)), "gap")
             case StopAsked() | SessionEnded():
                 self._count_down.stop()
+                self.feedback.rest(True)
+                self._practised = None
                 self._questioning.over()
                 self._say("Stopping: everything is being saved ...")
 
@@ -204,8 +233,11 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         self._tell_presses_left()
 
     def _tell_presses_left(self) -> None:
-        """Write beside the game how many presses are left: of several people the feedback bar says it."""
-        if not self._several:
+        """Write beside the game how many presses are left, as long as there is something to judge.
+
+        Of several people the feedback bar says it.
+        """
+        if self._playing and not self._several:
             self.panel.presses_left(self._live.presses_left)
 
     def _begin_episode(self, episode: EpisodeStarted) -> None:
@@ -217,36 +249,64 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         self._tell_presses_left()
         self.panel.title(f"Game {self._watched}")
         self.panel.unmark()
+        self._practised = None
         self._say("")
-        if not self._live.gate.covered:  # a page lies over the game: the count-down comes when it is left
+        self.feedback.rest(self._live.gate.covered)
+        if self._live.gate.covered:
+            return  # a page lies over the game: the count-down comes when it is left
+        done = self._watched - 1
+        if self._block and done and done % self._block == 0:
+            self._lay_over(BreakScreen(done, self._episodes), "pause")
+        elif done % self._stretch == 0:
             self._count()
 
     def _count(self) -> None:
-        """Count down; no step is on screen meanwhile."""
+        """Count down; no step is on screen meanwhile, and no press is asked for."""
         if not self._counts:
             return
         self._live.count_down()
+        self.feedback.rest(True)
         self._count_down.start(f"Game {self._watched}", self._go_on)
 
     def _go_on(self) -> None:
         """Let the game go on, and draw once more: what was drawn before came too early to count."""
         self._live.uncover()
+        self.feedback.rest(not self._playing)
         if self._questioning.waiting:
             self._questioning.show()
         self.panel.refresh()
 
     def _end_episode(self, episode: EpisodeEnded) -> None:
         self._playing = False
+        self.feedback.rest(True)
+        self.panel.presses_left(None)
         lines = self._words.told(episode.performance)
         self.panel.title("Game over" if episode.ended == "termination" else "End of this game")
         if self._watched >= self._episodes or self._live.phase != "running":
             self._say(f"That was the last game: {lines}.")
         elif self._unseen:
-            self._say(
-                f"{lines}. Before the next game, the computer\npractises {self._unseen} games on its own."
-            )
+            self._result = f"{lines}."
+            self._practised, self._moved = Practised(done=0, count=self._unseen), 0
+            self._tell_practised()
         else:
             self._say(f"{lines}. The next game is about to begin.")
+
+    def _tell_practised(self) -> None:
+        """Say how many of the unseen games are played: the share is true, and the sign moves meanwhile."""
+        far = self._practised
+        if far is None or self._silence_shown:
+            return
+        told = f"{self._sign()} Practising: {far.done} of {far.count} games\n{bar(far.done / far.count)}"
+        self._say(f"{self._result}\n{told}".strip())
+
+    def _sign(self) -> str:
+        """Return what says that the program goes on: a sign that turns, or the seconds."""
+        return MOVING[self._moved % len(MOVING)] if self._moving else f"{int(self._moved * MOVES_S)} s"
+
+    def _move(self) -> None:
+        if self._practised is not None:
+            self._moved += 1
+            self._tell_practised()
 
     def _say(self, text: str) -> None:
         if self._disk_failed:

@@ -192,7 +192,7 @@ class PracticeScreen(Screen[None], inherit_bindings=False):
         self._size_of_board = (rows, columns)
         self._needed = Size(2 * columns + 2 + BESIDE, max(rows + 2, KEYS_END))
         self._gravity = Gravity(round(fall_s * 1e9), clock or MonotonicClock())
-        self._board = TetrisBoard(rows, columns, palette=palette)
+        self._board = TetrisBoard(rows, columns, palette=palette, around=Size(BESIDE + 2, 2))
         self._next = NextPiece(palette=palette)
         self._stats = StatsPanel("Practice", lines_high=2)
         self._poll: Timer | None = None
@@ -326,7 +326,9 @@ class PracticeApp(PlainApp[int]):
             rows=rows,
             columns=columns,
             fall_s=fall_s,
-            palette=palette_for(palette, self.console.color_system, no_color=self.no_color),
+            palette=palette_for(
+                palette, self.console.color_system, no_color=self.no_color, theme=self.theme_name
+            ),
             clock=clock,
             games=games,
             explain=explain,

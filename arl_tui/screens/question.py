@@ -21,7 +21,7 @@ from core.events import QuestionAnswered, QuestionPosed
 from core.feedback.asking_config import AskingConfig
 from core.session.protocol import Protocol
 
-ANSWERS = "answer when the computer asks you what to do ({none} none of these)"
+ANSWERS = "answer the computer's questions; {none} none of these"
 TITLE = "A question for you"
 COMING = "A question comes: you may judge\nthe last {step} first."
 NONE_OF_THESE = "none of these"

@@ -21,6 +21,7 @@ from arl_tui.games.keepaway.playback import Playback, Source
 from arl_tui.palette import STANDARD, palette_for
 from arl_tui.screens.covers import SmallWindowScreen, fits_into
 from arl_tui.screens.page import PageScreen, key_cap
+from arl_tui.themes import theme_in_use
 from arl_tui.widgets.pitch import PitchWidget
 from arl_tui.widgets.pitch_colours import legend
 from arl_tui.widgets.pitch_drawing import smallest
@@ -146,7 +147,12 @@ class WatchScreen(Screen[None], inherit_bindings=False):
 
     def compose(self) -> ComposeResult:
         """Lay out the pitch on the left, everything else on the right, keys below."""
-        palette = palette_for(self._palette, self.app.console.color_system, no_color=self.app.no_color)
+        palette = palette_for(
+            self._palette,
+            self.app.console.color_system,
+            no_color=self.app.no_color,
+            theme=theme_in_use(),
+        )
         self._palette = palette.name
         self.pitch = PitchWidget(
             self._length_m, self._width_m, detail=self._detail, beside=PANEL_WIDTH, palette=palette

@@ -42,6 +42,7 @@ class WelcomeScreen(PageScreen):
         simulated: bool,
         games_done: int = 0,
         practice: bool = False,
+        part: str = "",
         clock: Clock | None = None,
     ) -> None:
         """Prepare.
@@ -52,6 +53,7 @@ class WelcomeScreen(PageScreen):
             simulated: a simulated participant presses keys, too.
             games_done: watched games that were finished before the session broke off.
             practice: nothing counts.
+            part: where in a visit the session is, in words ("Block 2 of 3").
             clock: tells how long ago the start key was pressed.
         """
         super().__init__()
@@ -59,7 +61,7 @@ class WelcomeScreen(PageScreen):
         self._practice = practice
         self._protocol = protocol
         self._words = words_of(protocol.game)
-        self.HEADING = self._words.heading
+        self.HEADING = f"{self._words.heading}  -  {part}" if part else self._words.heading
         self._participant = participant
         self._simulated = simulated
         self._clock = clock or MonotonicClock()
@@ -105,7 +107,9 @@ class WelcomeScreen(PageScreen):
             "code[/] "
             f"[b]{self._participant}[/][dim]. You can pause or stop at any time.[/]"
         )
-        yield Static(id="pace")
+        pace = Static(id="pace")
+        pace.display = False  # an empty line would not fit into the smallest window
+        yield pace
         yield Static(id="call", classes="call")
 
     def on_mount(self) -> None:

@@ -14,7 +14,7 @@ from textual.widgets import Input, Static
 from arl_tui.study import words
 from arl_tui.study.pages import StudyPage, _plain
 from core.numerics.clock import Clock
-from studies.lab.questions import Answer, Choice, FreeText, Likert, Number, Question, Scale, refusal
+from studies.lab.questions import Answer, Choice, FreeText, Likert, Number, Press, Question, Scale, refusal
 
 SCALE_CELLS = 51
 """Places of the mark of a visual analogue scale on screen."""
@@ -66,10 +66,10 @@ class QuestionPage(StudyPage):
             yield Input(id="typed", type="number" if isinstance(self.question, Number) else "text")
             if isinstance(self.question, Number) and self.question.unit:
                 yield Static(_plain(self.question.unit))
-        else:
+        elif not isinstance(self.question, Press):
             yield Static(self._drawn(), id="answers")
         if not self.question.required:
-            yield Static(f"[dim]{words.MAY_SKIP}[/]")
+            yield Static(f"[dim]{words.MAY_SKIP}[/]", classes="hint")
 
     def call(self) -> str:
         """Return how to answer, or what is wrong with the answer."""
@@ -84,6 +84,8 @@ class QuestionPage(StudyPage):
                 return words.ANSWER_SEVERAL if several else words.ANSWER_CHOICE
             case Number() | FreeText():
                 return words.ANSWER_TYPED
+            case Press():
+                return words.ANSWER_PRESS
             case other:
                 assert_never(other)
 
@@ -99,12 +101,12 @@ class QuestionPage(StudyPage):
                 marks = "   ".join(
                     f"[reverse b] {k} [/]" if k == self._at else f" {k} " for k in range(1, points + 1)
                 )
-                return f"\n{marks}\n\n1 = {_plain(low)}, {points} = {_plain(high)}\n"
+                return f"{marks}\n\n1 = {_plain(low)}, {points} = {_plain(high)}\n"
             case Scale(maximum=maximum, low=low, high=high):
                 cell = round((self._at or 0) / maximum * (SCALE_CELLS - 1))
                 line = "".join("█" if k == cell and self._touched else "─" for k in range(SCALE_CELLS))
                 gap = " " * max(1, SCALE_CELLS - len(low) - len(high))
-                return f"\n|{line}|\n {_plain(low)}{gap}{_plain(high)}\n"
+                return f"|{line}|\n {_plain(low)}{gap}{_plain(high)}\n"
             case Choice(options=options, several=several):
                 return "\n".join(self._option(k, text, several) for k, text in enumerate(options))
             case _:
@@ -124,7 +126,14 @@ class QuestionPage(StudyPage):
     # --- keys -----------------------------------------------------------------------------------------------
 
     def on_key(self, event: events.Key) -> None:
-        """Choose with digits, arrows and Space."""
+        """Choose with digits, arrows and Space; the first letter or digit answers an instructed press."""
+        if isinstance(self.question, Press):
+            key = event.key.lower()
+            if len(key) == 1 and key.isalnum() and key != "q":
+                event.stop()
+                event.prevent_default()
+                self._leave_with(key)
+            return
         if isinstance(self.question, Number | FreeText):
             return
         by = {"left": -1, "up": -1, "right": 1, "down": 1}.get(event.key)
@@ -190,6 +199,8 @@ class QuestionPage(StudyPage):
                     return float(typed) if typed else None
                 except ValueError:
                     return typed
+            case Press():
+                return None  # answered by the press itself, not by Enter
             case FreeText():
                 return self.query_one(Input).value.strip() or None
             case Choice(options=options, several=True):

@@ -26,7 +26,7 @@ from core.numerics.streams import stream
 from core.recording.reader import read_recording
 from core.session.protocol import Protocol
 from studies.lab.config import Block, Calibration, Practice
-from studies.lab.questions import Choice, FreeText, Likert, Number, Question, Scale
+from studies.lab.questions import Choice, FreeText, Likert, Number, Press, Question, Scale
 from studies.lab.read import LoadedStudy
 
 KINDS = tuple(persons())
@@ -141,7 +141,8 @@ class SimulatedPresenter:
                 ["enter", "enter"] if self._habits.declines else ["enter"]
             )
         if isinstance(screen, QuestionPage):
-            return [*self._answer(screen.question), "enter"]
+            answer = self._answer(screen.question)
+            return answer if isinstance(screen.question, Press) else [*answer, "enter"]
         if isinstance(screen, BreakPage):
             self._clock.advance_ns(int(screen.shortest_s * NS_PER_S))
         return ["enter"]
@@ -156,6 +157,8 @@ class SimulatedPresenter:
                 return [str(options.index(correct) + 1 if correct else self._draw(1, min(len(options), 9)))]
             case Number(lowest=lowest, highest=highest):
                 return list(str(self._draw(int(np.ceil(lowest)), int(highest))))
+            case Press(key=key):
+                return [key]
             case FreeText():
                 return list("simulated")
             case other:

@@ -12,6 +12,7 @@ import msgspec
 from rich.segment import Segment
 from textual import events
 from textual.app import ComposeResult
+from textual.geometry import Size
 from textual.strip import Strip
 from textual.widget import Widget
 
@@ -21,7 +22,6 @@ from arl_tui.app.link import Begin, Crashed, FromWorker, Link, Picture, Ready
 from arl_tui.app.once import after
 from arl_tui.app.plain_app import PlainApp
 from arl_tui.palette import STANDARD
-from arl_tui.timing.leash import tie_to_parent
 from arl_tui.timing.plan import (
     ANSWER_KEY,
     GAP_S,
@@ -38,6 +38,7 @@ from core.events import FrameShown
 from core.feedback.keys import nanoseconds
 from core.numerics.clock import MonotonicClock
 from core.session.protocol import Protocol, ScreenConfig, SessionConfig
+from core.system.processes import leave_with
 from core.tetris.picture import Snapshot
 
 FRAME_MS = 33
@@ -71,6 +72,11 @@ class Stimulus(Widget, can_focus=False):
         return Strip([Segment(text.ljust(self.size.width), self.rich_style)])
 
 
+AROUND = Size(2, 10)
+"""Columns and lines that the board leaves free: in 80 x 30 a block is one line high, in 200 x 60 two, as in a
+session of that size."""
+
+
 class SubjectApp(PlainApp[str]):
     """Runs the trials of a plan; returns why it ended early, "" if it did not."""
 
@@ -89,7 +95,7 @@ class SubjectApp(PlainApp[str]):
         self._link = link
         self._garbage = GarbageControl()
         self._stimulus = Stimulus()
-        self._board = TetrisBoard(palette=STANDARD)
+        self._board = TetrisBoard(palette=STANDARD, around=AROUND)
         self._marks: dict[int, Callable[[int], None]] = {}
         self._n_marks = 0
         self._began_ns = 0
@@ -256,7 +262,7 @@ def run(plan: Plan) -> tuple[str, Seen]:
 def main(plan_path: str, seen_path: str, parent: str) -> None:
     """Run a plan from a file and write what was seen to another."""
     plan = msgspec.json.decode(Path(plan_path).read_bytes(), type=Plan)
-    tie_to_parent(int(parent), START_UP_S + plan.longest_s)
+    leave_with(int(parent), started_by_main_thread=True, longest_s=START_UP_S + plan.longest_s)
     trouble, seen = run(plan)
     if trouble:
         raise SystemExit(trouble)

@@ -31,7 +31,11 @@ class RenderedPictures:
         self._game = -1
         self._next = -1
         self._opening: tuple[TickView, ...] = ()
+<<<<<<< HEAD
         self._shots: tuple[TickView, ...] = ()
+=======
+        self._ticks: tuple[TickView, ...] = ()
+>>>>>>> w/int
         self._otherwise = ""
 
     def at(self, moment: Moment) -> Look:
@@ -41,10 +45,15 @@ class RenderedPictures:
         if moment.step < 0:
             return self._between(moment)
         self._play_to(int(self._session.steps["episode"][moment.step]), moment.step)
-        if not self._shots:
+        if not self._ticks:
             return Look(self._renderer.picture, self._otherwise)
+<<<<<<< HEAD
         n = tick_number(self._session, moment, len(self._shots), self._renderer.tick_ns)
         return Look(self._shots[n].view, self._otherwise)
+=======
+        n = tick_number(self._session, moment, len(self._ticks), self._renderer.tick_ns)
+        return Look(self._ticks[n].view, self._otherwise)
+>>>>>>> w/int
 
     def _between(self, moment: Moment) -> Look:
         """Return the last picture of the game before, or the first of one whose steps have not begun."""
@@ -65,7 +74,7 @@ class RenderedPictures:
         self._opening = self._renderer.begin(started)
         self._state = self._domain.initial(started.episode_seed)
         self._game, self._next = game, int(self._session.games["first_step"][game])
-        self._shots, self._otherwise = (), ""
+        self._ticks, self._otherwise = (), ""
 
     def _play_to(self, game: int, row: int) -> None:
         """Play to the end of a step."""
@@ -78,7 +87,7 @@ class RenderedPictures:
                 self._otherwise = OTHERWISE
                 return
             self._state = self._domain.transition(self._state, step.action).next_state
-            self._shots = self._renderer.act(step)
+            self._ticks = self._renderer.act(step)
         self._next = row + 1
 
     def _could_be(self, step: StepTaken) -> bool:

@@ -24,6 +24,8 @@ HOLD_S = 1.5
 WATCH = ("watch, and say what you think", "watch")
 """What stands where the word will be, as long as there is room for."""
 WATCH_ONLY = ("watch: no presses left in this game", "watch: no presses left")
+RESTING = ("nothing to judge now", "wait")
+"""What stands there while no game is on screen."""
 WRONG_ASKED = (
     "Just once, on purpose: press the WRONG key",
     "On purpose: press the WRONG key",
@@ -102,6 +104,8 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
         """What stands in big letters: GOOD, BAD, TAKEN BACK, a grade, or nothing."""
         self.note = ""
         """What stands below it."""
+        self.resting = False
+        """Whether there is nothing to judge: nothing on the bar asks for a press then."""
         self.saving = False
         """Whether the disk is behind with what has been recorded."""
         self._foreign_keys = ForeignKeys()
@@ -113,6 +117,12 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
     def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
         """Return the height, which never changes."""
         return self.LINES_HIGH
+
+    def rest(self, resting: bool) -> None:
+        """Ask for nothing while there is nothing to judge, or ask again."""
+        if resting != self.resting:
+            self.resting = resting
+            self.refresh()
 
     def begin_game(self, presses_left: int) -> None:
         """Clear the bar and show a new budget."""
@@ -190,19 +200,19 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
             parts = wrap(self.note, max(1, self.size.width))
             return self._line([("note", parts[line] if line < len(parts) else "")])
         if line == 2:
-            return self._line(self._budget())
+            return self._line([] if self.resting else self._budget())
         if line == 3 and self.saving:
             return self._line([("note", SAVING)])
-        if line == 4 and self.wrong_asked:
+        if line == 4 and self.wrong_asked and not self.resting:
             return self._filled("cue", self._longest(WRONG_ASKED))
-        if line == 6:
+        if line == 6 and not self.resting:
             return self._line(self._key_names())
         return self._line([])
 
     def _word_line(self, y: int) -> Strip:
         width = self.size.width
         if not self.word:
-            waiting = WATCH if self.presses_left else WATCH_ONLY
+            waiting = RESTING if self.resting else WATCH if self.presses_left else WATCH_ONLY
             return self._filled("idle", self._longest(waiting) if y == 1 else "")
         lines = big(self.word)
         if len(lines[0]) > width:
@@ -222,7 +232,9 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
 
     def _key_names(self) -> list[tuple[str, str]]:
         back = "back" if self.keys.graded else "take back"
-        names = (*short_words(self.keys), (self.keys.retract, back))
+        names = [*short_words(self.keys), (self.keys.retract, back)]
+        if not self.presses_left:
+            names = names[-1:]  # a press taken back counts again; another one does not
         room = self.size.width - sum(len(f" {key} {name}") for key, name in names)
         gap = " " * min(4, max(1, room // len(names)))
         parts: list[tuple[str, str]] = []

@@ -49,7 +49,7 @@ class PeopleBar(FeedbackBar):
         """Return the word and the note that stand in a person's line."""
         return self._people[person].word, self._people[person].note
 
-    def begin_episode(self, presses_left: int) -> None:
+    def begin_game(self, presses_left: int) -> None:
         """Clear the bar and show everybody's new budget; `presses_left` is that of the first."""
         for person, line in enumerate(self._people):
             line.presses_left = line.keys.max_presses_per_episode

@@ -1,6 +1,7 @@
 """The figures beside the board."""
 
 from asyncio import TimerHandle
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -62,6 +63,7 @@ class StatsPanel(Widget, inherit_bindings=False, can_focus=False):
         title: str = "Progress",
         *,
         lines_high: int = 4,
+        grows: Callable[[Size], int] = lambda window: 0,
         clock: Clock | None = None,
         id: str | None = None,
         classes: str | None = None,
@@ -71,6 +73,7 @@ class StatsPanel(Widget, inherit_bindings=False, can_focus=False):
         Args:
             title: in the border.
             lines_high: lines inside the border: 4 hold all figures, 2 only lines and pieces.
+            grows: returns how many lines more it has in a window, to end where its neighbour ends.
             clock: says when the next redrawing is due; the machine's by default.
             id: Textual's name of the widget.
             classes: Textual's style classes.
@@ -80,14 +83,15 @@ class StatsPanel(Widget, inherit_bindings=False, can_focus=False):
         self.figures = Figures()
         """What is on screen, or will be with the next paint."""
         self._lines_high = lines_high
+        self._grows = grows
         self._clock = clock or MonotonicClock()
         self._drawn_ns: int | None = None
         self._waiting: Figures | None = None
         self._timer: TimerHandle | None = None
 
     def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
-        """Return the height, which never changes."""
-        return self._lines_high
+        """Return the height, which only the window's size changes."""
+        return self._lines_high + self._grows(viewport)
 
     def show(self, figures: Figures) -> None:
         """Draw these figures: at once, or when the last drawing is old enough. The newest win."""

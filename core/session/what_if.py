@@ -101,7 +101,7 @@ def watched_steps(recording: Recording, protocol: Protocol) -> dict[int, Watched
             case EpisodeStarted():
                 seed, state = output.episode_seed, None
             case StepTaken(state=None, observed=None):
-                state = domain.initial(seed) if state is None else state
+                state = _begun(recording, domain, seed) if state is None else state
                 choices = None if domain.terminal(state) else domain.choices(state)
                 if choices is None or not _could_be(output, choices, domain, state):
                     raise RecordingError(
@@ -124,6 +124,17 @@ def watched_steps(recording: Recording, protocol: Protocol) -> dict[int, Watched
                         f"size?"
                     ) from error
     return steps
+
+
+def _begun(recording: Recording, domain: Domain[Any], seed: int) -> Any:
+    """Return the state in which a recorded episode begins."""
+    try:
+        return domain.initial(seed)
+    except (ValueError, ArithmeticError) as error:
+        raise RecordingError(
+            f"{recording.path}: no game can begin as recorded: {error}. The file was changed after it was "
+            f"recorded, or another program wrote it"
+        ) from error
 
 
 def _could_be(taken: StepTaken, choices: Choices, domain: Domain[Any], state: Any) -> bool:

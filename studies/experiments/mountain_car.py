@@ -55,7 +55,7 @@ def trial(
     """Return the settings of a trial.
 
     Args:
-        scheme: how environment and human are combined; Eq. 3 by default.
+        scheme: how environment and participant are combined; Eq. 3 by default.
         trust: rule of w_h; Eq. 4 by default.
         taught_by: who watches every episode.
     """

@@ -21,8 +21,8 @@ def run_trial(protocol: Protocol, root_seed: int) -> dict[str, Floats]:
 
     Returns:
         Columns with one number per episode: steps, presses that were credited in it (or in the pause before),
-        trust (what the rule of trust said of the teacher), w_h (the weight of the human's values that the
-        scheme used), reached (1 where the car came to the flag).
+        trust (what the rule of trust said of the teacher), w_h (the weight of the participant's values that
+        the scheme used), reached (1 where the car came to the flag).
     """
     game = MountainCarGame()
     agent, domain, clock = game.agent(protocol, root_seed), game.domain(protocol), ManualClock()

@@ -130,7 +130,8 @@ def experiment_module(name: str) -> Any:
     else:
         raise ValueError(
             f"no experiment {name!r}: there are {', '.join(MODULES)}; one of your own is named by its file "
-            "(my.py) or module (my_package.my)"
+            f"(my.py) or "
+            "module (my_package.my)"
         )
     if not hasattr(module, "EXPERIMENT"):
         raise ValueError(

@@ -6,6 +6,7 @@ from typing import Annotated, Literal, assert_never
 
 from msgspec import Meta
 
+from core.configuration.fields import ALLOWED
 from core.configuration.reading import ConfigurationError, read_whole
 from core.session.protocol_file import ProtocolError, located, read_toml
 from studies.lab.config import Code, Table
@@ -96,7 +97,16 @@ class FreeText(Item, frozen=True, kw_only=True, tag="text"):
     """Characters at most."""
 
 
-Question = Likert | Scale | Choice | Number | FreeText
+class Press(Item, frozen=True, kw_only=True, tag="press"):
+    """An instructed press: an attention check that is passed with one named key."""
+
+    key: Annotated[
+        str, Meta(pattern="^[a-pr-z0-9]$", extra={ALLOWED: "one small letter but q, or one digit"})
+    ]
+    """The key that is asked for; the text names it, too. The first letter or digit that is pressed counts."""
+
+
+Question = Likert | Scale | Choice | Number | FreeText | Press
 
 
 class QuestionList(Table, frozen=True, kw_only=True):
@@ -185,6 +195,8 @@ def refusal(question: Question, answer: Answer) -> str | None:
                 if allowed
                 else f"Please type a number from {lowest:g} to {highest:g} {unit}".rstrip() + "."
             )
+        case Press():
+            return None if isinstance(answer, str) and len(answer) == 1 else "Please press one key."
         case FreeText(longest=longest):
             return None if len(str(answer)) <= longest else f"Please use at most {longest} characters."
         case other:
@@ -193,6 +205,8 @@ def refusal(question: Question, answer: Answer) -> str | None:
 
 def passed(question: Question, answer: Answer) -> bool | None:
     """Return whether an attention check was passed; None where the question is none."""
+    if isinstance(question, Press):
+        return answer == question.key
     if isinstance(question, Likert | Choice) and question.correct is not None:
         return answer == question.correct or answer == (question.correct,)
     return None

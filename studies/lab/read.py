@@ -40,6 +40,11 @@ class LoadedStudy:
     protocols: Mapping[str, Protocol]
     """By condition."""
 
+    @property
+    def theme(self) -> str:
+        """Theme of the study's pages: that of its first condition's protocol."""
+        return next(iter(self.protocols.values())).screen.theme
+
     def block_protocol(self, condition: str, step: Block) -> Protocol:
         """Return the protocol of a block. Its name is the study's, so that it says nothing about the
         condition.

@@ -5,8 +5,10 @@ Building it reads the whole file once and checks its chain. Memory does not grow
 """
 
 import hashlib
+import struct
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
@@ -166,7 +168,8 @@ def _build(
     building = Building()
     try:
         _read(file, building, on_progress)
-        facts = building.facts(file if file != path else None, notes)
+        with _possible(file, 0):
+            facts = building.facts(file if file != path else None, notes)
         contents = Contents(INDEX_VERSION, fingerprint, facts, {})
         for place in _places(path):
             try:
@@ -182,6 +185,18 @@ def _build(
         f"{path}: its index can be written neither beside it nor in {tempfile.gettempdir()}: make room on "
         f"the disk"
     )
+
+
+@contextmanager
+def _possible(file: Path, offset: int) -> Iterator[None]:
+    """Refuse what no table can hold: numbers beyond 64 bits, the end of a game that never began."""
+    try:
+        yield
+    except (struct.error, ValueError, OverflowError) as error:
+        raise RecordingError(
+            f"{file}: no session records what stands at byte {offset}: {error}. The file was changed after "
+            f"it was recorded, or another program wrote it"
+        ) from error
 
 
 def _read(file: Path, building: Building, on_progress: OnProgress, *, up_to: int | None = None) -> None:
@@ -203,7 +218,8 @@ def _read(file: Path, building: Building, on_progress: OnProgress, *, up_to: int
             if isinstance(record, Header):
                 version, begun = record.version, True
             else:
-                building.take(record, offset)
+                with _possible(file, offset):
+                    building.take(record, offset)
             offset += len(line) + 1
         on_progress(offset / size)
     if sealed.tail:
@@ -232,7 +248,8 @@ def first_part(path: Path) -> Index | None:
     building = Building()
     try:
         _read(path, building, lambda fraction: None, up_to=FIRST_PART)
-        facts = building.facts(None, ())
+        with _possible(path, 0):
+            facts = building.facts(None, ())
         with tempfile.TemporaryDirectory(prefix="arl-watch-") as folder:
             place = Path(folder) / f"first{SUFFIX}"
             write_tables(place, building.tables, Contents(INDEX_VERSION, fingerprint, facts, {}))

@@ -83,7 +83,13 @@ class Growing:
         self.n += 1
 
     def change(self, row: int, column: str, value: float) -> None:
-        """Change one value of a row that has been written."""
+        """Change one value of a row that has been written.
+
+        Raises:
+            ValueError: there is no such row.
+        """
+        if not 0 <= row < self.n:
+            raise ValueError(f"a table of {self.n} {self.name} has no row {row}")
         dtype = DTYPES[self.name]
         assert dtype.fields is not None
         kind, offset = dtype.fields[column][:2]

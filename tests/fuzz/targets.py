@@ -38,6 +38,7 @@ from studies.experiments.trial_file import DamagedTrial, Played, read_rows
 from studies.lab.read import StudyError, load_study
 from studies.reaction_time.read import Columns, read_files
 from studies.reaction_time.tables.contract import ReadError
+from studies.session_view.session import open_session
 from tests.fuzz.mutate import changed_values, mutated, resealed
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -93,6 +94,12 @@ def _stored(path: Path) -> object:
         assert same or any(math.isnan(value) for value in _numbers(in_memory)), "two readings of one file"
         assert on_disk.summary == summarise_recording(in_memory), "two summaries of one file"
     return on_disk
+
+
+def _index(path: Path) -> object:
+    """Open a recording as the viewer does, and look at its last moment."""
+    session = open_session(path)
+    return session.at(session.end_ns)
 
 
 def _numbers(recording: Recording) -> Iterator[float]:
@@ -268,6 +275,7 @@ TARGETS = {
         Target("recordings-raw", recordings, _read_recording, (RecordingError,), ".jsonl"),
         Target("recordings-resealed", short_recordings, _check, (RecordingError,), ".jsonl", _resealed),
         Target("recordings-stored", short_recordings, _stored, (RecordingError,), ".jsonl", _resealed),
+        Target("recordings-viewed", short_recordings, _index, (RecordingError,), ".jsonl", _resealed),
         Target(
             "replay",
             short_recordings,

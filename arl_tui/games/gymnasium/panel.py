@@ -104,8 +104,9 @@ class GymnasiumPanel:
         view = picture.view
         assert isinstance(view, EnvPicture), "a worker that plays Gymnasium sends its pictures"
         self.widget.show(view, picture.number)
-        # Where nothing stands beside it, as in the viewer, the border says it.
-        self.widget.border_subtitle = f"step {view.steps}, reward {view.reward:.4g}"
+        if not self._figures.is_attached:
+            # Nothing stands beside it, as in the viewer: the border says it.
+            self.widget.border_subtitle = f"step {view.steps}, reward {view.reward:.4g}"
         self._figures.update(
             f"Game       {progress.episode} of {progress.episodes}\nStep       {view.steps}\n"
             f"Reward     {view.reward:.4g}"
@@ -119,6 +120,10 @@ class GymnasiumPanel:
         """Write into the border."""
         self.widget.border_title = text
 
+    def part(self, text: str) -> None:
+        """Write into the border of the figures."""
+        self._figures.border_title = text
+
     def mark(self, taken: TakenFor) -> str:
         """Say that the press counted; where the action is to be seen nobody knows."""
         return "but no step was on screen" if taken.step < 0 else "for the last step"
@@ -126,5 +131,5 @@ class GymnasiumPanel:
     def unmark(self) -> None:
         """Do nothing: nothing is marked."""
 
-    def presses_left(self, presses: int) -> None:
+    def presses_left(self, presses: int | None) -> None:
         """Say nothing: the feedback bar is near enough."""

@@ -7,8 +7,8 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from arl_tui.app.link import Picture, TakenFor
-from arl_tui.games.rendering import Place
 from arl_tui.games.panel import SMALLEST, Progress
+from arl_tui.games.rendering import Place
 from arl_tui.palette import Palette
 from arl_tui.widgets.pitch import PitchWidget
 from arl_tui.widgets.pitch_drawing import smallest
@@ -30,8 +30,9 @@ TREND_WIDTH = 12
 class LivePitch(PitchWidget):
     """A pitch that draws what lies between the picture it has and the one that comes next."""
 
-    def __init__(self, config: KeepawayConfig, palette: Palette, clock: Clock) -> None:
+    def __init__(self, config: KeepawayConfig, palette: Palette, clock: Clock, *, smooth: bool) -> None:
         super().__init__(config.length_m, config.width_m, beside=BESIDE, palette=palette)
+        self._smooth = smooth
         self._clock = clock
         self._picture: Picture | None = None
         self._since_ns = 0
@@ -39,8 +40,9 @@ class LivePitch(PitchWidget):
         """Number of the newest picture whose drawing has been told of."""
 
     def on_mount(self) -> None:
-        """Begin to draw smoothly."""
-        self.set_interval(FRAME_S, self._slide)
+        """Begin to draw smoothly, unless movement is to be reduced."""
+        if self._smooth:
+            self.set_interval(FRAME_S, self._slide)
 
     def take(self, picture: Picture) -> None:
         """Draw a picture with the next paint, even if it looks like the one before."""
@@ -66,7 +68,8 @@ class KeepawayPanel:
     def __init__(self, protocol: Protocol, palette: Palette, *, clock: Clock | None = None) -> None:
         """Draw an empty pitch of the protocol's size."""
         assert isinstance(protocol.domain, KeepawayConfig), "a protocol of Keepaway"
-        self.pitch = LivePitch(protocol.domain, palette, clock or MonotonicClock())
+        smooth = not protocol.screen.reduced_motion
+        self.pitch = LivePitch(protocol.domain, palette, clock or MonotonicClock(), smooth=smooth)
         least = smallest(protocol.domain.length_m, protocol.domain.width_m)
         self.needed = Size(max(SMALLEST.width, least.columns + BESIDE), max(SMALLEST.height, least.lines + 1))
         """Columns and lines without which the game does not fit."""
@@ -108,6 +111,10 @@ class KeepawayPanel:
         """Write into the pitch's boundary."""
         self.pitch.title = text
 
+    def part(self, text: str) -> None:
+        """Write into the border of the figures."""
+        self._score.border_title = text
+
     def mark(self, taken: TakenFor) -> str:
         """Mark the keeper who chose, and who was passed to."""
         if taken.step < 0 or not taken.place:
@@ -131,8 +138,11 @@ class KeepawayPanel:
         """Take the keys away."""
         self.pitch.pose(())
 
-    def presses_left(self, presses: int) -> None:
+    def presses_left(self, presses: int | None) -> None:
         """Write them into the pitch's boundary, where the eye is."""
+        if presses is None:
+            self.pitch.note = ""
+            return
         self.pitch.note = "1 press left" if presses == 1 else f"{presses} presses left"
 
 

@@ -51,7 +51,7 @@ class States:
         began_ns = clock.now_ns()
         try:
             self._side: Any = copy.deepcopy(env)
-        except Exception:  # noqa: BLE001 - whatever an environment of somebody else raises
+        except Exception:  # noqa: BLE001 - whatever a foreign environment raises
             self._side = None
         self._copy_ns = clock.now_ns() - began_ns
         self._step_ns = 0

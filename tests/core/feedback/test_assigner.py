@@ -322,7 +322,7 @@ def test_a_long_session_keeps_only_the_features_that_a_press_may_still_need():
     for step in range(2000):
         assigner.step_shown(step, step * NS_PER_S, np.full(3, float(step)))
         if step in (500, 501):
-            assigner.press(step, step * NS_PER_S + 600_000_000, 1.0)
+            assigner.add_press(step, step * NS_PER_S + 600_000_000, 1.0)
     kept = set(assigner._features)
     assert {499, 500, 501} & kept
     assert len(kept) < 100

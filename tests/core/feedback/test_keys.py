@@ -123,7 +123,7 @@ def test_the_budget_is_never_exceeded_and_every_press_is_recorded(presses):
         ({"good": "1"}, "one lower-case letter"),
         ({"good": "J"}, "one lower-case letter"),
         ({"good": "f"}, "three different keys"),
-        ({"wrong_press_rate": 1.5}, "share in"),
+        ({"wrong_press_rate": 1.5}, "fraction in"),
         ({"max_presses_per_episode": -1}, ">= 0"),
     ],
 )

@@ -79,7 +79,7 @@ def test_a_model_fits_its_domain():
         human_model(RidgeModel(), 2, TILING)
     with pytest.raises(ValueError, match=r"window is 0\.\.56"):
         HumanTileModel(TileModel(), TILING).add(sample([57], 1.0))
-    with pytest.raises(ValueError, match="step_size is a share"):
+    with pytest.raises(ValueError, match="step_size is a fraction"):
         TileModel(step_size=0.0)
 
 
