@@ -71,7 +71,7 @@ class Terminal:
     def __exit__(self, *_: object) -> None:
         try:
             self.child.close(force=True)
-        except pexpect.ExceptionPexpect:  # on a busy machine even a killed process takes more than 0.1 s to go
+        except pexpect.ExceptionPexpect:  # on a busy machine a killed process takes longer to go
             while self.child.isalive():
                 time.sleep(0.05)
             self.child.close()
