@@ -109,9 +109,7 @@ class WelcomeScreen(PageScreen):
             "code[/] "
             f"[b]{self._participant}[/][dim]. You can pause or stop at any time.[/]"
         )
-        pace = Static(id="pace")
-        pace.display = False  # an empty line would not fit into the smallest window
-        yield pace
+        yield Static(id="pace")
         yield Static(id="call", classes="call")
 
     def on_mount(self) -> None:
