@@ -7,8 +7,8 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from arl_tui.app.link import Picture, TakenFor
-from arl_tui.games.rendering import Place
 from arl_tui.games.panel import SMALLEST, Progress
+from arl_tui.games.rendering import Place
 from arl_tui.palette import Palette
 from arl_tui.widgets.pitch import PitchWidget
 from arl_tui.widgets.pitch_drawing import smallest

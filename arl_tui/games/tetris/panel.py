@@ -6,8 +6,8 @@ from textual.geometry import Size
 from textual.widget import Widget
 
 from arl_tui.app.link import Picture, TakenFor
-from arl_tui.games.rendering import Place
 from arl_tui.games.panel import SMALLEST, Progress
+from arl_tui.games.rendering import Place
 from arl_tui.palette import Palette
 from arl_tui.widgets.blocks import CELLS_PER_BLOCK
 from arl_tui.widgets.board import TetrisBoard

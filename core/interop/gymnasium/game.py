@@ -17,8 +17,9 @@ from core.events import EpisodeEnded, StepTaken
 from core.feedback.keys import NS_PER_MS
 from core.feedback.viewing import SteadyViewing, Watched
 from core.interop.gymnasium.action import EnvAction
-from core.interop.gymnasium.config import GymnasiumConfig
+from core.interop.gymnasium.config import GymnasiumConfig, with_encoder
 from core.learners.encoding import ActionTiles
+from core.learners.sarsa_config import SarsaConfig
 from core.numerics.clock import NS_PER_S
 from core.numerics.tile_coding import Range, TileCoder, tile_coder
 from core.plugins import GameError
@@ -180,7 +181,8 @@ class GymnasiumGame(SarsaGame):
     def domain(self, protocol: Protocol) -> GymnasiumDomain:
         """Return the environment that the protocol names."""
         assert isinstance(protocol.domain, GymnasiumConfig), "a protocol of Gymnasium"
-        return GymnasiumDomain(protocol.domain)
+        assert isinstance(protocol.learner, SarsaConfig), "a protocol checks that its learner suits its game"
+        return GymnasiumDomain(with_encoder(protocol.domain, protocol.learner.encoder))
 
     def oracle(self, protocol: Protocol) -> Oracle:
         """Return whoever judges by the reward of the step."""

@@ -15,7 +15,8 @@ from core.feedback.config import CreditConfig, TrainerConfig
 from core.feedback.delays import CurrentStep
 from core.interop.gymnasium import REVISION
 from core.interop.gymnasium.action import EnvAction
-from core.interop.gymnasium.config import GymnasiumConfig
+from core.interop.gymnasium.config import GymnasiumConfig, with_encoder
+from core.learners.encoder_config import TileEncoder
 from core.learners.human_config import TileModel
 from core.learners.sarsa_config import SarsaConfig
 from core.plugins import GamePlugin
@@ -49,7 +50,7 @@ class GymnasiumPlugin(GamePlugin):
         """
         return Protocol(
             domain=GymnasiumConfig(),
-            learner=SarsaConfig(step_size=0.5, exploration=0.02),
+            learner=SarsaConfig(step_size=0.5, exploration=0.02, encoder=TileEncoder()),
             agent=AgentConfig(credit=CreditConfig(delay=CurrentStep()), human_model=TileModel()),
             trainer=TrainerConfig(knowledge="myopic"),
             session=SessionConfig(episodes=10, unseen_between=10, watched_steps=200, unseen_steps=500),
@@ -79,6 +80,12 @@ class GymnasiumPlugin(GamePlugin):
         from core.interop.gymnasium.game import GymnasiumGame
 
         return GymnasiumGame()
+
+    def check(self, protocol: Protocol) -> None:
+        """Refuse two different encodings in two places."""
+        assert isinstance(protocol.domain, GymnasiumConfig), "a protocol of Gymnasium"
+        if isinstance(protocol.learner, SarsaConfig):
+            with_encoder(protocol.domain, protocol.learner.encoder)
 
     def contradictions(self, protocol: Protocol) -> Iterator[Problem]:
         """Yield the simulated participants who would have to know the environment."""
