@@ -69,9 +69,8 @@ class HelpScreen(PageScreen):
         yield Static(self._rules)
         yield Static(keys_of_all(self._protocol))
         yield Static(
-            f"\nYou have {presses_of_all(self._protocol)}. A press counts once, however "
-            f"long you "
-            "hold the key. If a press does not count, the screen says why.\n"
+            f"\nYou have {presses_of_all(self._protocol)}. A press counts once, however long you hold the "
+            "key. If a press does not count, the screen says why.\n"
         )
         yield Static(session_keys(*self._protocol.keys_of_people))
         yield Static("Press [reverse] H [/] or [reverse] Space [/] to go on", classes="call")

@@ -102,8 +102,7 @@ class WelcomeScreen(PageScreen):
             )
         yield Static(
             "\n[dim]Your key presses and their times are written to a file on this computer under the "
-            "code[/] "
-            f"[b]{self._participant}[/][dim]. You can pause or stop at any time.[/]"
+            f"code[/] [b]{self._participant}[/][dim]. You can pause or stop at any time.[/]"
         )
         yield Static(id="pace")
         yield Static(id="call", classes="call")

@@ -22,20 +22,15 @@ WORDS = Words(
     heading="Teach a team to keep the ball",
     welcome=(
         "You will watch {games} of Keepaway. The keepers ([b]K[/]) pass a ball among themselves, and the "
-        "takers ([b]T[/]) "
-        "want it. A game ends when a taker has it, or it leaves the square: the longer the keepers keep it, "
-        "the better. "
-        "They do not know yet how to play well. {practises}You can help them: say what you think of the last "
-        "pass, or "
-        "of holding the ball too long."
+        "takers ([b]T[/]) want it. A game ends when a taker has it, or it leaves the square: the longer the "
+        "keepers keep it, the better. They do not know yet how to play well. {practises}You can help them: "
+        "say what you think of the last pass, or of holding the ball too long."
     ),
     rules=(
         "The keepers (K) pass the ball among themselves; the takers (T) want it. A game ends when a taker "
-        "has the "
-        "ball or it leaves the square: the longer the keepers keep it, the better. The player with the ball "
-        "holds "
-        "it or passes it.\n\nTell the team what you think of its last pass, or of holding the ball too "
-        "long:\n"
+        "has the ball or it leaves the square: the longer the keepers keep it, the better. The player with "
+        "the ball holds it or passes it.\n\nTell the team what you think of its last pass, or of holding the "
+        "ball too long:\n"
     ),
     practises="They practise on their own between games. ",
     performance="Seconds the ball was kept",
@@ -47,8 +42,7 @@ WORDS = Words(
 JUDGING = JudgingWords(
     instruction=(
         "You watch a computer play: three keepers pass the ball among themselves, two takers try to get it. "
-        "At one moment "
-        "the play stops, and [b]NOW[/] appears below it.\n\n"
+        "At one moment the play stops, and [b]NOW[/] appears below it.\n\n"
         f"The ball has reached a keeper:  press {cap(YES)}\nThe keepers have lost the ball: press "
         f"{cap(NO)}\n\n"
         "Press as soon as you have made up your mind."

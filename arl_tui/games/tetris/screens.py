@@ -23,8 +23,7 @@ WORDS = Words(
     heading="Teach a computer to play Tetris",
     welcome=(
         "You will watch a computer play {games} of Tetris. It does not know yet how to play well. "
-        "{practises}You can "
-        "help it: tell it what you think of where it has just put a piece."
+        "{practises}You can help it: tell it what you think of where it has just put a piece."
     ),
     rules=(
         "The computer drops one piece after another. Full rows disappear: the more, the better. A game ends "
@@ -40,8 +39,7 @@ WORDS = Words(
 JUDGING = JudgingWords(
     instruction=(
         "You watch a computer play Tetris. A piece enters and is moved, then it [b]drops[/]; its shadow "
-        "shows "
-        "where. Full rows disappear, so a piece should leave no holes and not stand out.\n\n"
+        "shows where. Full rows disappear, so a piece should leave no holes and not stand out.\n\n"
         f"It goes to a good place: press {cap(YES)}\nIt goes to a bad place:  press {cap(NO)}\n\n"
         "Press as soon as you have made up your mind. The computer's mistakes are put right before the next "
         "piece."
