@@ -406,8 +406,7 @@ def close_recorder(recorder: Recorder, timeout_s: float = CLOSING_S) -> tuple[st
             kept = recorder.kept
             problem = (
                 f"The disk is too slow: all is written, but of {kept.recorded} events only {kept.synced} are "
-                f"known to "
-                "be on the disk. Do not switch the computer off yet"
+                "known to be on the disk. Do not switch the computer off yet"
             )
             return problem, recorder.path
         try:

@@ -130,8 +130,8 @@ def configure(
             if not screens_called(game).judging_module:
                 raise GameError(
                     f"{plugin_called(game).title} has no feedback-lag task: its delay of judging cannot be "
-                    "measured. Leave the task out, or measure the delay in a game that has it "
-                    "(`arl calibrate --game tetris`)"
+                    "measured. Leave the task out, or measure the delay in a game that has it (`arl "
+                    "calibrate --game tetris`)"
                 )
             default = plugin_called(game).default()
             config = msgspec.structs.replace(

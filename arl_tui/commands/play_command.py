@@ -33,18 +33,15 @@ from arl_tui.command_line import (
     "--credit",
     metavar="RULE",
     help="How presses are shared out among steps: the participant's own delay (participant, feedback-lag, "
-    "simple, "
-    "pooled; see `arl calibrate`), paper, or a rule as in `arl replay`. By default the protocol's choice "
-    "(delay_of), the "
-    "same for every participant; without a file that is a rule: previous in Tetris, gamma:2.5,0.3 in "
-    "Keepaway.",
+    "simple, pooled; see `arl calibrate`), paper, or a rule as in `arl replay`. By default the protocol's "
+    "choice (delay_of), the same for every participant; without a file that is a rule: previous in Tetris, "
+    "gamma:2.5,0.3 in Keepaway.",
 )
 @click.option(
     "--resume",
     type=click.Path(exists=True, dir_okay=False, path_type=Path),
     help="Go on with a session that broke off, after its last finished game. All settings are those of the "
-    "file; the "
-    "rest of the session is recorded beside it.",
+    "file; the rest of the session is recorded beside it.",
 )
 @language_option
 @recordings_option(to_write=True)

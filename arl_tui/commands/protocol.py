@@ -57,8 +57,11 @@ def _table_lines(table: msgspec.Struct, heading: str, unused: Unused) -> Iterato
     inner = {key: value for key in settings if isinstance(value := getattr(table, key), msgspec.Struct)}
     if tag_of(table):
         yield f'{TAG} = "{tag_of(table)}"'
+    old: frozenset[str] = getattr(table, "OLD", frozenset())
     for key, setting in settings.items():
-        if key not in inner and setting.kind.base != "tables":
+        value = getattr(table, key)
+        hidden = (key in old and value == setting.default) or (setting.kind.base == "table" and value is None)
+        if key not in inner and setting.kind.base != "tables" and not hidden:
             path = f"{heading}.{key}" if heading else key
             yield ""
             yield from _setting_lines(setting, getattr(table, key), path, unused)

@@ -146,8 +146,7 @@ def tell_rest(folder: Path, found: Sequence[Found], n_damaged: int) -> None:
         move = shlex.join(["mv", str(old.absolute()), str(folder)])
         say(
             f"There are recordings in {old.absolute()}, too, where earlier versions kept them: `arl "
-            "recordings "
-            f"--recordings {shlex.quote(str(old))}`, or move them: `{move}`"
+            f"recordings --recordings {shlex.quote(str(old))}`, or move them: `{move}`"
         )
 
 

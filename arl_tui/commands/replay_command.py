@@ -24,8 +24,7 @@ from arl_tui.command_line import FILE, ToWrite, protocol_option, seed_option
     multiple=True,
     metavar="NAME",
     help="What-if: how both rewards are combined, such as linear or annealed:episode (its weight falls per "
-    "episode; else per "
-    "watched-game). May be given several times.",
+    "episode; else per watched-game). May be given several times.",
 )
 @click.option(
     "--games",

@@ -87,8 +87,7 @@ class GameOrRecording(click.ParamType):  # type: ignore[type-arg]
     show_default=True,
     metavar="hand|random|hold|FILE",
     help="Who plays: a benchmark policy, what `arl train keepaway` has saved (.npz), or what the keepers had "
-    "learned "
-    "by the end of a recorded session (.jsonl).",
+    "learned by the end of a recorded session (.jsonl).",
 )
 @click.option("--seed", type=click.IntRange(0, 2**63 - 1), help="Root seed; a new one by default.")
 @click.option("--episodes", type=click.IntRange(1), help="Leave after so many.")
@@ -274,8 +273,7 @@ def task(
     if saved is not None and wanted != (config.n_keepers, config.n_takers):
         raise click.ClickException(
             f"this policy was learned by {config.n_keepers} keepers against {config.n_takers} takers and "
-            f"knows "
-            f"nothing else; got --keepers {wanted[0]} --takers {wanted[1]}"
+            f"knows nothing else; got --keepers {wanted[0]} --takers {wanted[1]}"
         )
     try:
         config = replace(config, n_keepers=wanted[0], n_takers=wanted[1])

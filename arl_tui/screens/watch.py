@@ -59,10 +59,8 @@ class HelpPage(PageScreen):
         """Return the text."""
         yield Static(
             "The keepers (K) pass the ball among themselves; the takers (T) want it. An episode ends when a "
-            "taker "
-            "has had the ball for a moment, or the ball leaves the square. The mark beside a player shows "
-            "which "
-            "way it faces; the bright player has the ball; dots lead to the receiver of a pass.\n"
+            "taker has had the ball for a moment, or the ball leaves the square. The mark beside a player "
+            "shows which way it faces; the bright player has the ball; dots lead to the receiver of a pass.\n"
         )
         rows = (
             ("space", "pause, and go on"),

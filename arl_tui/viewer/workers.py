@@ -48,7 +48,7 @@ class WholeIndex:
 
     @property
     def share(self) -> float:
-        """Which share of the recording has been read, in [0, 1]."""
+        """Which fraction of the recording has been read, in [0, 1]."""
         try:
             return float(self._told.read_text() or 0)
         except (OSError, ValueError):

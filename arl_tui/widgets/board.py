@@ -113,8 +113,8 @@ class TetrisBoard(BlockWidget, CoverableWidget):
         """
         if (snapshot.rows, snapshot.columns) != (self.rows, self.columns):
             raise ValueError(
-                f"a board of {self.rows} x {self.columns} cannot show a snapshot of "
-                f"{snapshot.rows} x {snapshot.columns}: make the widget in the size of the game"
+                f"a board of {self.rows} x {self.columns} cannot show a snapshot of {snapshot.rows} x "
+                f"{snapshot.columns}: make the widget in the size of the game"
             )
         if snapshot.cleared:
             self._forget_mark()  # what is above these rows is about to be elsewhere

@@ -387,8 +387,7 @@ def _check_trust(rule: TrustRule) -> None:
     if rule.needs.side_by_side:
         raise ValueError(
             "this rule of trust needs learners side by side, and an agent has one: choose another one, or "
-            "play "
-            f"compiled Keepaway (core.keepaway.arl_autoplay); got {rule}"
+            f"play compiled Keepaway (core.keepaway.arl_autoplay); got {rule}"
         )
 
 

@@ -369,8 +369,7 @@ def check_learner(scheme: Scheme, kind: LearnerKind, name: str) -> None:
     if scheme.acts_on not in OFFERS[kind]:
         raise ValueError(
             f"scheme {scheme.__struct_config__.tag} needs {NEEDED[scheme.acts_on]}; got {name}: choose "
-            f"another "
-            "scheme ([agent.scheme] type) or another learner ([learner] type)"
+            "another scheme ([agent.scheme] type) or another learner ([learner] type)"
         )
 
 

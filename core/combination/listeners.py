@@ -146,8 +146,7 @@ class Listeners:
         if not 0 <= participant < len(self.learners):
             raise ValueError(
                 f"press {press} is by participant {participant}, but this agent listens to "
-                f"{len(self.learners)}, counted "
-                "from 0: name the people in the protocol"
+                f"{len(self.learners)}, counted from 0: name the people in the protocol"
             )
         self._participant_of[press] = participant
         return self.learners[participant].learn_from_press(press, time_ns, value)

@@ -46,6 +46,7 @@ class KeepawayPlugin(GamePlugin):
     kernels = 122
     idle: ClassVar[Mapping[str, str]] = {
         "screen.tick_ms": "",
+        "learner.encoder": "the tiles of Keepaway are those of the released players",
         "session.watched": ("the learner of Keepaway changes at every step, and no policy of it comes back"),
     }
     uses = (

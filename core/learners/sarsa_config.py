@@ -5,6 +5,7 @@ from typing import Annotated, ClassVar
 import msgspec
 
 from core.configuration.fields import number
+from core.learners.encoder_config import TileEncoder
 from core.learners.kinds import LearnerKind
 
 
@@ -12,6 +13,7 @@ class SarsaConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     """Sarsa(lambda); the defaults are those of the released keepaway players."""
 
     kind: ClassVar[LearnerKind] = "stepwise"
+    LATER: ClassVar[frozenset[str]] = frozenset({"encoder"})
 
     step_size: Annotated[float, number(ge=0, le=1e6, usual=(0, 1))] = 0.125
     """alpha, divided by the number of active tiles in every update."""
@@ -30,6 +32,9 @@ class SarsaConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     """Action value before any learning, in cycles."""
     shared_weights: bool = False
     """All learners learn one weight vector."""
+    encoder: TileEncoder | None = None
+    """How what is observed is encoded; without it, as the game's source has it (Keepaway: the tiles of the
+    released players)."""
 
     def __post_init__(self) -> None:
         if not (self.step_size >= 0 and 0 < self.discount <= 1 and 0 <= self.trace_decay <= 1):

@@ -94,8 +94,8 @@ def finished_part(recording: Recording, now_ns: int) -> FinishedPart:
     )
     if last is None:
         raise ResumeError(
-            f"{recording.path}: no game was finished: begin anew (the same games come with "
-            f"--seed {recording.header.root_seed})"
+            f"{recording.path}: no game was finished: begin anew (the same games come with --seed "
+            f"{recording.header.root_seed})"
         )
     n_outputs, n_inputs = len(outputs), stopped_at
     for at in range(last + 1, len(outputs)):

@@ -5,6 +5,8 @@ hex digits of the running SHA-256 over all lines so far (without their chains): 
 line is noticed, and where. The format is described for readers of other languages in `recordings/README.md`.
 """
 
+import dataclasses
+from collections.abc import Mapping
 from typing import Any, Literal
 
 import msgspec
@@ -129,21 +131,36 @@ def to_plain(value: object) -> dict[str, Any]:
     """Return a configuration as plain JSON types, for `Header.protocol`.
 
     A setting that a table names in `LATER` is left out at its default, so that a session without it is
-    recorded as before there was such a setting.
+    recorded as before there was such a setting. So is one that it names in `OLD`: its place in files of
+    earlier versions, which are still read.
     """
     plain = msgspec.to_builtins(value)
     assert isinstance(plain, dict)
-    _leave_out_later(value, plain)
+    leave_out_later(value, plain)
     return plain
 
 
-def _leave_out_later(value: object, plain: object) -> None:
-    if not (isinstance(value, msgspec.Struct) and isinstance(plain, dict)):
-        return
-    later: frozenset[str] = getattr(value, "LATER", frozenset())
-    for field in msgspec.structs.fields(value):
-        held = getattr(value, field.name)
-        if field.name in later and held == field.default:
-            plain.pop(field.encode_name, None)
-        else:
-            _leave_out_later(held, plain.get(field.encode_name))
+def leave_out_later(value: object, plain: object) -> None:
+    """Take out of a configuration's plain types what its tables name in `LATER` or `OLD`, if at the default.
+
+    Args:
+        value: structs, dataclasses, lists and tables of them.
+        plain: the same as `msgspec.to_builtins` gives it; changed in place.
+    """
+    if isinstance(value, Mapping) and isinstance(plain, dict):
+        for key, held in value.items():
+            leave_out_later(held, plain.get(key))
+    elif isinstance(value, list | tuple) and isinstance(plain, list | tuple):
+        for held, its in zip(value, plain, strict=False):
+            leave_out_later(held, its)
+    elif dataclasses.is_dataclass(value) and isinstance(plain, dict):
+        for each in dataclasses.fields(value):
+            leave_out_later(getattr(value, each.name), plain.get(each.name))
+    elif isinstance(value, msgspec.Struct) and isinstance(plain, dict):
+        later: frozenset[str] = getattr(value, "LATER", frozenset()) | getattr(value, "OLD", frozenset())
+        for field in msgspec.structs.fields(value):
+            held = getattr(value, field.name)
+            if field.name in later and held == field.default:
+                plain.pop(field.encode_name, None)
+            else:
+                leave_out_later(held, plain.get(field.encode_name))

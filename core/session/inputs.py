@@ -78,8 +78,7 @@ def check_inputs(
         except Impossible as error:
             raise RecordingError(
                 f"{recording.path}:{recording.line_of(index)}: {error}. No session records this: the file "
-                f"was "
-                "changed after it was recorded, and sealed anew"
+                "was changed after it was recorded, and sealed anew"
             ) from error
 
 
@@ -257,8 +256,7 @@ class _Screen:
             if self._reader.reading not in possible_readings(pressed.key):
                 refuse(
                     f"press {pressed.press}: the key {pressed.key!r} does not stand for {pressed.read_as!r} "
-                    f"in the "
-                    f"layout {pressed.layout!r}"
+                    f"in the layout {pressed.layout!r}"
                 )
 
     def _gate(self, person: int) -> PressGate | PeopleGate:
@@ -289,8 +287,7 @@ class _Screen:
         if not isinstance(event, WrongPressAsked) or event.step != expected.step:
             refuse(
                 f"expected the request for a wrong press at step {expected.step}, which follows from the "
-                f"seed, found "
-                f"{_told(event)}"
+                f"seed, found {_told(event)}"
             )
         self._note_time(event)
 

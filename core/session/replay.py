@@ -110,8 +110,8 @@ def replay_exactly(
     if recording.header.origin == "imported":
         raise RecordingError(
             f"{recording.path}: imported from {recording.header.source.get('format', 'elsewhere')}: its "
-            f"agent cannot be "
-            "run again. Ask what other credit rules and schemes would have learned from it: --credit RULE"
+            "agent cannot be run again. Ask what other credit rules and schemes would have learned from it: "
+            "--credit RULE"
         )
     protocol = recording.header.protocol
     asking = protocol.get("agent", {}).get("asking", {})

@@ -106,9 +106,8 @@ def watched_steps(recording: Recording, protocol: Protocol) -> dict[int, Watched
                 if choices is None or not _could_be(output, choices, domain, state):
                     raise RecordingError(
                         f"{recording.path}: step {output.step} was {output.detail}, and comes out otherwise "
-                        f"now: {domain.name} "
-                        "has changed since, and what was on screen was not recorded. Use the program that "
-                        "recorded it: "
+                        f"now: {domain.name} has changed since, and what was on screen was not recorded. Use "
+                        "the program that recorded it: "
                         f"{recording.header.software.get('commit', 'its header does not name the commit')}"
                     )
                 state = domain.transition(state, output.action).next_state

@@ -111,8 +111,8 @@ def report_lines(presses: Sequence[Press], *, delays_of_what: str) -> list[str]:
     for value in sorted({press.value for press in presses}):
         some = [press for press in presses if press.value == value]
         lines.append(
-            f"{value:>+7g}{len(some):>9}{len(some) / len(presses):>7.0%}  "
-            f" {'':<{len(delays_of_what)}}{_quantiles(some)}"
+            f"{value:>+7g}{len(some):>9}{len(some) / len(presses):>7.0%}   "
+            f"{'':<{len(delays_of_what)}}{_quantiles(some)}"
         )
     lines.append(f"{'all':>7}{len(presses):>9}{1:>7.0%}   {'':<{len(delays_of_what)}}{_quantiles(presses)}")
     return lines

@@ -16,6 +16,8 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from core.recording.schema import leave_out_later
+
 Rows = Mapping[str, NDArray[np.float64]]
 """Columns by name, one entry per episode, all of one length >= 1."""
 
@@ -204,10 +206,16 @@ def csv_text(rows: Rows) -> str:
 
 
 def describe_settings(conditions: Sequence[Condition]) -> dict[str, Any]:
-    """Return the settings of each condition as they read back from JSON, by name."""
+    """Return the settings of each condition as they read back from JSON, by name.
+
+    Settings that came later are left out at their defaults (`core.recording.schema.leave_out_later`), so that
+    trials played before there were such settings are still those of their condition.
+    """
     settings = {condition.name: condition.settings for condition in conditions}
-    plain: dict[str, Any] = msgspec.json.decode(msgspec.json.encode(settings))
-    return plain
+    plain = msgspec.to_builtins(settings)
+    leave_out_later(settings, plain)
+    read_back: dict[str, Any] = msgspec.json.decode(msgspec.json.encode(plain))
+    return read_back
 
 
 def _plain(value: float) -> str:

@@ -88,8 +88,7 @@ PRESSES = Table(
         seconds(
             "since_frame_s",
             "Time since the frame on screen was handed to the terminal; in imported evaluations, since the "
-            "event that "
-            "the press judges. Empty before the first frame.",
+            "event that the press judges. Empty before the first frame.",
         ),
         text("key", "Name of the key."),
         text(

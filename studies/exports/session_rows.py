@@ -280,8 +280,7 @@ class SessionRows:
     def _unseen_rows(self, event: UnseenPlayed) -> Iterator[Row]:
         watched_only = (
             "game ended started_s ended_s duration_s trust_before environment_weight handover shaping "
-            "augmentation "
-            "presses_counted presses_good presses_bad presses_neither"
+            "augmentation presses_counted presses_good presses_bad presses_neither"
         )
         for k, policy in enumerate(event.policies):
             yield {

@@ -176,8 +176,7 @@ TRIALS = Table(
         seconds(
             "onset_s",
             "When the stimulus's frame was handed to the terminal; in catch trials, when it would have been. "
-            "Empty "
-            "if it never was.",
+            "Empty if it never was.",
         ),
         text("key", "First allowed key at or after the onset; empty without one."),
         seconds("rt_s", "Reaction time; empty without a key."),

@@ -387,7 +387,7 @@ def open_session(path: Path, *, on_progress: OnProgress = lambda fraction: None)
     return SessionView(open_index(path, on_progress=on_progress))
 
 
-def open_at_once(path: Path, *, on_progress: OnProgress = lambda share: None) -> SessionView:
+def open_at_once(path: Path, *, on_progress: OnProgress = lambda fraction: None) -> SessionView:
     """Open a recording: of a long one without an index, the first part (`SessionView.index.whole` tells).
 
     Raises:

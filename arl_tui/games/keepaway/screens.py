@@ -23,20 +23,15 @@ WORDS = Words(
     heading=later("Teach a team to keep the ball"),
     welcome=later(
         "You will watch {games} of Keepaway. The keepers ([b]K[/]) pass a ball among themselves, and the "
-        "takers ([b]T[/]) "
-        "want it. A game ends when a taker has it, or it leaves the square: the longer the keepers keep it, "
-        "the better. "
-        "They do not know yet how to play well. {practises}You can help them: say what you think of the last "
-        "pass, or "
-        "of holding the ball too long."
+        "takers ([b]T[/]) want it. A game ends when a taker has it, or it leaves the square: the longer the "
+        "keepers keep it, the better. They do not know yet how to play well. {practises}You can help them: "
+        "say what you think of the last pass, or of holding the ball too long."
     ),
     rules=later(
         "The keepers (K) pass the ball among themselves; the takers (T) want it. A game ends when a taker "
-        "has the "
-        "ball or it leaves the square: the longer the keepers keep it, the better. The player with the ball "
-        "holds "
-        "it or passes it.\n\nTell the team what you think of its last pass, or of holding the ball too "
-        "long:\n"
+        "has the ball or it leaves the square: the longer the keepers keep it, the better. The player with "
+        "the ball holds it or passes it.\n\nTell the team what you think of its last pass, or of holding the "
+        "ball too long:\n"
     ),
     practises=later("They practise on their own between games. "),
     performance=later("Seconds the ball was kept"),

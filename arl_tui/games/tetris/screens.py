@@ -24,8 +24,7 @@ WORDS = Words(
     heading=later("Teach a computer to play Tetris"),
     welcome=later(
         "You will watch a computer play {games} of Tetris. It does not know yet how to play well. "
-        "{practises}You can "
-        "help it: tell it what you think of where it has just put a piece."
+        "{practises}You can help it: tell it what you think of where it has just put a piece."
     ),
     rules=later(
         "The computer drops one piece after another. Full rows disappear: the more, the better. A game ends "

@@ -13,7 +13,7 @@ from core.events import EpisodeEnded, StepTaken
 from core.feedback.keys import NS_PER_MS
 from core.feedback.viewing import SteadyViewing, Watched
 from core.interop.gymnasium.action import EnvAction
-from core.interop.gymnasium.config import GymnasiumConfig
+from core.interop.gymnasium.config import GymnasiumConfig, with_encoder
 from core.interop.gymnasium.environments import (
     Numbers,
     Seen,
@@ -24,6 +24,7 @@ from core.interop.gymnasium.environments import (
 from core.interop.gymnasium.states import Node, States
 from core.interop.gymnasium.tiles import JointTiles
 from core.learners.encoding import ActionTiles
+from core.learners.sarsa_config import SarsaConfig
 from core.numerics.clock import NS_PER_S
 from core.numerics.tile_coding import Tiling, tile_coder
 from core.plugins import GameError
@@ -216,7 +217,8 @@ class GymnasiumGame(SarsaGame):
     def domain(self, protocol: Protocol) -> GymnasiumDomain:
         """Return the environment that the protocol names."""
         assert isinstance(protocol.domain, GymnasiumConfig), "a protocol of Gymnasium"
-        return GymnasiumDomain(protocol.domain)
+        assert isinstance(protocol.learner, SarsaConfig), "a protocol checks that its learner suits its game"
+        return GymnasiumDomain(with_encoder(protocol.domain, protocol.learner.encoder))
 
     def tiled(self, domain: ObservedDomain) -> Tiled | None:
         """Return what lays tiles over several numbers, where the protocol asks for it."""

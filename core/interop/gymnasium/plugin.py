@@ -15,7 +15,8 @@ from core.feedback.config import CreditConfig, TrainerConfig
 from core.feedback.delays import CurrentStep
 from core.interop.gymnasium import REVISION
 from core.interop.gymnasium.action import EnvAction
-from core.interop.gymnasium.config import GymnasiumConfig
+from core.interop.gymnasium.config import GymnasiumConfig, with_encoder
+from core.learners.encoder_config import TileEncoder
 from core.learners.human_config import RidgeModel, SgdModel, TileModel
 from core.learners.sarsa_config import SarsaConfig
 from core.plugins import GamePlugin
@@ -49,7 +50,7 @@ class GymnasiumPlugin(GamePlugin):
         """
         return Protocol(
             domain=GymnasiumConfig(),
-            learner=SarsaConfig(step_size=0.5, exploration=0.02),
+            learner=SarsaConfig(step_size=0.5, exploration=0.02, encoder=TileEncoder()),
             agent=AgentConfig(credit=CreditConfig(delay=CurrentStep()), human_model=TileModel()),
             trainer=TrainerConfig(knowledge="myopic"),
             session=SessionConfig(episodes=10, unseen_between=10, watched_steps=200, unseen_steps=500),
@@ -83,12 +84,14 @@ class GymnasiumPlugin(GamePlugin):
         return GymnasiumGame()
 
     def check(self, protocol: Protocol) -> None:
-        """Refuse a human model that cannot learn from what it would see.
+        """Refuse different encodings in two places, and a human model that cannot learn from what it sees.
 
         Raises:
-            ValueError: it is of another type than features or tiles need.
+            ValueError: the places differ, or the model is of another type than features or tiles need.
         """
         assert isinstance(protocol.domain, GymnasiumConfig), "a protocol of Gymnasium"
+        if isinstance(protocol.learner, SarsaConfig):
+            with_encoder(protocol.domain, protocol.learner.encoder)
         tiles = isinstance(protocol.agent.human_model, TileModel)
         if protocol.domain.psi and tiles:
             raise ValueError(
@@ -116,10 +119,11 @@ class GymnasiumPlugin(GamePlugin):
     def departures(self, protocol: Protocol) -> list[str]:
         """Return what is particular to it."""
         assert isinstance(protocol.domain, GymnasiumConfig), "a protocol of Gymnasium"
+        encoder = protocol.learner.encoder if isinstance(protocol.learner, SarsaConfig) else None
         return [
             f"the domain is the Gymnasium environment {protocol.domain.env}, without its own time limit",
             "every episode counts as one policy, because the learner changes all the time",
-            _seen(protocol.domain),
+            _seen(with_encoder(protocol.domain, encoder)),
         ]
 
 
