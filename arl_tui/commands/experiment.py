@@ -53,10 +53,8 @@ def experiment() -> None:
     "--cluster",
     metavar="ADDRESS",
     help="Play on a Dask cluster instead, as tcp://host:8786. Only a cluster that you trust: its scheduler "
-    "and workers can "
-    "run any code in this program (Dask exchanges pickles). Without this option nothing is unpickled from "
-    "elsewhere, and "
-    "the network is not used.",
+    "and workers can run any code in this program (Dask exchanges pickles). Without this option nothing is "
+    "unpickled from elsewhere, and the network is not used.",
 )
 @click.option(
     "--only", multiple=True, metavar="CONDITION", help="Only this condition. May be given several times."

@@ -132,8 +132,7 @@ def experiment_module(name: str) -> Any:
     else:
         raise ValueError(
             f"no experiment {name!r}: there are {', '.join(MODULES)}; one of your own is named by its file "
-            f"(my.py) or "
-            "module (my_package.my)"
+            "(my.py) or module (my_package.my)"
         )
     if not hasattr(module, "EXPERIMENT"):
         raise ValueError(

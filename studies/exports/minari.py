@@ -194,13 +194,10 @@ class _Sets:
 
 DESCRIPTION = (
     "Games of an agent that a participant watched and judged by key presses. infos: feedback = sum of value "
-    "times share of the "
-    "presses credited to a step; n_presses = how many; trust and weight of the participant in this game (NaN "
-    "where not "
-    "recorded); feedback_features = psi(s, a) of what was done. infos[t + 1] belongs to actions[t]. "
-    "presses.csv holds "
-    "the raw presses; session, game and step_index in it and in the episodes' metadata say what belongs "
-    "together."
+    "times share of the presses credited to a step; n_presses = how many; trust and weight of the "
+    "participant in this game (NaN where not recorded); feedback_features = psi(s, a) of what was done. "
+    "infos[t + 1] belongs to actions[t]. presses.csv holds the raw presses; session, game and step_index in "
+    "it and in the episodes' metadata say what belongs together."
 )
 
 
@@ -240,8 +237,8 @@ def _played(
         if domain.action_record(state, taken.action).plain() != taken.detail:
             raise NotReplayedError(
                 f"step {taken.step} comes out otherwise than recorded: the game has changed since. Export it "
-                f"with the version "
-                f"of this program that is named in its header ({context.session.recording.header.software})"
+                "with the version of this program that is named in its header "
+                f"({context.session.recording.header.software})"
             )
         features.append(domain.choices(state).feedback_features[taken.action])
         state = domain.transition(state, taken.action).next_state

@@ -16,7 +16,7 @@ from textual.pilot import Pilot
 from textual.screen import Screen
 
 from arl_tui.app.link import Practised, Preparing, Ready, TakenFor
-from arl_tui.app.outcome import Outcome
+from arl_tui.app.outcome import SessionOutcome
 from arl_tui.app.tally import Tally
 from arl_tui.calibration import pages as calibration
 from arl_tui.calibration.plan import new_parts
@@ -65,7 +65,7 @@ async def ready(pilot: Pilot[Any], link: FakeLink) -> None:
 
 
 async def preparing(pilot: Pilot[Any], link: FakeLink) -> None:
-    link.say(Preparing(compiled=12, needed=40, share=0.3))
+    link.say(Preparing(compiled=12, needed=40, fraction=0.3))
     await pilot.press("enter")
     await pilot.pause()
 
@@ -147,7 +147,7 @@ def closing(**changes: Any) -> Callable[[], Screen[Any]]:
         performances=[0.0, 3.0, 2.0, 7.0], unseen=300, practised=[0.4, 3.0, 8.0], good=9, bad=6, steps=180
     )
     tally.taken_back = 2
-    outcome = Outcome(recording=None, tally=tally, **changes)
+    outcome = SessionOutcome(recording=None, tally=tally, **changes)
     return lambda: ClosingScreen(outcome, words_of("tetris"))
 
 

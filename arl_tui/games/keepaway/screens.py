@@ -43,8 +43,7 @@ WORDS = Words(
 JUDGING = JudgingWords(
     instruction=later(
         "You watch a computer play: three keepers pass the ball among themselves, two takers try to get it. "
-        "At one moment "
-        "the play stops, and [b]NOW[/] appears below it.\n\n"
+        "At one moment the play stops, and [b]NOW[/] appears below it.\n\n"
         "The ball has reached a keeper:  press {yes}\nThe keepers have lost the ball: press {no}\n\n"
         "Press as soon as you have made up your mind."
     ),

@@ -40,8 +40,7 @@ WORDS = Words(
 JUDGING = JudgingWords(
     instruction=later(
         "You watch a computer play Tetris. A piece enters and is moved, then it [b]drops[/]; its shadow "
-        "shows "
-        "where. Full rows disappear, so a piece should leave no holes and not stand out.\n\n"
+        "shows where. Full rows disappear, so a piece should leave no holes and not stand out.\n\n"
         "It goes to a good place: press {yes}\nIt goes to a bad place:  press {no}\n\n"
         "Press as soon as you have made up your mind. The computer's mistakes are put right before the next "
         "piece."

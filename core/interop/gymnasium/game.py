@@ -189,8 +189,7 @@ class GymnasiumDomain:
         if once != again:
             raise GameError(
                 f"{name} cannot be seeded: the same seed and actions gave other observations or rewards. "
-                f"Draw all that is "
-                "random from `self.np_random`, and keep all state in the environment"
+                "Draw all that is random from `self.np_random`, and keep all state in the environment"
             )
 
     def _played(self, actions: Sequence[int]) -> list[tuple[Numbers, float, bool]]:
