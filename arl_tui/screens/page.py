@@ -49,12 +49,16 @@ class PageScreen(Screen[bool], inherit_bindings=False):
         self.call_after_refresh(self._tell_more)
 
     def _tell_more(self) -> None:
+        if self._left or not self.is_attached:
+            return  # the page has been left before its turn came
         for scroll in self.query(VerticalScroll):
             below = scroll.max_scroll_y > 0 and scroll.scroll_target_y < scroll.max_scroll_y
             scroll.border_subtitle = tr(MORE) if below else ""
 
     def on_key(self, event: events.Key) -> None:
         """Move a text that is longer than the window."""
+        if self._left:
+            return
         scroll = self.query_one(VerticalScroll)
         by = {"up": -1, "down": 1, "pageup": -PAGE_LINES, "pagedown": PAGE_LINES}.get(event.key)
         if by is not None and scroll.max_scroll_y > 0:

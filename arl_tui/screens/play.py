@@ -166,7 +166,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
             case Preparing(fraction=fraction) if self._live.phase == "running":
                 self._practised = None
                 self._moved += 1
-                self._say(f"{self._sign()} {tr('One moment, this first time:')}\n{bar(fraction)}")
+                self._say(f"{self._going_on(tr('One moment, this first time:'))}\n{bar(fraction)}")
             case Practised():
                 self._practised = occurrence
                 self._tell_practised()
@@ -295,12 +295,14 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         if far is None or self._silence_shown:
             return
         practising = tr("Practising: {done} of {all} games", done=far.done, all=far.count)
-        told = f"{self._sign()} {practising}\n{bar(far.done / far.count)}"
+        told = f"{self._going_on(practising)}\n{bar(far.done / far.count)}"
         self._say(f"{self._result}\n{told}".strip())
 
-    def _sign(self) -> str:
-        """Return what says that the program goes on: a sign that turns, or the seconds."""
-        return MOVING[self._moved % len(MOVING)] if self._moving else f"{int(self._moved * MOVES_S)} s"
+    def _going_on(self, what: str) -> str:
+        """Return what is being done, with a sign that turns, or with the seconds it has taken."""
+        if self._moving:
+            return f"{MOVING[self._moved % len(MOVING)]} {what}"
+        return f"{what} ({int(self._moved * MOVES_S)} s)"
 
     def _move(self) -> None:
         if self._practised is not None:

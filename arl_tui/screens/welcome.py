@@ -124,9 +124,7 @@ class WelcomeScreen(PageScreen):
                 code=self._participant,
             )
         )
-        pace = Static(id="pace")
-        pace.display = False  # an empty line would not fit into the smallest window
-        yield pace
+        yield Static(id="pace")
         yield Static(id="call", classes="call")
 
     def on_mount(self) -> None:

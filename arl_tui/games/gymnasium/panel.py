@@ -105,8 +105,9 @@ class GymnasiumPanel:
         view = picture.view
         assert isinstance(view, EnvPicture), "a worker that plays Gymnasium sends its pictures"
         self.widget.show(view, picture.number)
-        # Where nothing stands beside it, as in the viewer, the border says it.
-        self.widget.border_subtitle = f"step {view.steps}, reward {view.reward:.4g}"
+        if not self._figures.is_attached:
+            # Nothing stands beside it, as in the viewer: the border says it.
+            self.widget.border_subtitle = f"step {view.steps}, reward {view.reward:.4g}"
         self._figures.update(
             f"{tr('Game'):<11}{tr('{done} of {all}', done=progress.episode, all=progress.episodes)}\n"
             f"{tr('Step'):<11}{view.steps}\n{tr('Reward'):<11}{view.reward:.4g}"
