@@ -32,7 +32,11 @@ COMMANDS = (
     Listed("fit", "fit:fit", "Fit delay densities to reaction times in files."),
     Listed("import", "import_log:import_group", "Turn other programs' logs into recordings."),
     Listed("play", "play_command:play", "Watch an agent learn a game and judge it by key presses."),
-    Listed("practice", "practice_command:practice", "Play Tetris yourself with the agent's own four moves."),
+    Listed(
+        "practice",
+        "practice_command:practice",
+        "Play Tetris or Keepaway yourself, with the agent's own moves.",
+    ),
     Listed("presses", "presses:presses", "Report values, delays and bursts of recorded presses."),
     Listed(
         "protocol",
