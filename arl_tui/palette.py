@@ -6,7 +6,7 @@ has a texture of its own, and mirrored pieces have mirrored textures.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from rich.color import ColorSystem
 from textual.color import Color
@@ -16,6 +16,8 @@ BLOCKS: tuple[str, ...] = ("i", "o", "t", "z", "s", "j", "l", "unknown")
 
 SEAM = " ▕"
 """A line at the right side of each block, which lets the eye count them."""
+SEAM_BELOW = "▁"
+"""The same along the lower side of a block that is higher than a line."""
 TEXTURES: tuple[str, ...] = ("==", "[]", "++", "\\\\", "//", "<<", ">>", "..")
 """Two characters per block, in ASCII so that every font has them."""
 
@@ -42,6 +44,8 @@ class Palette:
     """How much darker a block is once it has settled, in [0, 1]."""
     ink: float = 0.6
     """How far the texture stands out from the block, in [0, 1]."""
+    cleared: tuple[str, str] = ("#ffffff", "#000000")
+    """Background and ink of a row that is about to disappear."""
 
     def __post_init__(self) -> None:
         if len(self.colours) != len(BLOCKS) or len(self.textures) != len(BLOCKS):
@@ -90,33 +94,58 @@ SIXTEEN = Palette(
     ink=1.0,
 )
 
-PALETTES: dict[str, Palette] = {
-    palette.name: palette for palette in (STANDARD, COLOUR_BLIND, HIGH_CONTRAST, SIXTEEN)
+_LIGHT_BOARD = {"empty": "#f7f8fa", "stripe": "#eceef2", "cleared": ("#20232b", "#ffffff")}
+LIGHT: dict[str, Palette] = {
+    "standard": replace(
+        STANDARD,
+        name="standard-light",
+        # As the standard ones, and darker: each stands out from the empty board by 3 to 1.
+        colours=("#1fa0b5", "#cf9f10", "#9650cf", "#d8403a", "#3f9c38", "#3468d6", "#d9741a", "#78808f"),
+        **_LIGHT_BOARD,  # type: ignore[arg-type] # each value is of its field's type
+    ),
+    "colour-blind": replace(
+        COLOUR_BLIND,
+        name="colour-blind-light",
+        # Okabe & Ito's hues, as dark as a light board needs.
+        colours=("#2186bf", "#8f8400", "#b45488", "#c95500", "#008a65", "#0067a5", "#a87200", "#777777"),
+        ink=0.8,
+        **_LIGHT_BOARD,  # type: ignore[arg-type]
+    ),
 }
+"""What a light theme shows in place of a palette for dark ones; the others do for any theme."""
+
+CHOICES: tuple[Palette, ...] = (STANDARD, COLOUR_BLIND, HIGH_CONTRAST, SIXTEEN)
+"""What a protocol can choose."""
+PALETTES: dict[str, Palette] = {palette.name: palette for palette in (*CHOICES, *LIGHT.values())}
 
 
-def palette_for(wanted: str, system: ColorSystem | str | None, *, no_color: bool = False) -> Palette:
+def palette_for(
+    wanted: str, system: ColorSystem | str | None, *, no_color: bool = False, theme: str = "dark"
+) -> Palette:
     """Return the palette called `wanted`, or what a poorer terminal can show of it.
 
     Args:
-        wanted: a key of PALETTES.
+        wanted: name of one of CHOICES.
         system: the console's colour system (`App.console.color_system`): "truecolor", "256", "standard",
             None.
         no_color: the participant has asked for no colours (`App.no_color`, from the environment variable
             NO_COLOR).
+        theme: of the pages around the game (`arl_tui.themes`).
 
     Raises:
         ValueError: there is no such palette.
     """
-    if wanted not in PALETTES:
-        raise ValueError(f"there is no palette {wanted!r}: choose one of {', '.join(PALETTES)}")
-    if system is None or no_color:
+    if wanted not in (names := [palette.name for palette in CHOICES]):
+        raise ValueError(f"there is no palette {wanted!r}: choose one of {', '.join(names)}")
+    if system is None or no_color or (theme == "high-contrast" and wanted == "standard"):
         return HIGH_CONTRAST
     if (
         system in ("standard", "windows", ColorSystem.STANDARD, ColorSystem.WINDOWS)
         and wanted != "high-contrast"
     ):
         return SIXTEEN
+    if theme == "light" and wanted in LIGHT:
+        return LIGHT[wanted]
     return PALETTES[wanted]
 
 
@@ -144,7 +173,8 @@ def _rules(widget: str, palette: Palette) -> Iterator[str]:
     start = f"{widget}.-{palette.name} > .block--"
     yield f"{start}empty {{ background: {palette.empty}; color: {_grey(palette)}; }}"
     yield f"{start}stripe {{ background: {palette.stripe}; color: {_grey(palette)}; }}"
-    yield f"{start}cleared {{ background: #ffffff; color: #000000; text-style: bold; }}"
+    paper, ink = palette.cleared
+    yield f"{start}cleared {{ background: {paper}; color: {ink}; text-style: bold; }}"
     plain = palette.name == "high-contrast"
     for mark, colour_of in MARKS.items():
         paper = "#000000" if plain else colour_of
@@ -168,4 +198,5 @@ def _ink(background: Color, fraction: float) -> str:
 
 
 def _grey(palette: Palette) -> str:
-    return Color.parse(palette.empty).blend(Color.parse("#ffffff"), 0.2).hex
+    empty = Color.parse(palette.empty)
+    return empty.blend(Color.parse("#ffffff" if empty.brightness < 0.5 else "#000000"), 0.2).hex

@@ -19,6 +19,7 @@ from arl_tui.app.once import after
 from arl_tui.app.outcome import SessionControls, SessionOutcome
 from arl_tui.games.pace import pace_facts, pace_warning
 from arl_tui.games.registry import words_of
+from arl_tui.language import changed_keys
 from arl_tui.palette import palette_for
 from arl_tui.recordings import create_new, rescue, rescue_whole
 from arl_tui.screens.closing import ClosingScreen
@@ -72,6 +73,8 @@ class SessionSetup:
     """What the session had done before it broke off; None where it begins."""
     practice: bool = False
     """Nothing counts; it ends after the game in which both keys have been pressed in time."""
+    part: str = ""
+    """Where in a visit the session is, in words ("Block 2 of 3"); empty where it is all there is."""
 
 
 class ArlApp(SessionControls):
@@ -91,7 +94,10 @@ class ArlApp(SessionControls):
         """
         self._clock = clock or MonotonicClock()
         self._flush_clock = FlushClock(self._clock)
-        super().__init__(driver_class=stamped_driver(self._flush_clock))
+        screen = setup.protocol.screen
+        super().__init__(
+            driver_class=stamped_driver(self._flush_clock), theme=screen.theme, language=screen.language
+        )
         self.setup = setup
         self.live = LiveSession(
             keys=setup.protocol.keys_of_people,
@@ -105,8 +111,10 @@ class ArlApp(SessionControls):
         )
         self.live.take_stamps = self._take_stamps
         self.live.gate.reader = self.reader
-        palette = palette_for(setup.protocol.screen.palette, self.console.color_system)
-        self.play = PlayScreen(setup.protocol, self.live, palette)
+        palette = palette_for(
+            screen.palette, self.console.color_system, no_color=self.no_color, theme=self.theme_name
+        )
+        self.play = PlayScreen(setup.protocol, self.live, palette, part=setup.part)
         if setup.kept is not None:
             self.play.go_on_after(setup.kept.outputs)
         self.welcome = WelcomeScreen(
@@ -115,6 +123,7 @@ class ArlApp(SessionControls):
             simulated=setup.simulated,
             games_done=0 if setup.kept is None else setup.kept.games,
             practice=setup.practice,
+            part=setup.part,
         )
         self._link = link
         self._garbage = GarbageControl()
@@ -211,7 +220,11 @@ class ArlApp(SessionControls):
         terminal = facts.terminal(
             self.size.width, self.size.height, stamps=stamps, frames_per_s=constants.MAX_FPS
         )
+        if self.theme_name != "dark":
+            terminal = terminal | {"theme": self.theme_name}
         protocol = self.setup.protocol
+        if changed_keys():
+            terminal["own_keys"] = ", ".join(f"{name} {key}" for name, key in changed_keys().items())
         return Header(
             origin="live",
             created_utc=created_utc,

@@ -26,6 +26,7 @@ from arl_tui.app.link import (
     Crashed,
     Line,
     Picture,
+    Practised,
     Preparing,
     Ready,
     TakenFor,
@@ -62,7 +63,7 @@ if TYPE_CHECKING:
 LOG_PREFIX = "arl-worker-"
 """Of the file that takes a worker's error output; the number of the screen's process follows."""
 PROGRESS_S = 0.25
-"""How often the screen is told how far compiling is."""
+"""How often the screen is told how far compiling is, or practising unseen, seconds."""
 LAST_WORDS = 4000
 """Characters of a dead worker's error output that are shown."""
 
@@ -242,6 +243,8 @@ class SessionPlayer:
         self._step_on_screen = -1
         self._pictures = 0
         self._due_ns = 0
+        self._told_ns = 0
+        """When the screen was last told how far the unseen episodes are."""
 
     def during(self, step: int) -> Iterable[Input]:
         """Return the inputs that have arrived since the last call (`core.session.rollout.FeedbackSource`)."""
@@ -255,6 +258,7 @@ class SessionPlayer:
             self._take_in(None)
         self._due_ns = self._clock.now_ns()
         session.before_unseen = self._wait_for_kernels
+        session.after_unseen = self._tell_practised
         for output in session.run(self, self._clock):
             self._line.send(output)
             self._show(output)
@@ -311,6 +315,13 @@ class SessionPlayer:
                 self._load_kernels()
             else:
                 self._take_in(PROGRESS_S)
+
+    def _tell_practised(self, done: int, count: int) -> None:
+        """Say how many unseen episodes are done: at most once in `PROGRESS_S`, and when all are."""
+        now_ns = self._clock.now_ns()
+        if done == count or now_ns - self._told_ns >= PROGRESS_S * NS_PER_S:
+            self._told_ns = now_ns
+            self._line.send(Practised(done=done, count=count))
 
     def _load_kernels(self) -> None:
         """Change over from Python to compiled code: it gives the same bits."""

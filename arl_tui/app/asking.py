@@ -38,6 +38,11 @@ class OpenQuestion:
         """Whether it has not been drawn yet."""
         return self._frame < 0
 
+    @property
+    def is_shown(self) -> bool:
+        """Whether its options have left for the terminal."""
+        return self._shown_ns is not None
+
     def left_s(self, now_ns: int) -> float:
         """Return how much of the time is left, seconds; all of it while the question is not on screen."""
         since_ns = 0 if self._shown_ns is None else now_ns - self._shown_ns

@@ -36,6 +36,15 @@ class Preparing(Record, frozen=True, kw_only=True, tag="preparing"):
     """Fraction of the work that is done, in [0, 1]."""
 
 
+class Practised(Record, frozen=True, kw_only=True, tag="practised"):
+    """From the worker: how many of a block's unseen episodes have been played. Several per block."""
+
+    done: int
+    """Episodes played so far, in [0, count]."""
+    count: int
+    """How many the block has."""
+
+
 class Ready(Record, frozen=True, kw_only=True, tag="ready"):
     """From the worker: everything has run once, and the first game can begin."""
 
@@ -107,7 +116,9 @@ ALIVE_EVERY_S = 0.5
 """How often a waiting worker says so, seconds."""
 
 ToWorker = Begin | Input
-FromWorker = Preparing | Ready | Alive | Picture | PressSuggested | TakenFor | AskNow | Crashed | Output
+FromWorker = (
+    Preparing | Practised | Ready | Alive | Picture | PressSuggested | TakenFor | AskNow | Crashed | Output
+)
 
 _encoder = msgspec.msgpack.Encoder()
 _to_worker = msgspec.msgpack.Decoder(ToWorker)

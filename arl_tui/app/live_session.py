@@ -20,6 +20,7 @@ from arl_tui.app.link import (
     FromWorker,
     Link,
     Picture,
+    Practised,
     Preparing,
     PressSuggested,
     Ready,
@@ -55,7 +56,7 @@ from core.numerics.clock import NS_PER_S, Clock
 from core.recording.joined import latest_ns
 
 Cover = Literal["pause", "help", "quit-dialogue", "resize", "gap", "count-down", "question"]
-Occurrence = Event | Picture | PressSuggested | Preparing | Ready | TakenFor | AskNow
+Occurrence = Event | Picture | PressSuggested | Practised | Preparing | Ready | TakenFor | AskNow
 
 
 class EventSink(Protocol):
@@ -386,7 +387,7 @@ class LiveSession:
             self._worker_error = f"{message.error}\n\n{message.trace}"
         elif isinstance(message, TakenFor):
             self._note_taken(message)
-        elif isinstance(message, Picture | PressSuggested | Preparing | AskNow):
+        elif isinstance(message, Picture | PressSuggested | Practised | Preparing | AskNow):
             self._listener(message)
         elif isinstance(message, Ready):
             self.ready = True

@@ -1,5 +1,6 @@
 """What a session has come to so far: for the screens, and for the summary at its end."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from core.events import EpisodeEnded, EpisodeStarted, KeyPressed, Output, StepTaken, UnseenPlayed
@@ -57,3 +58,14 @@ def weight_in_use(episode: EpisodeStarted) -> float:
     handover.
     """
     return episode.handover if episode.handover > 0 else episode.weight
+
+
+def beginning_and_end(performances: Sequence[float]) -> tuple[float, float]:
+    """Return how the agent played at the beginning and at the end: means of a third of the games each.
+
+    Args:
+        performances: of watched games in their order, at least one.
+    """
+    third = max(1, len(performances) // 3)
+    first, last = performances[:third], performances[-third:]
+    return sum(first) / third, sum(last) / third

@@ -24,11 +24,13 @@ from arl_tui.calibration.pages import (
     page_before,
 )
 from arl_tui.calibration.plan import PLANNED, CalibrationSetup, Part, new_parts, unfinished
+from arl_tui.calibration.texts import key_reminder
 from arl_tui.calibration.trial_screen import SMALLEST, TrialScreen
 from arl_tui.calibration.trial_store import TrialStore
 from arl_tui.calibration.views import BoxView
 from arl_tui.games.registry import screens_called
 from arl_tui.games.trial_view import TrialView
+from arl_tui.language import later
 from arl_tui.palette import palette_for
 from arl_tui.screens.covers import SmallWindowScreen, fits_into
 from arl_tui.screens.page import PageScreen
@@ -68,6 +70,7 @@ class CalibrationApp(PlainApp[CalibrationOutcome]):
         clock: Clock | None = None,
         helper: Helper = ask_helper,
         timing: TrialTiming | None = None,
+        theme: str = "dark",
     ) -> None:
         """Prepare.
 
@@ -76,10 +79,11 @@ class CalibrationApp(PlainApp[CalibrationOutcome]):
             clock: of trials and frames; keys bring their own time (the monotonic clock's).
             helper: asks another process; see `arl_tui.calibration.helper`.
             timing: limits for keys.
+            theme: of the pages (`arl_tui.themes`).
         """
         self._clock = clock or MonotonicClock()
         self._flush_clock = FlushClock(self._clock)
-        super().__init__(driver_class=stamped_driver(self._flush_clock))
+        super().__init__(driver_class=stamped_driver(self._flush_clock), theme=theme, language=setup.language)
         self._setup = setup
         self._helper = helper
         self._timing = timing
@@ -226,7 +230,7 @@ class CalibrationApp(PlainApp[CalibrationOutcome]):
             )
             self._garbage.first_paint()
             if not await self.push_screen_wait(screen) and (
-                self._stopping or not await self._ask(PausePage())
+                self._stopping or not await self._ask(PausePage(key_reminder(schedule.config)))
             ):
                 return False
             view = view.renewed()
@@ -240,11 +244,13 @@ class CalibrationApp(PlainApp[CalibrationOutcome]):
         answer = await self._wait_for(
             screens_called(schedule.config.game).judging_module,
             schedule,
-            WaitingPage("Getting ready", "The game is being prepared: some seconds."),
+            WaitingPage(later("Getting ready"), later("The game is being prepared: some seconds.")),
         )
         if answer is None:
             return None
-        palette = palette_for("standard", self.console.color_system)
+        palette = palette_for(
+            "standard", self.console.color_system, no_color=self.no_color, theme=self.theme_name
+        )
         return screens_called(schedule.config.game).trial_view(answer, schedule, palette)
 
     async def _wait_for(self, module: str, question: object, page: WaitingPage) -> bytes | None:
@@ -271,9 +277,13 @@ class CalibrationApp(PlainApp[CalibrationOutcome]):
             self.size.width, self.size.height, stamps=stamps, frames_per_s=constants.MAX_FPS
         )
         found = facts.software() | terminal
+        if self.theme_name != "dark":
+            found["theme"] = self.theme_name
         found |= timing_facts(self._setup.recordings, terminal, wall_time_utc())
         name, resolution_ns = facts.clock_facts()
         found |= {"clock": name, "clock_resolution_ns": str(resolution_ns), PLANNED: self._setup.planned}
+        if self._setup.language != "en":
+            found["language"] = self._setup.language
         if self._setup.hindrances:
             found["hindrances"] = " and ".join(self._setup.hindrances)
         return found
@@ -299,7 +309,7 @@ class CalibrationApp(PlainApp[CalibrationOutcome]):
             participant=self._setup.participant,
             files=tuple(str(path) for path in self._store.complete),
         )
-        page = WaitingPage("That was it", "Your times are being worked out ...")
+        page = WaitingPage(later("That was it"), later("Your times are being worked out ..."))
         try:
             answer = await self._wait_for("arl_tui.calibration.fitting", order, page)
         except HelperError as error:

@@ -4,7 +4,15 @@ from pathlib import Path
 
 import click
 
-from arl_tui.command_line import FILE, GAMES, pseudonym, recordings_option, seed_option
+from arl_tui.command_line import (
+    FILE,
+    GAMES,
+    language_option,
+    pseudonym,
+    recordings_option,
+    seed_option,
+    theme_option,
+)
 
 
 @click.command(short_help="Measure how long a participant takes to react and to judge.")
@@ -19,6 +27,7 @@ from arl_tui.command_line import FILE, GAMES, pseudonym, recordings_option, seed
 @click.option("--trials", type=click.IntRange(1), help="Scored trials per task; 40 by default.")
 @click.option("--practice", type=click.IntRange(0), help="Practice trials per task; 8 by default.")
 @seed_option
+@language_option
 @recordings_option(to_write=True)
 @click.option("--dry-run", is_flag=True, help="Print every trial as it would be run, and stop.")
 @click.option(
@@ -38,12 +47,14 @@ from arl_tui.command_line import FILE, GAMES, pseudonym, recordings_option, seed
     is_flag=True,
     help="Measure nothing: fit the newest finished trials again, pooled with everybody there is by now.",
 )
+@theme_option
 def calibrate(
     participant: str,
     tasks: str,
     trials: int | None,
     practice: int | None,
     seed: int | None,
+    language: str | None,
     recordings: Path,
     dry_run: bool,
     game: str,
@@ -67,4 +78,5 @@ def calibrate(
         refit=refit,
         game=game,
         protocol=protocol,
+        language=language,
     )

@@ -4,7 +4,15 @@ from pathlib import Path
 
 import click
 
-from arl_tui.command_line import GAMES, protocol_option, pseudonym, recordings_option, seed_option
+from arl_tui.command_line import (
+    GAMES,
+    language_option,
+    protocol_option,
+    pseudonym,
+    recordings_option,
+    seed_option,
+    theme_option,
+)
 
 
 @click.command(short_help="Watch an agent learn a game and judge it by key presses.")
@@ -38,7 +46,9 @@ from arl_tui.command_line import GAMES, protocol_option, pseudonym, recordings_o
     "file; the "
     "rest of the session is recorded beside it.",
 )
+@language_option
 @recordings_option(to_write=True)
+@theme_option
 @click.pass_context
 def play(
     context: click.Context,
@@ -50,6 +60,7 @@ def play(
     episodes: int | None,
     credit: str | None,
     resume: Path | None,
+    language: str | None,
     recordings: Path,
 ) -> None:
     """Watch an agent learn GAME, and tell it by key presses what you think of it."""
@@ -68,5 +79,6 @@ def play(
         episodes=episodes,
         recordings=recordings,
         credit=credit,
+        language=language,
         practice=practice,
     )

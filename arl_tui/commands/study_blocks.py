@@ -118,6 +118,7 @@ def _session(
         study=call.facts,
         kept=kept,
         practice=practice,
+        part=call.part,
         on_gone=call.on_gone,
     )
     if outcome is None:
@@ -141,7 +142,8 @@ def _session(
         file=outcome.recording.name if outcome.recording else "",
         games=games,
         presses=tally.good + tally.bad,
-        unit=words.units[1],
+        taken_back=tally.taken_back,
+        unit=words.unit,
         trouble=outcome.trouble or "",
         remark=outcome.warning,
     )
@@ -173,8 +175,9 @@ def _calibrate(loaded: LoadedStudy, call: BlockCall, step: Calibration) -> Playe
         root_seed=call.seed,
         recordings=call.folder,
         hindrances=tuple(HINDRANCES[name] for name in hindrances()),
+        language=loaded.study.language,
     )
-    app = CalibrationApp(setup)
+    app = CalibrationApp(setup, theme=loaded.theme)
     app.before_leaving = call.on_gone
     outcome = app.run_in_terminal()
     if outcome is None or app.ended_by is not None:

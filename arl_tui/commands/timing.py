@@ -1,5 +1,6 @@
 """`arl timing`: how exactly this machine measures reaction times, told by a robot that knows the truth."""
 
+import re
 import secrets
 import sys
 from collections.abc import Iterator
@@ -18,6 +19,22 @@ CONDITION_NAMES = ("bare reader", "at rest", "beside a board")
 """Written out here so that `--help` need not load them; a test compares."""
 BUSY = 0.5
 """Load per core above which only medians say something about the program."""
+SMALLEST = (80, 24)
+"""Columns and lines of the smallest window."""
+
+
+def _window(_context: click.Context, _parameter: click.Parameter, value: str) -> tuple[int, int]:
+    """Return columns and lines.
+
+    Raises:
+        click.BadParameter: they cannot be read, or are too few for the stimulus and a board.
+    """
+    found = re.fullmatch(r"(\d{1,4})x(\d{1,4})", value)
+    if found is None or int(found[1]) < SMALLEST[0] or int(found[2]) < SMALLEST[1]:
+        raise click.BadParameter(
+            f"a window is COLUMNSxLINES, at least {SMALLEST[0]}x{SMALLEST[1]}, such as 200x60; got {value!r}"
+        )
+    return int(found[1]), int(found[2])
 
 
 @click.command(short_help="Test how exactly this machine measures reaction times.")
@@ -52,6 +69,14 @@ BUSY = 0.5
 )
 @recordings_option(to_write=True)
 @click.option(
+    "--window",
+    callback=_window,
+    default="80x30",
+    show_default=True,
+    metavar="COLUMNSxLINES",
+    help="Size of the robot's terminal; the board is drawn as large as fits.",
+)
+@click.option(
     "--gate",
     type=click.FloatRange(min=0.0, min_open=True),
     metavar="MS",
@@ -65,6 +90,7 @@ def timing(
     seed: int | None,
     json_path: Path | None,
     recordings: Path,
+    window: tuple[int, int],
     gate: float | None,
 ) -> None:
     """Test how exactly reaction times are measured on this machine.
@@ -74,7 +100,11 @@ def timing(
     of it with a program of a few lines that only reads. No keyboard is needed.
     """
     result = measure(
-        tuple(conditions) or CONDITION_NAMES, trials, longest, secrets.randbits(63) if seed is None else seed
+        tuple(conditions) or CONDITION_NAMES,
+        trials,
+        longest,
+        secrets.randbits(63) if seed is None else seed,
+        window,
     )
     for line in report_lines(result):
         say(line)
@@ -105,7 +135,13 @@ def stop_above(result: "TimingResult", gate_ms: float) -> None:
             )
 
 
-def measure(conditions: tuple[str, ...], n_trials: int, longest_ms: int, seed: int) -> "TimingResult":
+def measure(
+    conditions: tuple[str, ...],
+    n_trials: int,
+    longest_ms: int,
+    seed: int,
+    window: tuple[int, int] = (80, 30),
+) -> "TimingResult":
     """Run the conditions one after another, with a bar that shows how far they are."""
     if sys.platform == "win32":
         raise click.ClickException("the self-test needs a pseudo-terminal, which Windows does not have")
@@ -120,7 +156,9 @@ def measure(conditions: tuple[str, ...], n_trials: int, longest_ms: int, seed: i
     from core.numerics.clock import wall_time_utc
 
     plans = [
-        make_plan(s, n_trials, root_seed=seed, longest_ms=longest_ms) for s in CONDITIONS if s in conditions
+        make_plan(s, n_trials, root_seed=seed, longest_ms=longest_ms, window=window)
+        for s in CONDITIONS
+        if s in conditions
     ]
     late_ms, results = [], []
     for plan in plans:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import click
 from click.core import ParameterSource
 
-from arl_tui.command_line import ToWrite, say
+from arl_tui.command_line import ToWrite, say, theme_option
 
 if TYPE_CHECKING:
     from arl_tui.app.compile_order import Order
@@ -119,6 +119,7 @@ class GameOrRecording(click.ParamType):  # type: ignore[type-arg]
     metavar="FILM",
     help="FILE: write a film instead: .gif, .mp4 (needs ffmpeg) or .cast (asciinema).",
 )
+@theme_option
 @click.pass_context
 def watch(
     context: click.Context,

@@ -66,6 +66,10 @@ class Panel(Interface):
         """Write a title to the game."""
         ...
 
+    def part(self, text: str) -> None:
+        """Write where in a visit the session is ("Block 2 of 3") to the figures."""
+        ...
+
     def mark(self, taken: TakenFor) -> str:
         """Mark for a moment what a press was taken for; return it in words ("for the marked piece")."""
         ...
@@ -74,8 +78,10 @@ class Panel(Interface):
         """Take the mark away."""
         ...
 
-    def presses_left(self, presses: int) -> None:
-        """Say how many presses still count in this episode, if the game's picture has a place for it."""
+    def presses_left(self, presses: int | None) -> None:
+        """Say how many presses still count in this episode, if the game's picture has a place for it; None:
+        there is nothing to judge.
+        """
         ...
 
 

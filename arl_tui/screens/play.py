@@ -11,17 +11,25 @@ from textual.screen import Screen
 from textual.widgets import Static
 
 from arl_tui.app.gaps import length_s
-from arl_tui.app.link import AskNow, Picture, Preparing, TakenFor
+from arl_tui.app.link import AskNow, Picture, Practised, Preparing, TakenFor
 from arl_tui.app.live_session import Cover, LiveSession, Occurrence
 from arl_tui.app.once import after
 from arl_tui.app.outcome import SessionControls
 from arl_tui.app.tally import weight_in_use
 from arl_tui.games.panel import Progress
 from arl_tui.games.registry import screens_of, words_of
+from arl_tui.language import key_for, key_name, tr
 from arl_tui.palette import Palette
 from arl_tui.screens.count_down import CountDown
-from arl_tui.screens.covers import HelpScreen, PauseScreen, SmallWindowScreen, StopScreen, fits_into
-from arl_tui.screens.page import PageScreen, session_keys
+from arl_tui.screens.covers import (
+    BreakScreen,
+    HelpScreen,
+    PauseScreen,
+    SmallWindowScreen,
+    StopScreen,
+    fits_into,
+)
+from arl_tui.screens.page import IN_SESSION, PageScreen, bar, session_key, session_keys
 from arl_tui.screens.question import Questioning
 from arl_tui.widgets.feedback_bar import HOLD_S, FeedbackBar
 from arl_tui.widgets.people_bar import PeopleBar
@@ -40,22 +48,12 @@ from core.events import (
 )
 from core.session.protocol import Protocol
 
-COMMANDS: dict[str, tuple[str, str]] = {
-    # action: (letter, keys that are there even if the letter is a feedback key)
-    "pause": ("p", "space"),
-    "guide": ("h", "f1"),
-    "leave": ("q", "ctrl+q,ctrl+c"),
-}
+ACTIONS = {"pause": "pause", "help": "guide", "stop": "leave"}
+"""Name of an action of this screen by what it does (`arl_tui.screens.page.IN_SESSION`)."""
 
-
-BAR_WIDTH = 20
-"""Cells."""
-
-
-def bar(fraction: float) -> str:
-    """Return a bar for a fraction in [0, 1], and the fraction in per cent."""
-    done = round(fraction * BAR_WIDTH)
-    return f"{'━' * done}[dim]{'─' * (BAR_WIDTH - done)}[/] {fraction:.0%}"
+MOVES_S = 0.5
+"""How often something moves while unseen episodes are played, seconds."""
+MOVING = "◐◓◑◒"
 
 
 class PlayScreen(Screen[None], inherit_bindings=False):
@@ -63,33 +61,38 @@ class PlayScreen(Screen[None], inherit_bindings=False):
 
     BINDING_GROUP_TITLE = "Session"
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding(COMMANDS["pause"][1], "pause", "Pause", id="play.pause", tooltip="Let the game wait"),
-        Binding(COMMANDS["guide"][1], "guide", "Help", id="play.help", tooltip="Show all keys"),
-        Binding(COMMANDS["leave"][1], "leave", "Stop", id="play.stop", tooltip="Stop the session"),
+        Binding(IN_SESSION["pause"], "pause", "Pause", id="play.pause", tooltip="Let the game wait"),
+        Binding(IN_SESSION["help"], "guide", "Help", id="play.help", tooltip="Show all keys"),
+        Binding(IN_SESSION["stop"], "leave", "Stop", id="play.stop", tooltip="Stop the session"),
     ]
 
-    def __init__(self, protocol: Protocol, live: LiveSession, palette: Palette) -> None:
+    def __init__(self, protocol: Protocol, live: LiveSession, palette: Palette, *, part: str = "") -> None:
         """Draw a session that has not begun.
 
         Args:
             protocol: size of the board, keys, number of games.
             live: the session; asked only to cover and uncover.
             palette: colours of the game.
+            part: where in a visit the session is, in words ("Block 2 of 3").
         """
         super().__init__()
         self.panel = screens_of(protocol).panel(protocol, palette)
         self.add_class(f"-{protocol.game}")
+        if part:
+            self.panel.part(part)
         names = [person.name for person in protocol.people]
         keys = protocol.keys_of_people
         self.feedback = (
             PeopleBar(list(zip(names, keys, strict=True))) if names else FeedbackBar(protocol.keys)
         )
+        self.feedback.rest(True)
         self._several = len(keys) > 1
         self._status = Static(id="status")
         self._protocol = protocol
         self._words = words_of(protocol.game)
         self._episodes = protocol.session.episodes
         self._unseen = protocol.session.unseen_between
+        self._unseen_before = protocol.session.unseen_before
         self._live = live
         self._picture: Picture | None = None
         self._watched = 0
@@ -98,14 +101,26 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         self._human_weights: list[float] = []
         """In use, one per game so far; empty where they are not to be seen."""
         self._shows_weight = protocol.screen.show_weight
+        self._stretch, self._block = protocol.screen.games_per_stretch, protocol.screen.games_per_block
         self._counts = protocol.screen.count_down_s > 0
         self._count_down = CountDown(self, self.panel.game_widget(), protocol.screen.count_down_s)
+        self._practised: Practised | None = None
+        """How far the unseen episodes are; None while none are played."""
+        self._result = ""
+        """How the last game went, in words."""
+        self._moving = not protocol.screen.reduced_motion
+        self._moved = 0
         self._questioning = Questioning(self, live, self.panel, self.feedback, protocol)
         self._said = ""
         self._silence_shown = False
         self._disk_failed = False
+        self._keys_of_people = keys
         used = {letter for each in keys for letter in each.letters}
-        self._letters = {letter: action for action, (letter, _) in COMMANDS.items() if letter not in used}
+        self._letters = {
+            key_for(name): action for name, action in ACTIONS.items() if key_for(name) not in used
+        }
+        self._commands = {key for fixed in IN_SESSION.values() for key in fixed.split(",")}
+        self._commands |= {key_for(name) for name in ACTIONS}
 
     def compose(self) -> ComposeResult:
         """Lay everything out in fixed sizes."""
@@ -118,6 +133,14 @@ class PlayScreen(Screen[None], inherit_bindings=False):
                 yield self._questioning.bar
                 yield self._status
         yield Static(session_keys(*self._protocol.keys_of_people), id="session-keys")
+
+    def on_mount(self) -> None:
+        """Let something move while unseen episodes are played, also before the first game."""
+        before = self._unseen if self._watched else self._unseen_before
+        if before:
+            self._practised = Practised(done=0, count=before)
+            self._tell_practised()
+        self.set_interval(MOVES_S, self._move)
 
     # --- what happens ---------------------------------------------------------------------------------------
 
@@ -141,15 +164,22 @@ class PlayScreen(Screen[None], inherit_bindings=False):
             case EpisodeEnded():
                 self._end_episode(occurrence)
             case Preparing(fraction=fraction) if self._live.phase == "running":
-                self._say(f"One moment, this first time:\n{bar(fraction)}")
+                self._practised = None
+                self._moved += 1
+                self._say(f"{self._sign()} {tr('One moment, this first time:')}\n{bar(fraction)}")
+            case Practised():
+                self._practised = occurrence
+                self._tell_practised()
             case QuestionPosed() | AskNow() | QuestionAnswered():
                 self._show_question(occurrence)
             case TimeGap():
                 self._lay_over(PauseScreen(gap_s=length_s(occurrence)), "gap")
             case StopAsked() | SessionEnded():
                 self._count_down.stop()
+                self.feedback.rest(True)
+                self._practised = None
                 self._questioning.over()
-                self._say("Stopping: everything is being saved ...")
+                self._say(tr("Stopping: everything is being saved ..."))
 
     def go_on_after(self, outputs: Iterable[Output]) -> None:
         """Count the games that were finished before the session broke off."""
@@ -195,17 +225,17 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         if self._questioning.on_screen and press.value is not None:
             self._questioning.hint()
             return
-        is_command = any(
-            (press.read_as or press.key) in (letter, *keys.split(",")) for letter, keys in COMMANDS.values()
-        )
-        if press.verdict != "other" or not is_command:
+        if press.verdict != "other" or (press.read_as or press.key) not in self._commands:
             self.feedback.show_press(press, self._live.left_of(press))
         self.feedback.ask_wrong(self._live.gate.wrong_asked)
         self._tell_presses_left()
 
     def _tell_presses_left(self) -> None:
-        """Write beside the game how many presses are left: of several people the feedback bar says it."""
-        if not self._several:
+        """Write beside the game how many presses are left, as long as there is something to judge.
+
+        Of several people the feedback bar says it.
+        """
+        if self._playing and not self._several:
             self.panel.presses_left(self._live.presses_left)
 
     def _begin_episode(self, episode: EpisodeStarted) -> None:
@@ -215,38 +245,67 @@ class PlayScreen(Screen[None], inherit_bindings=False):
             self._human_weights.append(weight_in_use(episode))
         self.feedback.begin_game(self._live.presses_left)
         self._tell_presses_left()
-        self.panel.title(f"Game {self._watched}")
+        self.panel.title(tr("Game {number}", number=self._watched))
         self.panel.unmark()
+        self._practised = None
         self._say("")
-        if not self._live.gate.covered:  # a page lies over the game: the count-down comes when it is left
+        self.feedback.rest(self._live.gate.covered)
+        if self._live.gate.covered:
+            return  # a page lies over the game: the count-down comes when it is left
+        done = self._watched - 1
+        if self._block and done and done % self._block == 0:
+            self._lay_over(BreakScreen(done, self._episodes), "pause")
+        elif done % self._stretch == 0:
             self._count()
 
     def _count(self) -> None:
-        """Count down; no step is on screen meanwhile."""
+        """Count down; no step is on screen meanwhile, and no press is asked for."""
         if not self._counts:
             return
         self._live.count_down()
-        self._count_down.start(f"Game {self._watched}", self._go_on)
+        self.feedback.rest(True)
+        self._count_down.start(tr("Game {number}", number=self._watched), self._go_on)
 
     def _go_on(self) -> None:
         """Let the game go on, and draw once more: what was drawn before came too early to count."""
         self._live.uncover()
+        self.feedback.rest(not self._playing)
         if self._questioning.waiting:
             self._questioning.show()
         self.panel.refresh()
 
     def _end_episode(self, episode: EpisodeEnded) -> None:
         self._playing = False
+        self.feedback.rest(True)
+        self.panel.presses_left(None)
         lines = self._words.told(episode.performance)
-        self.panel.title("Game over" if episode.ended == "termination" else "End of this game")
+        self.panel.title(tr("Game over") if episode.ended == "termination" else tr("End of this game"))
         if self._watched >= self._episodes or self._live.phase != "running":
-            self._say(f"That was the last game: {lines}.")
+            self._say(tr("That was the last game: {performance}.", performance=lines))
         elif self._unseen:
-            self._say(
-                f"{lines}. Before the next game, the computer\npractises {self._unseen} games on its own."
-            )
+            self._result = f"{lines}."
+            self._practised, self._moved = Practised(done=0, count=self._unseen), 0
+            self._tell_practised()
         else:
-            self._say(f"{lines}. The next game is about to begin.")
+            self._say(tr("{performance}. The next game is about to begin.", performance=lines))
+
+    def _tell_practised(self) -> None:
+        """Say how many of the unseen games are played: the share is true, and the sign moves meanwhile."""
+        far = self._practised
+        if far is None or self._silence_shown:
+            return
+        practising = tr("Practising: {done} of {all} games", done=far.done, all=far.count)
+        told = f"{self._sign()} {practising}\n{bar(far.done / far.count)}"
+        self._say(f"{self._result}\n{told}".strip())
+
+    def _sign(self) -> str:
+        """Return what says that the program goes on: a sign that turns, or the seconds."""
+        return MOVING[self._moved % len(MOVING)] if self._moving else f"{int(self._moved * MOVES_S)} s"
+
+    def _move(self) -> None:
+        if self._practised is not None:
+            self._moved += 1
+            self._tell_practised()
 
     def _say(self, text: str) -> None:
         if self._disk_failed:
@@ -258,16 +317,20 @@ class PlayScreen(Screen[None], inherit_bindings=False):
     def show_disk_failure(self) -> None:
         """Say that nothing counts from here on, because it cannot be recorded."""
         self.feedback.show_not_saved()
-        self._say("[b]The recording cannot be written.[/]\nThe session ends here.")
+        self._say(tr("[b]The recording cannot be written.[/]\nThe session ends here."))
         self._disk_failed = True
 
     def show_silence(self, silent_s: float | None) -> None:
         """Say for how long the learner has not answered, seconds; None: it does."""
         if silent_s is not None:
             self._silence_shown = True
-            waits = "Still practising" if not self._playing else "The computer has not answered"
-            key = "Q" if "q" in self._letters else "Ctrl+Q"
-            self._status.update(f"{waits} for {silent_s:.0f} s.\n{key} ends the session; all is kept.")
+            told = (
+                tr("The computer has not answered for {seconds:.0f} s.", seconds=silent_s)
+                if self._playing
+                else tr("Still practising for {seconds:.0f} s.", seconds=silent_s)
+            )
+            key = key_name(session_key("stop", *self._keys_of_people))
+            self._status.update(f"{told}\n" + tr("{key} ends the session; all is kept.", key=key))
         elif self._silence_shown:
             self._say(self._said)
 

@@ -1,12 +1,14 @@
 """Leads a participant through a sitting: every step in turn, everything recorded, from consent to thanks."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Literal, assert_never
 
 from textual.screen import Screen
 
+from arl_tui.language import tr
 from arl_tui.study import words
+from arl_tui.study.own_numbers import Numbers, own_numbers
 from arl_tui.study.page_app import Results
 from arl_tui.study.pages import BreakPage, NoticePage, TextPage
 from arl_tui.study.presenter import (
@@ -53,15 +55,6 @@ from studies.lab.sitting_log import (
     StepBegun,
     StepEnded,
 )
-
-
-@dataclass(slots=True)
-class Numbers:
-    """What a participant did in this sitting, for the last page."""
-
-    games: list[float] = field(default_factory=list)
-    presses: int = 0
-    unit: str = ""
 
 
 class _LeftEarly(Exception):
@@ -178,7 +171,7 @@ class _Sitting:
             self._presenter.on_gone = do_nothing
         self._ledger.append(SittingEnded(code=attempt.code, sitting=attempt.sitting, how=how))
         if how == "stopped":
-            self._say(words.STOPPED.format(code=attempt.code))
+            self._say(tr(words.STOPPED, code=attempt.code))
         return SittingResult(how, attempt.code, trouble, tuple(self._remarks_for_experimenter))
 
     def _gone(self, log: SittingLog) -> None:
@@ -197,8 +190,10 @@ class _Sitting:
                 self._count(played_of(earlier))
 
     def _count(self, played: Played) -> None:
-        self._numbers.games += played.games
+        if played.games:
+            self._numbers.blocks.append(played.games)
         self._numbers.presses += played.presses
+        self._numbers.taken_back += played.taken_back
         self._numbers.unit = played.unit or self._numbers.unit
 
     def _earlier(self, number: int) -> BlockSoFar | None:
@@ -274,7 +269,7 @@ class _Sitting:
             case Debriefing():
                 text = self._loaded.texts[step.text]
                 remarks = self._remarks(step)
-                self._pages([lambda: NoticePage(words.THANKS, text, remarks, code=code)])
+                self._pages([lambda: NoticePage(tr(words.THANKS), text, remarks, code=code)])
             case Practice() | Calibration() | Block():
                 self._play(log, number, step)
             case other:
@@ -282,7 +277,15 @@ class _Sitting:
 
     def _part(self, number: int) -> str:
         count = len(self._study.sittings[self._attempt.sitting].steps)
-        return words.PART.format(number=number + 1, count=count)
+        return tr(words.PART, number=number + 1, count=count)
+
+    def _block_of_visit(self, number: int) -> str:
+        """Return which block of this visit a step is, in words; nothing for practice and calibrations."""
+        steps = self._study.sittings[self._attempt.sitting].steps
+        if not isinstance(steps[number], Block):
+            return ""
+        blocks = [place for place, step in enumerate(steps) if isinstance(step, Block)]
+        return tr(words.BLOCK, number=blocks.index(number) + 1, count=len(blocks))
 
     def _pages(self, pages: Pages, on_result: OnResult = ignore_result) -> Results:
         results, closed = self._presenter.pages(pages, on_result)
@@ -294,7 +297,7 @@ class _Sitting:
 
     def _say(self, text: str) -> None:
         """Show a last page; nothing hangs on how it is left."""
-        self._presenter.pages([lambda: NoticePage(words.THANKS, "", [text], code=self._attempt.code)])
+        self._presenter.pages([lambda: NoticePage(tr(words.THANKS), "", [text], code=self._attempt.code)])
 
     def _ask(self, log: SittingLog, number: int, step: Questionnaire) -> None:
         """Ask every question in turn; each answer is on the disk before the next question comes."""
@@ -362,6 +365,7 @@ class _Sitting:
             folder=self._folder,
             seed=session_seed(self._study, attempt, number),
             resume=earlier.path if earlier is not None and has_games else None,
+            part=self._block_of_visit(number),
             on_gone=self._presenter.on_gone,
             facts={
                 "study": self._study.name,
@@ -391,18 +395,7 @@ class _Sitting:
         return self._attempt.condition(len(earlier))
 
     def _remarks(self, step: Debriefing) -> list[str]:
-        remarks = []
-        numbers = self._numbers
-        if step.own_numbers and numbers.games:
-            remarks.append(
-                words.NUMBERS.format(
-                    games=len(numbers.games),
-                    presses=numbers.presses,
-                    unit=numbers.unit.capitalize(),
-                    first=f"{numbers.games[0]:.3g}",
-                    last=f"{numbers.games[-1]:.3g}",
-                )
-            )
+        remarks = list(own_numbers(self._numbers)) if step.own_numbers else []
         if step.show_condition:
-            remarks.append(words.ORDER.format(order=", ".join(self._attempt.order)))
-        return [*remarks, words.CODE.format(code=self._attempt.code)]
+            remarks.append(tr(words.ORDER, order=", ".join(self._attempt.order)))
+        return [*remarks, tr(words.CODE, code=self._attempt.code)]

@@ -14,6 +14,7 @@ import numpy as np
 from textual.pilot import Pilot
 
 from arl_tui.games.registry import words_of
+from arl_tui.language import key_for
 from arl_tui.recordings import new_path
 from arl_tui.study.calibrations import simulated_calibration
 from arl_tui.study.page_app import PageApp, Results
@@ -26,7 +27,7 @@ from core.numerics.streams import stream
 from core.recording.reader import read_recording
 from core.session.protocol import Protocol
 from studies.lab.config import Block, Calibration, Practice
-from studies.lab.questions import Choice, FreeText, Likert, Number, Question, Scale
+from studies.lab.questions import Choice, FreeText, Likert, Number, Press, Question, Scale
 from studies.lab.read import LoadedStudy
 
 KINDS = tuple(persons())
@@ -111,7 +112,7 @@ class SimulatedPresenter:
         Raises:
             StuckError: a page cannot be left by keys.
         """
-        app = PageApp(pages, on_result)
+        app = PageApp(pages, on_result, language=self._loaded.study.language)
         stuck: list[str] = []
 
         async def press(pilot: Pilot[object]) -> None:
@@ -135,13 +136,14 @@ class SimulatedPresenter:
 
     def _keys(self, screen: StudyPage | StopPage) -> list[str]:
         if isinstance(screen, StopPage):
-            return ["n"]
+            return [key_for("no")]
         if isinstance(screen, ConsentPage) and screen.at_end:
-            return ["n" if self._habits.declines else "y"] * screen.n_statements + (
+            return [key_for("no" if self._habits.declines else "yes")] * screen.n_statements + (
                 ["enter", "enter"] if self._habits.declines else ["enter"]
             )
         if isinstance(screen, QuestionPage):
-            return [*self._answer(screen.question), "enter"]
+            answer = self._answer(screen.question)
+            return answer if isinstance(screen.question, Press) else [*answer, "enter"]
         if isinstance(screen, BreakPage):
             self._clock.advance_ns(int(screen.shortest_s * NS_PER_S))
         return ["enter"]
@@ -156,6 +158,8 @@ class SimulatedPresenter:
                 return [str(options.index(correct) + 1 if correct else self._draw(1, min(len(options), 9)))]
             case Number(lowest=lowest, highest=highest):
                 return list(str(self._draw(int(np.ceil(lowest)), int(highest))))
+            case Press(key=key):
+                return [key]
             case FreeText():
                 return list("simulated")
             case other:
@@ -213,7 +217,7 @@ class SimulatedPresenter:
             file=path.name,
             games=tuple(summary.performances),
             presses=summary.accepted,
-            unit=words_of(protocol.game).units[1],
+            unit=words_of(protocol.game).unit,
         )
 
     def _play_drawn(self, call: BlockCall, protocol: Protocol, source: Mapping[str, str]) -> Path:

@@ -84,5 +84,6 @@ def played_of(block: BlockSoFar) -> Played:
         file=block.path.name,
         games=block.performances,
         presses=block.summary.presses_counted,
-        unit=words_of(block.summary.game).units[1],
+        taken_back=block.summary.presses_taken_back,
+        unit=words_of(block.summary.game).unit,
     )

@@ -43,6 +43,9 @@ class Plan(msgspec.Struct, frozen=True, kw_only=True):
     condition: Condition
     root_seed: int
     trials: tuple[PlannedTrial, ...]
+    columns: int = 80
+    lines: int = 30
+    """Size of the robot's terminal; the board is drawn as large as fits."""
 
     @property
     def longest_s(self) -> float:
@@ -75,7 +78,14 @@ def marker(number: int) -> str:
     return f"<<{number:04d}>>"
 
 
-def make_plan(condition: Condition, n_trials: int, *, root_seed: int, longest_ms: int = LONGEST_MS) -> Plan:
+def make_plan(
+    condition: Condition,
+    n_trials: int,
+    *,
+    root_seed: int,
+    longest_ms: int = LONGEST_MS,
+    window: tuple[int, int] = (80, 30),
+) -> Plan:
     """Draw foreperiods of 300 to 600 ms and delays of 150 to `longest_ms`.
 
     Args:
@@ -83,6 +93,7 @@ def make_plan(condition: Condition, n_trials: int, *, root_seed: int, longest_ms
         n_trials: 1 to 9999.
         root_seed: the same seed gives the same trials.
         longest_ms: longest delay, at least 150.
+        window: columns and lines of the robot's terminal.
     """
     if not (1 <= n_trials <= 9999 and longest_ms >= SHORTEST_MS):
         raise ValueError(
@@ -98,4 +109,4 @@ def make_plan(condition: Condition, n_trials: int, *, root_seed: int, longest_ms
         PlannedTrial(number=i, foreperiod_ms=int(f), delay_ms=int(d))
         for i, (f, d) in enumerate(zip(foreperiods, delays, strict=True))
     )
-    return Plan(condition=condition, root_seed=root_seed, trials=trials)
+    return Plan(condition=condition, root_seed=root_seed, trials=trials, columns=window[0], lines=window[1])

@@ -29,7 +29,6 @@ from arl_tui.app.facts import REPOSITORY
 from arl_tui.drawing_rate import FRAMES_PER_S
 from arl_tui.timing.plan import ANSWER_KEY, MARKER, START_UP_S, Plan, Seen
 
-COLUMNS, LINES = 80, 30
 SPIN_NS = 2_000_000
 """The last 2 ms before a key is written are spent looking at the clock: no wake-up is late then."""
 REST_S = 0.02
@@ -81,7 +80,7 @@ class Robot:
         plan_path.write_bytes(msgspec.json.encode(plan))
         self._seen_path = folder / "seen.json"
         self._fd, theirs = pty.openpty()
-        fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", LINES, COLUMNS, 0, 0))
+        fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", plan.lines, plan.columns, 0, 0))
         arguments = [str(plan_path), str(self._seen_path), str(os.getpid())]
         self._process = subprocess.Popen(
             [sys.executable, "-m", _program(plan), *arguments],

@@ -12,6 +12,7 @@ import msgspec
 from rich.segment import Segment
 from textual import events
 from textual.app import ComposeResult
+from textual.geometry import Size
 from textual.strip import Strip
 from textual.widget import Widget
 
@@ -71,6 +72,11 @@ class Stimulus(Widget, can_focus=False):
         return Strip([Segment(text.ljust(self.size.width), self.rich_style)])
 
 
+AROUND = Size(2, 10)
+"""Columns and lines that the board leaves free: in 80 x 30 a block is one line high, in 200 x 60 two, as in a
+session of that size."""
+
+
 class SubjectApp(PlainApp[str]):
     """Runs the trials of a plan; returns why it ended early, "" if it did not."""
 
@@ -89,7 +95,7 @@ class SubjectApp(PlainApp[str]):
         self._link = link
         self._garbage = GarbageControl()
         self._stimulus = Stimulus()
-        self._board = TetrisBoard(palette=STANDARD)
+        self._board = TetrisBoard(palette=STANDARD, around=AROUND)
         self._marks: dict[int, Callable[[int], None]] = {}
         self._n_marks = 0
         self._began_ns = 0

@@ -13,6 +13,7 @@ from textual.screen import Screen
 from textual.widgets import Input
 
 from arl_tui.palette import palette_for
+from arl_tui.themes import theme_in_use
 from arl_tui.viewer.boards import MarkedBoard, MarkedPitch
 from arl_tui.viewer.drawing import NEAR_NS, decision_lines, status_line
 from arl_tui.viewer.game_view import GameView
@@ -121,7 +122,12 @@ class ViewerScreen(Screen[str], inherit_bindings=False):
     def compose(self) -> ComposeResult:
         """Lay out the game on the left, everything else beside and below it."""
         colours = self._colours or self.app.console.color_system
-        palette = palette_for("standard", colours, no_color=self.app.no_color and self._colours is None)
+        palette = palette_for(
+            "standard",
+            colours,
+            no_color=self.app.no_color and self._colours is None,
+            theme=theme_in_use(),
+        )
         self._game = GameView(self.viewing, palette)
         self._board, self._pitch = self._game.board, self._game.pitch
         unit, facts = self.viewing.unit, Facts(self.session)

@@ -7,16 +7,44 @@ from typing import ClassVar
 from rich.segment import Segment
 from rich.style import Style
 from textual.cache import LRUCache
+from textual.geometry import Size
 from textual.strip import Strip
 from textual.widget import Widget
 
-from arl_tui.palette import BLOCKS, PALETTES, STANDARD, Palette, component_classes, style_sheet
+from arl_tui.palette import (
+    BLOCKS,
+    PALETTES,
+    SEAM,
+    SEAM_BELOW,
+    STANDARD,
+    Palette,
+    component_classes,
+    style_sheet,
+)
 from core.tetris.picture import CLEARED, EMPTY, FALLING, GHOST
 
 CELLS_PER_BLOCK = 2
+LARGEST = 5
+"""A block is at most so many lines high."""
 GHOST_TEXTURE = "░░"
 MARKED_GOOD, MARKED_BAD = 128, 192
 """High bits of a marked block's code (`core.tetris.picture` leaves 128 free)."""
+
+
+def lines_per_block(blocks: Size, around: Size, window: Size) -> int:
+    """Return how many lines high a block is drawn, and half as many as its columns: as large as fits.
+
+    Args:
+        blocks: how many blocks there are across and down.
+        around: columns and lines that everything else needs.
+        window: columns and lines there are.
+
+    Returns:
+        A whole number in [1, LARGEST].
+    """
+    across = (window.width - around.width) // (CELLS_PER_BLOCK * blocks.width)
+    down = (window.height - around.height) // blocks.height
+    return max(1, min(across, down, LARGEST))
 
 
 class BlockWidget(Widget, inherit_bindings=False, can_focus=False):
@@ -33,7 +61,7 @@ class BlockWidget(Widget, inherit_bindings=False, can_focus=False):
     ) -> None:
         super().__init__(id=id, classes=classes)
         self._palette = palette
-        self._strips: LRUCache[bytes, Strip] = LRUCache(2048)
+        self._strips: LRUCache[tuple[bytes, int, bool], Strip] = LRUCache(2048)
         self._looks: dict[int, tuple[str, Style]] = {}
         self.add_class(f"-{palette.name}")
 
@@ -56,15 +84,22 @@ class BlockWidget(Widget, inherit_bindings=False, can_focus=False):
         self._looks.clear()
         super().notify_style_update()
 
-    def strip(self, codes: bytes) -> Strip:
-        """Return one row of blocks: two cells per code, drawn once and kept."""
-        strip = self._strips.get(codes)
+    def strip(self, codes: bytes, lines: int = 1, *, last: bool = True) -> Strip:
+        """Return one line of a row of blocks, drawn once and kept.
+
+        Args:
+            codes: of the row's cells.
+            lines: how many lines high a block is; it is twice as many columns wide.
+            last: whether this is the lowest line of the row.
+        """
+        key = (codes, lines, last)
+        strip = self._strips.get(key)
         if strip is None:
-            strip = Strip(self._segments(codes), len(codes) * CELLS_PER_BLOCK).simplify()
-            self._strips[codes] = strip
+            width = len(codes) * CELLS_PER_BLOCK * lines
+            strip = self._strips[key] = Strip(self._segments(codes, lines, last), width).simplify()
         return strip
 
-    def _segments(self, codes: bytes) -> Iterator[Segment]:
+    def _segments(self, codes: bytes, lines: int, last: bool) -> Iterator[Segment]:
         # An empty cell's look depends on its column.
         keyed = [
             -1 - (column % 2 if self.STRIPED else 0) if code == EMPTY else code
@@ -72,7 +107,7 @@ class BlockWidget(Widget, inherit_bindings=False, can_focus=False):
         ]
         for key, run in groupby(keyed):
             text, style = self._look(key)
-            yield Segment(text * len(list(run)), style)
+            yield Segment(enlarged(text, lines, last=last) * len(list(run)), style)
 
     def _look(self, key: int) -> tuple[str, Style]:
         look = self._looks.get(key)
@@ -96,3 +131,20 @@ class BlockWidget(Widget, inherit_bindings=False, can_focus=False):
         if key & GHOST:
             return f"{BLOCKS[block]}-ghost", GHOST_TEXTURE
         return BLOCKS[block], texture
+
+
+def enlarged(texture: str, lines: int, *, last: bool) -> str:
+    """Return a block's texture on one of its lines.
+
+    Args:
+        texture: two characters, as on a block of one line.
+        lines: how many lines high the block is.
+        last: whether this is its lowest line.
+    """
+    left, right = texture[0], texture[1]
+    if lines == 1 or left == right:
+        return texture * lines
+    middle = CELLS_PER_BLOCK * lines - 2
+    if texture == SEAM:
+        return (SEAM_BELOW if last else left) * (middle + 1) + right
+    return left + " " * middle + right

@@ -10,7 +10,7 @@ from textual.strip import Strip
 
 from arl_tui.app.once import after
 from arl_tui.palette import STANDARD, Palette
-from arl_tui.widgets.blocks import CELLS_PER_BLOCK, MARKED_BAD, MARKED_GOOD, BlockWidget
+from arl_tui.widgets.blocks import CELLS_PER_BLOCK, MARKED_BAD, MARKED_GOOD, BlockWidget, lines_per_block
 from arl_tui.widgets.coverable import CoverableWidget
 from core.tetris.picture import FALLING, Snapshot
 
@@ -21,7 +21,8 @@ MARK_S = 1.0
 class TetrisBoard(BlockWidget, CoverableWidget):
     """Draws snapshots; repaints only the rows that have changed.
 
-    Two cells per block: a board of 20 x 10 takes 22 lines and 22 columns with its border.
+    Two cells per block: a board of 20 x 10 takes 22 lines and 22 columns with its border. Where it is told
+    what stands around it, it grows with the window, by whole lines per block.
     """
 
     COMPONENT_CLASSES: ClassVar[set[str]] = {"board--cover", "board--option"}
@@ -43,13 +44,24 @@ class TetrisBoard(BlockWidget, CoverableWidget):
         columns: int = 10,
         *,
         palette: Palette = STANDARD,
+        around: Size | None = None,
         id: str | None = None,
         classes: str | None = None,
     ) -> None:
-        """Draw an empty board of this size."""
+        """Draw an empty board.
+
+        Args:
+            rows: of blocks.
+            columns: of blocks.
+            palette: colours.
+            around: columns and lines of the window that others need; None keeps blocks at one line.
+            id: Textual's name of the widget.
+            classes: Textual's style classes.
+        """
         super().__init__(palette=palette, id=id, classes=classes)
         self.rows = rows
         self.columns = columns
+        self._around = around
         self.frame = -1
         """Number of the frame given last; see `show`."""
         self.drawn_frame = -1
@@ -69,11 +81,22 @@ class TetrisBoard(BlockWidget, CoverableWidget):
 
     def get_content_width(self, container: Size, viewport: Size) -> int:
         """Return the board's width in cells."""
-        return self.columns * CELLS_PER_BLOCK
+        return self.columns * CELLS_PER_BLOCK * self.lines_in(viewport)
 
     def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
         """Return the board's height in lines."""
-        return self.rows
+        return self.rows * self.lines_in(viewport)
+
+    def lines_in(self, window: Size) -> int:
+        """Return how many lines high a block is in a window of this size."""
+        if self._around is None:
+            return 1
+        return lines_per_block(Size(self.columns, self.rows), self._around, window)
+
+    @property
+    def lines_per_block(self) -> int:
+        """How many lines high a block is now; it is twice as many columns wide."""
+        return max(1, self.size.height // self.rows)
 
     def show(self, snapshot: Snapshot, frame: int = -1) -> bool:
         """Draw this snapshot with the next paint.
@@ -157,15 +180,17 @@ class TetrisBoard(BlockWidget, CoverableWidget):
         self._silent = not self._due
         self.refresh()
 
-    def _with_options(self, y: int, strip: Strip) -> Strip:
-        """Return a line of the board with the options on it."""
+    def _with_options(self, row: int, strip: Strip) -> Strip:
+        """Return a line of a row of the board with the options on it."""
         style = self.get_component_rich_style("board--option")
+        lines = self.lines_per_block
+        width = CELLS_PER_BLOCK * lines
         pieces: list[Strip] = []
         for column in range(self.columns):
-            start = column * CELLS_PER_BLOCK
-            text = self._options.get(y * self.columns + column)
-            cell = strip.crop(start, start + CELLS_PER_BLOCK)
-            pieces.append(cell if text is None else Strip([Segment(text, style)], CELLS_PER_BLOCK))
+            start = column * width
+            text = self._options.get(row * self.columns + column)
+            cell = strip.crop(start, start + width)
+            pieces.append(cell if text is None else Strip([Segment(text * lines, style)], width))
         return Strip.join(pieces)
 
     def _forget_mark(self) -> None:
@@ -195,9 +220,9 @@ class TetrisBoard(BlockWidget, CoverableWidget):
 
     def _repaint(self, before: bytes) -> None:
         """Ask for the rows to be painted that have changed."""
-        width, after_ = self.columns, self._codes
+        width, after_, lines = self.columns, self._codes, self.lines_per_block
         changed = [
-            Region(0, row, width * CELLS_PER_BLOCK, 1)
+            Region(0, row * lines, width * CELLS_PER_BLOCK * lines, lines)
             for row in range(self.rows)
             if before[row * width : (row + 1) * width] != after_[row * width : (row + 1) * width]
         ]
@@ -206,18 +231,21 @@ class TetrisBoard(BlockWidget, CoverableWidget):
 
     def render_line(self, y: int) -> Strip:
         """Return one line of the widget's content."""
-        if y >= self.rows:
+        lines = self.lines_per_block
+        if y >= self.rows * lines:
             return Strip.blank(self.size.width)
-        words = self.covering(y, self.rows)
+        words = self.covering(y, self.rows * lines)
         if words is not None:
             return self._cover_line(words)
         if not self._silent:
             self.drawn_frame = self.frame
-        strip = self.strip(self._codes[y * self.columns : (y + 1) * self.columns])
-        return self._with_options(y, strip) if self._options else strip
+        row, line = divmod(y, lines)
+        codes = self._codes[row * self.columns : (row + 1) * self.columns]
+        strip = self.strip(codes, lines, last=line == lines - 1)
+        return self._with_options(row, strip) if self._options else strip
 
     def _cover_line(self, words: str) -> Strip:
-        width = self.columns * CELLS_PER_BLOCK
+        width = self.columns * CELLS_PER_BLOCK * self.lines_per_block
         text = words[:width]
         style = self.get_component_rich_style("board--cover")
         left = (width - len(text)) // 2

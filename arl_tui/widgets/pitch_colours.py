@@ -58,11 +58,31 @@ _SIXTEEN: Final = {
     "good": "#008000",
     "bad": "#800000",
 }
+_LIGHT: Final = {
+    "grass": "#e3efe6",
+    "stripe": "#dbe9df",
+    "line": "#5d7a69",
+    "spot": "#a3bbab",
+    "words": "#14241b",
+    "path": "#466070",
+    "faint": "#9db0a4",
+    "trail": "#55655c",
+    "keeper": "#0067a8",
+    "taker": "#b84600",
+    "ball": "#1c1c1c",
+    "keeper-name": "#ffffff",
+    "taker-name": "#ffffff",
+    "holder-name": "#ffffff",
+    "good": "#7fd6a6",
+    "bad": "#ffa59d",
+}
 COLOURS: Final[Mapping[str, Mapping[str, str]]] = {
     "standard": _STANDARD,
     "colour-blind": _STANDARD,
     "high-contrast": _BLACK_AND_WHITE,
     "sixteen": _SIXTEEN,
+    "standard-light": _LIGHT,
+    "colour-blind-light": _LIGHT,
 }
 """By name of the palette (`arl_tui.palette.PALETTES`), colour by name of the ink."""
 

@@ -118,7 +118,16 @@ _IN_ANY_GAME: tuple[Use, ...] = (
         refused=False,
     ),
     Use(
-        ("screen.palette", "screen.count_down_s", "screen.mark_presses", "screen.show_weight"),
+        (
+            "screen.palette",
+            "screen.theme",
+            "screen.reduced_motion",
+            "screen.count_down_s",
+            "screen.mark_presses",
+            "screen.show_weight",
+            "screen.games_per_stretch",
+            "screen.games_per_block",
+        ),
         "on a screen: in live sessions only",
         _live,
         refused=False,

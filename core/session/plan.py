@@ -1,5 +1,7 @@
 """What a protocol will do, in words: games, presses, minutes, weight of the participant in each game."""
 
+import math
+
 from core.combination.config import Coach, EnvironmentOnly, EpisodeWeights, Exponential, FixedWeight, Linear
 from core.feedback.delays import describe
 from core.feedback.keys import KeyConfig
@@ -42,8 +44,10 @@ def expected_minutes(protocol: Protocol) -> float:
     """Return how long the watched games of a session take, in minutes, without pauses and unseen games."""
     game_s = plugin_of(protocol).expected_game_s(protocol)
     screen = protocol.screen
-    between_s = screen.count_down_s + screen.pause_between_episodes_s
-    return protocol.session.episodes * (game_s + between_s) / 60 + question_minutes(protocol)
+    games = protocol.session.episodes
+    stretches = math.ceil(games / screen.games_per_stretch)
+    waiting_s = games * screen.pause_between_episodes_s + stretches * screen.count_down_s
+    return (games * game_s + waiting_s) / 60 + question_minutes(protocol)
 
 
 def expected_questions(protocol: Protocol) -> float:

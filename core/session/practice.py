@@ -26,6 +26,8 @@ def practice_of(protocol: Protocol, *, games: int = PRACTICE_GAMES, name: str | 
         tick_ms=min(2000, round(screen.tick_ms * PRACTICE_SLOWER)),
         speed=max(0.05, screen.speed / PRACTICE_SLOWER),
         mark_presses=True,
+        games_per_block=0,
+        games_per_stretch=1,
     )
     keys = msgspec.structs.replace(protocol.keys, wrong_press_rate=0.0)
     if protocol.delay_of != "rule":  # nobody is calibrated yet

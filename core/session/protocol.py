@@ -60,6 +60,11 @@ class SessionConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
                 raise ValueError(f"{name} is >= 0, got {getattr(self, name)}")
 
 
+Language = Literal["en", "de"]
+"""Languages of the participants' screens, by ISO 639. `docs/how-to/language-and-keys.md`
+says how another one is added."""
+
+
 class ScreenConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How the session looks and how fast it goes."""
 
@@ -83,6 +88,26 @@ class ScreenConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     condition."""
     palette: Literal["standard", "colour-blind", "high-contrast", "sixteen"] = "standard"
     """Colours of the pieces; each piece has its own texture, too, outside the standard palette."""
+    theme: Literal["dark", "light", "high-contrast"] = "dark"
+    """Colours of all pages. `--theme` or the environment variable ARL_THEME overrules it on one computer.
+    "high-contrast" also takes the palette of that name, unless the protocol chooses one with textures."""
+    reduced_motion: bool = False
+    """Leave out movement that carries no information: Keepaway is drawn cycle by cycle, without what lies
+    between."""
+    games_per_stretch: Annotated[int, number("watched games", ge=1, le=1_000_000)] = 1
+    """Watched games that follow one another without a count-down: one stretch. Keepaway's games may last
+    three seconds, which is too short for a count-down each."""
+    games_per_block: Annotated[int, number("watched games", ge=0, le=1_000_000)] = 0
+    """After so many watched games a page offers a break that waits for the participant; 0: none."""
+
+    language: Language = "en"
+    """Language of everything that the participant reads: "en" is English, "de" German. The environment
+    variable LANG does not change it (`docs/decisions/languages.md`)."""
+
+    LATER: ClassVar[frozenset[str]] = frozenset(
+        {"theme", "reduced_motion", "games_per_stretch", "games_per_block", "language"}
+    )
+    """Settings that came after version 0.2: at their defaults they are not written to recordings."""
 
     def __post_init__(self) -> None:
         if not 10 <= self.tick_ms <= 2000:

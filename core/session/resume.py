@@ -66,6 +66,15 @@ class ResumedSession:
     def before_unseen(self, call: Callable[[], None]) -> None:
         self._session.before_unseen = call
 
+    @property
+    def after_unseen(self) -> Callable[[int, int], None]:
+        """Called after each unseen episode (`core.session.session.Session`)."""
+        return self._session.after_unseen
+
+    @after_unseen.setter
+    def after_unseen(self, call: Callable[[int, int], None]) -> None:
+        self._session.after_unseen = call
+
     def run(self, feedback: FeedbackSource, clock: Clock) -> Iterator[Output]:
         """Yield the outputs after the recorded ones; to be called after `catch_up`."""
         self._joint.go_live(feedback, clock)

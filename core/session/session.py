@@ -32,6 +32,8 @@ class Session:
         self.before_unseen: Callable[[], None] = lambda: None
         """Called before each block of unseen episodes: whoever runs the session may wait there for compiled
         code."""
+        self.after_unseen: Callable[[int, int], None] = lambda done, count: None
+        """Called after each unseen episode with how many of this block are done, and how many it has."""
 
     def run(self, feedback: FeedbackSource, clock: Clock) -> Iterator[Output]:
         """Yield the session's outputs.
@@ -83,6 +85,7 @@ class Session:
             self.agent.learn_from_domain(policy, played)
             policies.append(policy)
             outcomes.append(played)
+            self.after_unseen(len(outcomes), count)
         return UnseenPlayed(
             first_episode=policies[0].episode,
             time_ns=clock.now_ns(),

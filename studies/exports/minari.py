@@ -20,6 +20,7 @@ import numpy as np
 
 from core.domain import Domain
 from core.events import EpisodeStarted, StepTaken
+from core.interop.gymnasium.action import EnvAction
 from core.interop.gymnasium.config import GymnasiumConfig
 from core.keepaway.pitch import KeepawayConfig
 from core.recording.reader import Recording, RecordingError, read_recording
@@ -319,5 +320,5 @@ def _actions(protocol: Protocol, steps: list[StepTaken]) -> list[Any]:
     if isinstance(protocol.domain, TetrisConfig):
         return [np.array(PlacedPiece.of(taken).place) for taken in steps]
     if isinstance(protocol.domain, GymnasiumConfig):
-        return [taken.detail["action"] for taken in steps]
+        return [EnvAction.of(taken).action for taken in steps]
     return [taken.action for taken in steps]

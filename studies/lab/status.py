@@ -4,12 +4,12 @@ Everything is read from the append-only files; nothing is written and no running
 """
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 
-from core.events import KeyPressed, PressRetracted
+from core.events import Event, KeyPressed, PressRetracted, WrongPressAsked
 from studies.lab.blocks import BlockSoFar, sessions_in
 from studies.lab.config import Study, kind_of
 from studies.lab.folder import participant_folder
@@ -24,6 +24,8 @@ FEW_PRESSES_PER_GAME = 0.5
 ALWAYS_THE_SAME = 0.98
 """A fraction of one key among at least `ENOUGH_PRESSES` above this is pointed out."""
 ENOUGH_PRESSES = 20
+ENOUGH_ASKED = 4
+"""With fewer requests for a wrong press, nothing is said about how many were followed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,6 +136,8 @@ class _Recordings:
         self.damaged: list[str] = []
         self.failed_checks = 0
         self.focus_lost = 0
+        self.wrong_asked = self.wrong_given = 0
+        """Deliberately wrong presses that the screen has asked for, and those that a press followed."""
         self._keys: Counter[str] = Counter()
         for path in sorted(folder.glob("sitting-*.jsonl")):
             self._read_sitting(path)
@@ -154,6 +158,8 @@ class _Recordings:
                 yield f"always the same key: {key} in {count} of {total} presses"
         if self.failed_checks:
             yield f"failed attention checks: {self.failed_checks}"
+        if self.wrong_asked >= ENOUGH_ASKED and 2 * self.wrong_given < self.wrong_asked:
+            yield f"instructed presses: {self.wrong_given} of {self.wrong_asked} were given"
         if self.focus_lost:
             yield f"the window lost the keyboard {self.focus_lost} times"
 
@@ -171,6 +177,9 @@ class _Recordings:
 
     def _read_block(self, session: BlockSoFar) -> None:
         events = session.recording.events
+        asked, given = instructed_presses(events)
+        self.wrong_asked += asked
+        self.wrong_given += given
         self.games += session.summary.games_finished
         self.presses += session.summary.presses_counted
         self.focus_lost += session.summary.focus_lost
@@ -182,3 +191,12 @@ class _Recordings:
                 and event.press not in taken_back
             ):
                 self._keys[event.key] += 1
+
+
+def instructed_presses(events: Iterable[Event]) -> tuple[int, int]:
+    """Return how many deliberately wrong presses were asked for, and how many an accepted press followed."""
+    asked = given = 0
+    for event in events:
+        asked += isinstance(event, WrongPressAsked)
+        given += isinstance(event, KeyPressed) and event.verdict == "accepted" and event.asked_wrong
+    return asked, given

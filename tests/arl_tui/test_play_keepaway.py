@@ -45,7 +45,7 @@ def app(
     protocol: Protocol, link: FakeLink, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> Iterable[ArlApp]:
     # Pictures must not depend on the terminal that the tests are run in.
-    monkeypatch.setattr("arl_tui.session_app.palette_for", lambda *_: STANDARD)
+    monkeypatch.setattr("arl_tui.session_app.palette_for", lambda *_, **__: STANDARD)
     monkeypatch.setattr("arl_tui.widgets.pitch.detail_for", lambda: "ascii")
     return app_for(protocol, link, tmp_path)
 

@@ -1,11 +1,14 @@
 """Questions of the agent in the app: drawn with their keys, answered once, and recorded with their time."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import msgspec
 import pytest
+from textual.pilot import Pilot
 
 from arl_tui.app.link import AskNow, Ready
+from arl_tui.app.outcome import SessionOutcome
 from arl_tui.screens.covers import PauseScreen
 from arl_tui.screens.question import CHOSEN, NOT_CHOSEN
 from arl_tui.session_app import ArlApp
@@ -44,6 +47,39 @@ def ask(worker: Worker, question: int = 0) -> QuestionPosed:
     return posed
 
 
+async def until(pilot: Pilot[SessionOutcome], met: Callable[[], bool]) -> None:
+    """Wait for something, however busy the machine is."""
+    for _ in range(600):
+        if met():
+            return
+        await pilot.pause(0.05)
+    raise AssertionError("it has not come")
+
+
+async def running(pilot: Pilot[SessionOutcome], app: ArlApp, link: FakeLink, protocol: Protocol) -> Worker:
+    await until(pilot, lambda: link.listening and app.screen is app.welcome and app.screen.is_active)
+    await settle(pilot)
+    worker = await begin(pilot, link, protocol, steps=1)
+    await until(pilot, lambda: app.screen is app.play and app.live.phase == "running")
+    return worker
+
+
+async def read(pilot: Pilot[SessionOutcome], app: ArlApp) -> None:
+    """Wait until a question is on screen for long enough to be read."""
+    await until(pilot, lambda: app.live.question is not None and app.live.question.is_shown)
+    await pilot.pause(ANTICIPATED_S)
+
+
+async def answered(pilot: Pilot[SessionOutcome], app: ArlApp) -> None:
+    await until(pilot, lambda: app.live.question is None)
+    await settle(pilot)
+
+
+async def end(pilot: Pilot[SessionOutcome], app: ArlApp) -> None:
+    app.live.give_up("end of the test")
+    await until(pilot, lambda: app._outcome is not None)
+
+
 def answers(folder: Path) -> list[QuestionAnswered]:
     return [event for event in recorded(folder).events if isinstance(event, QuestionAnswered)]
 
@@ -52,27 +88,24 @@ async def test_a_question_is_drawn_with_its_keys_and_its_answer_is_recorded_with
     app: ArlApp, link: FakeLink, protocol: Protocol, tmp_path: Path
 ) -> None:
     async with app.run_test(size=SIZE) as pilot:
-        worker = await begin(pilot, link, protocol, steps=1)
+        worker = await running(pilot, app, link, protocol)
         ask(worker)
-        await settle(pilot)
+        await read(pilot, app)
         bar = app.play.query_one("#question")
         assert bar.display
         assert not app.play.feedback.display
         assert "columns 4 to 5" in str(bar.render())
-        await settle(pilot)
         board = app.play.panel.board
         assert board.render_line(17).text.rstrip() == "1111"  # on the piece that has just landed
         assert board.render_line(18).text.rstrip() == "[][]  2222  3333"
-        await pilot.pause(ANTICIPATED_S)
         await pilot.press("2")
-        await settle(pilot)
+        await answered(pilot, app)
         assert not bar.display
         assert app.play.feedback.display
         assert app.play.feedback.note == ""
         assert str(app.play.query_one("#status").render()) == CHOSEN
         assert board.render_line(18).text.rstrip() == "[][]"
-        app.live.give_up("end of the test")
-        await settle(pilot)
+        await end(pilot, app)
     events = recorded(tmp_path).events
     (answer,) = answers(tmp_path)
     (press,) = (event for event in events if isinstance(event, KeyPressed))
@@ -91,17 +124,16 @@ async def test_other_keys_do_not_answer_and_are_told_which_do(
     app: ArlApp, link: FakeLink, protocol: Protocol, tmp_path: Path
 ) -> None:
     async with app.run_test(size=SIZE) as pilot:
-        worker = await begin(pilot, link, protocol, steps=1)
+        worker = await running(pilot, app, link, protocol)
         ask(worker)
-        await pilot.pause(ANTICIPATED_S)
+        await read(pilot, app)
         await pilot.press("j")
-        await settle(pilot)
-        assert "Press 1, 2, 3 or 0" in str(app.play.query_one("#question").render())
+        bar = app.play.query_one("#question")
+        await until(pilot, lambda: "Press 1, 2, 3 or 0" in str(bar.render()))
         await pilot.press("0")
-        await settle(pilot)
+        await answered(pilot, app)
         assert str(app.play.query_one("#status").render()) == NOT_CHOSEN
-        app.live.give_up("end of the test")
-        await settle(pilot)
+        await end(pilot, app)
     (answer,) = answers(tmp_path)
     assert (answer.answer, answer.chosen) == ("none", -1)
     judged = next(
@@ -114,21 +146,17 @@ async def test_a_page_over_a_question_takes_it_down_and_brings_it_back(
     app: ArlApp, link: FakeLink, protocol: Protocol, tmp_path: Path
 ) -> None:
     async with app.run_test(size=SIZE) as pilot:
-        worker = await begin(pilot, link, protocol, steps=1)
+        worker = await running(pilot, app, link, protocol)
         ask(worker)
-        await pilot.pause(ANTICIPATED_S)
+        await read(pilot, app)
         await pilot.press("p")
-        await pilot.pause()
-        assert isinstance(app.screen, PauseScreen)
+        await until(pilot, lambda: isinstance(app.screen, PauseScreen))
         await pilot.press("1")  # no answer: nothing can be read
         await pilot.press("p")
-        await settle(pilot)
-        assert app.live.question is not None
-        await pilot.pause(ANTICIPATED_S)
+        await read(pilot, app)
         await pilot.press("3")
-        await settle(pilot)
-        app.live.give_up("end of the test")
-        await settle(pilot)
+        await answered(pilot, app)
+        await end(pilot, app)
     (answer,) = answers(tmp_path)
     assert answer.chosen == 9
     reasons = [event.reason for event in recorded(tmp_path).events if isinstance(event, ScreenCleared)]
@@ -141,15 +169,14 @@ async def test_a_question_that_comes_under_a_page_waits_for_it(
     app: ArlApp, link: FakeLink, protocol: Protocol
 ) -> None:
     async with app.run_test(size=SIZE) as pilot:
-        worker = await begin(pilot, link, protocol, steps=1)
+        worker = await running(pilot, app, link, protocol)
         await pilot.press("p")
-        await pilot.pause()
+        await until(pilot, lambda: isinstance(app.screen, PauseScreen))
         ask(worker)
         await settle(pilot)
         assert app.live.question is None
         await pilot.press("p")
-        await settle(pilot)
-        assert app.live.question is not None
+        await until(pilot, lambda: app.live.question is not None)
 
 
 async def test_a_question_without_an_answer_is_taken_back(
@@ -158,12 +185,11 @@ async def test_a_question_without_an_answer_is_taken_back(
     asking = AskingConfig(per_episode=2, limit_s=0.4)
     app = app_for(msgspec.structs.replace(protocol, agent=AgentConfig(asking=asking)), link, tmp_path)
     async with app.run_test(size=SIZE) as pilot:
-        worker = await begin(pilot, link, protocol, steps=1)
+        worker = await running(pilot, app, link, protocol)
         ask(worker)
-        await pilot.pause(1.2)
+        await until(pilot, lambda: any(isinstance(sent, QuestionAnswered) for sent in link.sent))
         assert app.live.question is None
-        app.live.give_up("end of the test")
-        await settle(pilot)
+        await end(pilot, app)
     (answer,) = answers(tmp_path)
     assert (answer.answer, answer.chosen, answer.press) == ("time-limit", -1, -1)
     assert answer.time_ns - answer.shown_ns >= 0.4e9
@@ -173,7 +199,7 @@ async def test_the_first_page_says_that_there_will_be_questions(app: ArlApp, pro
     async with app.run_test(size=SIZE) as pilot:
         await pilot.pause()
         text = "\n".join(str(widget.render()) for widget in app.screen.query("Static"))
-        assert "when the computer asks you what to do" in text
+        assert "answer the computer's questions" in text
 
 
 @pytest.mark.parametrize(

@@ -42,6 +42,8 @@ pause_between_episodes_s = 0.3
 """
 MEAN_PAUSE_S = 0.5
 """Between two keys of a robot."""
+LATEST_S = 30.0
+"""A key that is not in the file by then is lost."""
 
 
 class Robot:
@@ -84,7 +86,12 @@ class Robot:
         self._growing.seek(0, os.SEEK_END)
         self.began_ns = time.monotonic_ns()
 
-    def look(self) -> None:
+    @property
+    def n_on_the_way(self) -> int:
+        """How many keys have been pressed and are not in the file yet."""
+        return len(self.written) - len(self.to_file_ms)
+
+    def look(self, *, presses: bool = True) -> None:
         """Read the screen's bytes, note the keys that have reached the file, and press what is due."""
         self.terminal.discard(0.0005)
         assert self._growing is not None, "begun before"
@@ -93,7 +100,7 @@ class Robot:
         for _ in range(written.count(b'"key":"j"') + written.count(b'"key":"f"')):
             _, pressed_ns = self.written[len(self.to_file_ms)]
             self.to_file_ms.append((now_ns - pressed_ns) / MS)
-        if time.monotonic() >= self._due:
+        if presses and time.monotonic() >= self._due:
             key = "jf"[self.rng.integers(2)]
             self.written.append((key, self.terminal.press(key)))
             self._due = time.monotonic() + self.rng.exponential(MEAN_PAUSE_S)
@@ -120,6 +127,11 @@ def run(n: int, duration_s: float, tmp_path: Path) -> list[Robot]:
         while time.monotonic() < end:
             for robot in robots:
                 robot.look()
+        # A key that no program has read when its session ends is in no file.
+        until = time.monotonic() + LATEST_S
+        while any(robot.n_on_the_way for robot in robots) and time.monotonic() < until:
+            for robot in robots:
+                robot.look(presses=False)
         for robot in robots:
             robot.end()
         while alive := [robot for robot in robots if robot.terminal.child.isalive()]:

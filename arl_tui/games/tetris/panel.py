@@ -8,11 +8,12 @@ from textual.widget import Widget
 from arl_tui.app.link import Picture, TakenFor
 from arl_tui.games.panel import SMALLEST, Progress
 from arl_tui.games.rendering import Place
+from arl_tui.language import tr
 from arl_tui.palette import Palette
 from arl_tui.widgets.blocks import CELLS_PER_BLOCK
 from arl_tui.widgets.board import TetrisBoard
 from arl_tui.widgets.coverable import CoverableWidget
-from arl_tui.widgets.next_piece import NextPiece
+from arl_tui.widgets.next_piece import ROWS, NextPiece
 from arl_tui.widgets.stats import Figures, StatsPanel
 from core.session.protocol import Protocol
 from core.tetris.config import TetrisConfig
@@ -22,6 +23,8 @@ BESIDE = 58
 """Columns that Tetris takes beside its blocks."""
 BELOW = 3
 """Lines that it takes beside its rows: border and keys."""
+LARGEST_NEXT = 2
+"""A block of the next piece is at most so many lines high."""
 
 
 class TetrisPanel:
@@ -31,13 +34,19 @@ class TetrisPanel:
         """Draw an empty board of the protocol's size."""
         assert isinstance(protocol.domain, TetrisConfig), "a protocol of Tetris"
         rows, columns = protocol.domain.rows, protocol.domain.columns
-        self.board = TetrisBoard(rows, columns, palette=palette)
+        self.board = TetrisBoard(rows, columns, palette=palette, around=Size(BESIDE, BELOW))
         self.needed = Size(
             max(SMALLEST.width, columns * CELLS_PER_BLOCK + BESIDE), max(SMALLEST.height, rows + BELOW)
         )
-        self._next = NextPiece(palette=palette)
-        self._stats = StatsPanel()
+        self._next = NextPiece(palette=palette, lines_in=self._lines_in_next)
+        self._stats = StatsPanel(grows=lambda window: ROWS * (self._lines_in_next(window) - 1))
         self._step = -1
+
+    def _lines_in_next(self, window: Size) -> int:
+        """Return how many lines high a block of the next piece is: a larger one would take the figures'
+        room.
+        """
+        return min(LARGEST_NEXT, self.board.lines_in(window))
 
     def take_drawn(self) -> bool:
         """Return whether a line of the board has been drawn since the last call, other than for a mark."""
@@ -79,19 +88,24 @@ class TetrisPanel:
         """Write into the board's border."""
         self.board.border_title = text
 
+    def part(self, text: str) -> None:
+        """Write into the border of the figures."""
+        self._stats.border_title = text
+
     def mark(self, taken: TakenFor) -> str:
         """Mark the piece, where it is falling or what is left of it on the wall."""
         if taken.step < 0:
-            return "but no piece had landed"
+            return tr("but no piece had landed")
         if taken.value == 0:
-            return "for the falling piece" if taken.step == self._step else "for the piece that landed"
+            falling = taken.step == self._step
+            return tr("for the falling piece") if falling else tr("for the piece that landed")
         if taken.step == self._step and self.board.shows_falling:
             self.board.mark(None, good=taken.value > 0)
         elif taken.place:
             self.board.mark([(row, column) for row, column in taken.place], good=taken.value > 0)
         else:
-            return "for the last piece, which is gone"
-        return "for the marked piece"
+            return tr("for the last piece, which is gone")
+        return tr("for the marked piece")
 
     def unmark(self) -> None:
         """Take the mark away."""
@@ -110,5 +124,5 @@ class TetrisPanel:
         """Take the options away."""
         self.board.pose(())
 
-    def presses_left(self, presses: int) -> None:
+    def presses_left(self, presses: int | None) -> None:
         """Say nothing: the feedback bar is near enough."""

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from textual.geometry import Size
 from textual.widget import Widget
 
 from arl_tui.games.tetris.judging import TrialPosition
@@ -9,6 +10,9 @@ from arl_tui.palette import Palette
 from arl_tui.widgets.board import TetrisBoard
 from core.feedback.keys import NS_PER_MS
 from studies.reaction_time.protocol import TrialPlan
+
+AROUND = Size(58, 3)
+"""Columns and lines beside and below the board's blocks: as in a session, so that blocks look the same."""
 
 
 class BoardTrialView:
@@ -26,7 +30,7 @@ class BoardTrialView:
             time_out_s: of the task: in a catch trial no piece drops before it.
         """
         first = positions[0].waiting
-        self.board = TetrisBoard(first.rows, first.columns, palette=palette)
+        self.board = TetrisBoard(first.rows, first.columns, palette=palette, around=AROUND)
         self.tick_ns: int | None = tick_ms * NS_PER_MS
         self._given = (positions, palette, tick_ms, time_out_s)
         self._positions = positions

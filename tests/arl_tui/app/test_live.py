@@ -15,6 +15,7 @@ from core.events import (
     TimeGap,
     WrongPressAsked,
 )
+from core.feedback.asking_config import AskingConfig
 from core.feedback.frames import FRAMES_REMEMBERED, FrameLedger
 from core.feedback.keys import KeyConfig
 from core.numerics.clock import ManualClock
@@ -27,7 +28,11 @@ class Bench:
     """A session with everything around it faked."""
 
     def __init__(
-        self, keys: KeyConfig | None = None, root_seed: int = 1, earlier: tuple[Event, ...] = ()
+        self,
+        keys: KeyConfig | None = None,
+        root_seed: int = 1,
+        earlier: tuple[Event, ...] = (),
+        asking: AskingConfig | None = None,
     ) -> None:
         self.clock = ManualClock(1_000 * MS)
         self.link = FakeLink()
@@ -43,6 +48,7 @@ class Bench:
             listener=self.heard.append,
             on_over=self.over.append,
             earlier=earlier,
+            asking=asking,
         )
         self.live.take_stamps = self._take
         self.link.listen(self.live.take_in, self.live.worker_lost)

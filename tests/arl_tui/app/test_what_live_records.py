@@ -7,7 +7,8 @@ import msgspec
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from core.events import Input, Output, TimeGap
+from core.events import Input, Output, QuestionPosed, TimeGap
+from core.feedback.asking_config import AskingConfig
 from core.feedback.keys import KeyConfig
 from core.recording.reader import Recording, RecordingError
 from core.recording.schema import Header
@@ -15,13 +16,26 @@ from core.session.inputs import check_inputs
 from tests.arl_tui.app.test_live import MS, Bench
 from tests.arl_tui.fakes import episode_ended, episode_started, step_taken
 
+ASKING = AskingConfig(per_episode=9, limit_s=1.0)
 KEYS = KeyConfig(max_presses_per_episode=3, wrong_press_rate=0.3)
 WORDS = st.sampled_from(
     ["press", "press", "press", "show", "show", "step", "step", "again", "cover", "uncover", "count-down", "gap", "focus",  # noqa: E501
-     "episode", "wait", "taken in"]
+     "episode", "wait", "taken in", "ask", "ask", "look", "take down"]
 )  # fmt: skip
 KEY = st.sampled_from(
-    ["j", "f", "u", "x", "space", "J", "\N{CYRILLIC SMALL LETTER O}", "\N{CYRILLIC SMALL LETTER A}"]
+    [
+        "j",
+        "f",
+        "u",
+        "x",
+        "space",
+        "J",
+        "1",
+        "2",
+        "0",
+        "\N{CYRILLIC SMALL LETTER O}",
+        "\N{CYRILLIC SMALL LETTER A}",
+    ]
 )
 
 
@@ -29,11 +43,12 @@ class Room(Bench):
     """A bench whose worker says true times, and how many inputs it has taken in."""
 
     def __init__(self, seed: int) -> None:
-        super().__init__(KEYS, seed)
+        super().__init__(KEYS, seed, asking=ASKING)
         self.step = -1
         self.shown = -1
         self.taken_in = 0
         self.read_ns = 0
+        self.asked = 0
 
     def say_output(self, output: Output) -> None:
         self.link.say(msgspec.structs.replace(output, time_ns=self.clock.now_ns(), inputs=self.taken_in))
@@ -53,16 +68,31 @@ class Room(Bench):
             case "step":
                 self.step += 1
                 self.say_output(step_taken(self.step))
+            case "ask" if not self.live.gate.covered:
+                posed = QuestionPosed(
+                    question=self.asked, episode=0, step=self.step + 1, time_ns=now_ns, inputs=self.taken_in,
+                    options=[4, 2], details=[{}, {}], disagreement=0.5,
+                )  # fmt: skip
+                self.asked += 1
+                self.say_output(posed)
+                self.live.pose(posed)
+                self.stamps.append((self.live.question_painted(), now_ns))
+            case "look":
+                self.live.look_at_question()
+            case "take down":
+                self.live.take_question_down()
             case "cover":
+                self.live.take_question_down()
                 self.live.cover("pause")
-            case "uncover":
+            case "uncover" if self.live.question is None:
                 self.live.uncover()
-            case "count-down":
+            case "count-down" if self.live.question is None:
                 self.live.count_down()
             case "gap":
                 gap = TimeGap(last_ns=now_ns - ms * MS, time_ns=now_ns)
                 self.live.find_gap = lambda found=[gap]: found.pop() if found else None
                 self.live.notice_gap()
+                self.live.take_question_down()
                 self.live.cover("gap")
             case "focus":
                 self.live.focus(ms % 2 == 0)
@@ -96,7 +126,7 @@ def test_what_a_live_screen_records_is_not_refused(happenings, seed, stopped):
     if stopped:
         room.live.stop()
     recording = Recording(Path("room.jsonl"), header(seed), tuple(room.sink.events), complete=False)
-    check_inputs(recording, KEYS)
+    check_inputs(recording, KEYS, ASKING)
 
 
 NUMBERS = st.integers(-2, 6) | st.integers(-(2**63), 2**63 - 1)

@@ -353,7 +353,7 @@ def test_a_calibration_has_no_palette_and_no_animation(tmp_path: Path) -> None:
 def true_colour(monkeypatch: pytest.MonkeyPatch) -> None:
     """Pictures must not depend on the terminal that the tests are run in."""
     monkeypatch.setattr(
-        "arl_tui.calibration.app.palette_for", lambda name, _system: palette_for(name, "truecolor")
+        "arl_tui.calibration.app.palette_for", lambda name, _system, **_: palette_for(name, "truecolor")
     )
 
 

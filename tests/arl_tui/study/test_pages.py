@@ -2,11 +2,12 @@
 
 import pytest
 
+from arl_tui.study.own_numbers import Numbers, own_numbers
 from arl_tui.study.page_app import PageApp
 from arl_tui.study.pages import BreakPage, ConsentPage, NoticePage, TextPage
 from arl_tui.study.question_pages import QuestionPage
 from core.numerics.clock import ManualClock, MonotonicClock
-from studies.lab.questions import Choice, FreeText, Likert, Number, Scale
+from studies.lab.questions import Choice, FreeText, Likert, Number, Press, Scale
 
 LONG = "\n\n".join(f"Paragraph {number}." for number in range(40))
 
@@ -132,3 +133,27 @@ async def test_a_result_is_handed_over_before_the_next_page_comes():
         await pilot.pause(0.3)
         await pilot.press("enter")
     assert seen == [(0, 0), (1, 1)]
+
+
+PRESS = Press(id="p", text="Please press K now.", key="k")
+
+
+@pytest.mark.parametrize(("keys", "answer"), [(["k"], "k"), (["enter", "space", "K"], "k"), (["j"], "j")])
+async def test_an_instructed_press_is_answered_by_the_first_letter(keys, answer):
+    page = [lambda: QuestionPage(PRESS, number=1, count=1, code="P1", clock=ManualClock())]
+    (result,) = await results_of(page, keys)
+    assert result.answer == answer
+
+
+def test_the_last_page_tells_one_s_own_numbers_block_by_block():
+    one = Numbers(blocks=[(0.0, 1.0, 2.0, 6.0, 5.0, 10.0)], presses=7, taken_back=2, unit="lines")
+    assert list(own_numbers(one)) == [
+        "You watched [b]6[/] games and pressed [b]7[/] keys that counted. You took [b]2[/] presses back.",
+        "Lines per game at the beginning: [b]0.5[/]. At the end: [b]7.5[/].",
+    ]
+    two = Numbers(blocks=[(1.0,), (2.0, 4.0)], presses=1, unit="lines")
+    assert list(own_numbers(two))[1].splitlines() == [
+        "Block 1: lines per game at the beginning [b]1[/], at the end [b]1[/].",
+        "Block 2: lines per game at the beginning [b]2[/], at the end [b]4[/].",
+    ]
+    assert list(own_numbers(Numbers())) == []

@@ -166,7 +166,7 @@ def test_features_of_ones_own_are_what_is_seen() -> None:
     assert domain.observation_names == ("phi 0", "phi 1")
     assert domain.feedback_feature_names == ("psi 0", "psi 1")
     # The environment's first action is 5.
-    assert domain.detail(state, 1) == {"action": 6, "time": 0}
+    assert domain.action_record(state, 1).plain() == {"action": 6, "time": 0}
 
 
 def test_states_are_the_same_by_copies_and_by_seed_and_actions() -> None:

@@ -117,3 +117,62 @@ def test_the_example_learns_from_presses_alone(tmp_path):
     assert agreed, done.stdout
     # One in ten presses is wrong; a coin agrees with half of them.
     assert int(agreed.group(1)) >= 65
+
+
+def test_a_data_set_of_tetris_has_the_spaces_and_games_of_our_environment(load):
+    pytest.importorskip("gymnasium")
+    from core.interop.gymnasium.tetris_env import TetrisEnv
+
+    data, env = load("arl/tetris-20x10-v0"), TetrisEnv()
+    assert data.spec.observation_space == env.observation_space
+    assert data.spec.action_space == env.action_space
+    about = list(data.storage.get_episode_metadata(range(9)))
+    for episode, said in zip(data.iterate_episodes(), about, strict=True):
+        observation, _ = env.reset(options={"episode_seed": int(said["episode_seed"])})
+        for step, action in enumerate(episode.actions):
+            assert np.array_equal(observation["board"], episode.observations["board"][step])
+            assert observation["piece"] == episode.observations["piece"][step]
+            observation, reward, *_ = env.step(action)
+            assert reward == episode.rewards[step]
+
+
+def test_a_data_set_of_keepaway_has_the_spaces_of_our_environment(load):
+    pytest.importorskip("pettingzoo")
+    from core.interop.pettingzoo import keepaway_v0
+
+    data, env = load("arl/keepaway-3v2-v0"), keepaway_v0.parallel_env()
+    assert data.spec.observation_space == env.observation_space("keeper_0")
+    assert data.spec.action_space == env.action_space("keeper_0")
+    (episode, *_), (said, *_) = data.iterate_episodes([0]), data.storage.get_episode_metadata([0])
+    seen, infos = env.reset(options={"episode_seed": int(said["episode_seed"])})
+    (deciding,) = (name for name in env.agents if infos[name]["decides"])
+    assert np.array_equal(seen[deciding], episode.observations[0])
+
+
+@pytest.mark.parametrize("env", ["CartPole-v1", "FrozenLake-v1"])
+def test_sessions_of_gymnasium_become_data_sets_with_the_environments_spaces(env, tmp_path, monkeypatch):
+    gymnasium = pytest.importorskip("gymnasium")
+    from core.session.protocol_reading import protocol_from
+
+    (tmp_path / "data").mkdir()
+    protocol = protocol_from(
+        {
+            "domain": {"type": "gymnasium", "env": env},
+            "session": {"episodes": 2, "unseen_between": 0, "watched_steps": 15},
+            "trainer": {"knowledge": "myopic", "press_probability": 0.9},
+        }
+    )
+    recording = simulated(tmp_path / "data", protocol)
+    exported = export_minari(tmp_path / "data", tmp_path / "sets")
+    assert exported.episodes == {f"arl/gymnasium-{env}-v0": 2}
+    monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path / "sets"))
+    data, made = minari.load_dataset(f"arl/gymnasium-{env}-v0"), gymnasium.make(env)
+    assert data.spec.observation_space == made.observation_space
+    assert data.spec.action_space == made.action_space
+    states = [step.state for step in SessionRows(recording, "").steps.values()]
+    found = [
+        np.ravel(seen).astype(float).tolist()
+        for episode in data.iterate_episodes()
+        for seen in episode.observations[:-1]
+    ]
+    assert found == states

@@ -47,7 +47,7 @@ def questionnaire(tmp_path, body):
 def test_answers_are_checked(tmp_path, body, good, bad, reason):
     question = questionnaire(tmp_path, body)
     assert refusal(question, good) is None
-    assert reason in refusal(question, bad)
+    assert reason in str(refusal(question, bad))
 
 
 def test_a_question_that_is_not_required_may_be_left_out(tmp_path):
@@ -76,3 +76,12 @@ def test_a_wrong_question_is_named(tmp_path, body, message):
 def test_a_missing_file_is_named_with_the_ready_ones(tmp_path):
     with pytest.raises(QuestionsError, match=r"there is no such file.*nasa-tlx"):
         read_questions("none.toml", tmp_path)
+
+
+def test_an_instructed_press_is_passed_with_its_key_alone(tmp_path):
+    asked = questionnaire(tmp_path, 'type = "press"\nkey = "k"')
+    assert (passed(asked, "k"), passed(asked, "j")) == (True, False)
+    assert refusal(asked, "j") is None
+    assert refusal(asked, "jj") == "Please press one key."
+    with pytest.raises(QuestionsError, match="one small letter but q, or one digit"):
+        questionnaire(tmp_path, 'type = "press"\nkey = "q"')

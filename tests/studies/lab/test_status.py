@@ -6,6 +6,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
+from core.events import KeyPressed, WrongPressAsked
 from core.numerics.clock import ManualClock
 from core.recording.reader import read_recording
 from core.recording.recorder import LineWriter
@@ -13,7 +14,7 @@ from studies.lab.enrolment import NotNow, begin_sitting, enrol
 from studies.lab.folder import exports_folder, participant_folder, sitting_path
 from studies.lab.ledger import Declined, Ledger, SittingEnded, StepDone
 from studies.lab.sitting_log import FileRecorded, QuestionAnswered, SittingLog
-from studies.lab.status import status
+from studies.lab.status import _Recordings, instructed_presses, status
 from studies.lab.withdraw import withdraw
 from tests.studies.lab.examples import study_of
 from tests.studies.lab.test_sitting_log import HEADER
@@ -129,3 +130,23 @@ def test_nobody_withdraws_twice(study, ledger):
     withdraw(ledger, "A")
     with pytest.raises(NotNow, match="nobody with the code A"):
         withdraw(ledger, "A")
+
+
+def test_instructed_presses_are_counted_and_too_few_pointed_out():
+    pressed = {
+        "press": 0,
+        "time_ns": 5,
+        "frame": 0,
+        "step": 0,
+        "key": "f",
+        "verdict": "accepted",
+        "value": -1.0,
+    }
+    asked = [WrongPressAsked(time_ns=k, step=k) for k in range(4)]
+    followed, own = KeyPressed(**pressed, asked_wrong=True), KeyPressed(**pressed)
+    assert instructed_presses([*asked, followed, own]) == (4, 1)
+    looked_at = _Recordings(Path("nowhere"))
+    looked_at.wrong_asked, looked_at.wrong_given = 4, 1
+    assert "instructed presses: 1 of 4 were given" in list(looked_at.flags())
+    looked_at.wrong_given = 2
+    assert not any("instructed" in flag for flag in looked_at.flags())
