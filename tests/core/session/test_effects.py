@@ -96,7 +96,6 @@ WITH_EFFECT = [
     ("tetris", {}, "trainer.mistake_rate", 1.0),
     ("tetris", ASKING, "agent.asking.per_episode", 3),
     ("tetris", ASKING_ONCE, "agent.asking.settle_s", 0.5),
-    ("tetris", ASKING_ONCE, "agent.asking.none_key", "9"),
     ("tetris", {}, "agent.credit.delay", {"type": "current"}),
     ("tetris", {"trainer": {"burst_rate": 1.0}}, "trainer.burst_interval_s", 0.5),
     ("keepaway", {}, "screen.speed", 0.5),
