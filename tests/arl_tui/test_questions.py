@@ -15,7 +15,7 @@ from arl_tui.session_app import ArlApp
 from core.combination.config import AgentConfig, AskingConfig
 from core.events import FrameShown, KeyPressed, QuestionAnswered, QuestionPosed, Resumed, ScreenCleared
 from core.session.protocol import DEFAULTS, Protocol
-from tests.arl_tui.driving import SIZE, Worker, app_for, begin, recorded, settle
+from tests.arl_tui.driving import SIZE, Worker, app_for, recorded, settle
 from tests.arl_tui.fakes import FakeLink
 
 ANTICIPATED_S = 0.15
@@ -58,9 +58,18 @@ async def until(pilot: Pilot[SessionOutcome], met: Callable[[], bool]) -> None:
 
 async def running(pilot: Pilot[SessionOutcome], app: ArlApp, link: FakeLink, protocol: Protocol) -> Worker:
     await until(pilot, lambda: link.listening and app.screen is app.welcome and app.screen.is_active)
+    link.say(Ready(warm_up_ns=1))
+    for _ in range(100):
+        if app.screen is app.play and app.live.phase == "running":
+            break
+        if app.screen is app.welcome:
+            await pilot.press("enter")
+        await pilot.pause(0.1)
+    worker = Worker(link, protocol)
+    worker.start_episode()
     await settle(pilot)
-    worker = await begin(pilot, link, protocol, steps=1)
-    await until(pilot, lambda: app.screen is app.play and app.live.phase == "running")
+    worker.step(0)
+    await settle(pilot)
     return worker
 
 

@@ -96,7 +96,6 @@ WITH_EFFECT = [
     ("tetris", {}, "trainer.mistake_rate", 1.0),
     ("tetris", ASKING, "agent.asking.per_episode", 3),
     ("tetris", ASKING_ONCE, "agent.asking.settle_s", 0.5),
-    ("tetris", ASKING_ONCE, "agent.asking.none_key", "9"),
     ("tetris", {}, "agent.credit.delay", {"type": "current"}),
     ("tetris", {"trainer": {"burst_rate": 1.0}}, "trainer.burst_interval_s", 0.5),
     ("keepaway", {}, "screen.speed", 0.5),
@@ -153,7 +152,7 @@ def test_the_default_protocols_have_nothing_idle_and_differ_from_nothing() -> No
     [
         ("[screen]\nspeed = 2.0\n", "[screen] speed = 2.0"),
         ('[domain]\ntype = "keepaway"\n[screen]\ntick_ms = 150\n', "[screen] tick_ms = 150"),
-        ("[agent.asking]\nper_episode = 2\n", "[agent.asking] per_episode = 2"),
+        ("[agent.asking]\nshare = 0.3\n", "[agent.asking] share = 0.3"),
         ("[agent.bootstrap]\nwindow_decisions = 5\n", "[agent.bootstrap] window_decisions = 5"),
         ('[learner]\ntype = "policy-gradient"\nfisher_rate = 0.5\n', "[learner] fisher_rate = 0.5"),
         ('domain = "keepaway"\n[learner]\nleast_trace = 0.5\n', "[learner] least_trace = 0.5"),
