@@ -37,7 +37,7 @@ LATE_MS = 60
 """A stimulus waits for the next frame, 33 ms at most, and for being drawn. Later says that the program was
 held up."""
 MOST_LATE = 0.1
-"""Share of late trials from which on the measurement should not be trusted."""
+"""Fraction of late trials from which on the measurement should not be trusted."""
 
 
 class ParticipantError(ValueError):
@@ -102,8 +102,7 @@ class TaskDelay(msgspec.Struct, frozen=True, kw_only=True):
         if self.n_late > MOST_LATE * n_trials:
             found.append(
                 f"the computer was busy: in {self.n_late} trials the stimulus came more than {LATE_MS} ms "
-                f"late, and keys may "
-                "have been read late, too; close other programs and repeat the task"
+                "late, and keys may have been read late, too; close other programs and repeat the task"
             )
         if self.connection.get("hindrances"):
             found.append(f"measured through {self.connection['hindrances']}: times may be too long")
@@ -157,8 +156,7 @@ def wrong_code(text: str) -> str:
         return ""
     return (
         f"{printable(text)!r}: a participant's code has up to {LONGEST_CODE} letters, digits, '-' or '_', "
-        f"such as "
-        "P01 - never a name"
+        "such as P01 - never a name"
     )
 
 
@@ -166,7 +164,7 @@ def delays_path(recordings: Path, participant: str) -> Path:
     """Return where a participant's delays are kept.
 
     Raises:
-        ParticipantError: the code is none; it may come from somebody else's file.
+        ParticipantError: the code is none; it may come from another participant's file.
     """
     reason = wrong_code(participant)
     if reason:
@@ -254,8 +252,7 @@ def choose_credit(text: str, recordings: Path, participant: str, game: str = "te
     if fit.pooled is None:
         raise ParticipantError(
             f"{participant}: pooling needs at least five participants with a finished {task!r} task at the "
-            f"time of "
-            "the fit; choose --credit participant"
+            "time of the fit; choose --credit participant"
         )
     about["credit_people"] = str(fit.pooled_people)
     return _chosen(text, fit.pooled, about)

@@ -16,7 +16,7 @@ from arl_tui.app.garbage import GarbageControl
 from arl_tui.app.link import Link, Preparing, PressSuggested, Ready, TakenFor
 from arl_tui.app.live_session import LiveSession, Occurrence
 from arl_tui.app.once import after
-from arl_tui.app.outcome import Outcome, SessionControls
+from arl_tui.app.outcome import SessionControls, SessionOutcome
 from arl_tui.games.pace import pace_facts, pace_warning
 from arl_tui.games.registry import words_of
 from arl_tui.palette import palette_for
@@ -101,6 +101,7 @@ class ArlApp(SessionControls):
             listener=self._on_occurrence,
             on_over=self._on_over,
             earlier=() if setup.kept is None else setup.kept.events,
+            asking=setup.protocol.agent.asking,
         )
         self.live.take_stamps = self._take_stamps
         self.live.gate.reader = self.reader
@@ -121,7 +122,7 @@ class ArlApp(SessionControls):
         self._worker_ready: Ready | None = None
         self._stamps_without_driver: list[tuple[int, int]] = []
         self._simulated_keys: set[int] = set()
-        self._outcome: Outcome | None = None
+        self._outcome: SessionOutcome | None = None
         self._practised: set[bool] = set()
         """Which keys have been pressed in time: True for the good one."""
 
@@ -188,10 +189,10 @@ class ArlApp(SessionControls):
             self.ask_to_stop("window-closed" if gone else "signal", SIGNAL_PATIENCE_S)
         elif self._recorder is None or self._outcome is not None:
             self._link.close(SIGNAL_PATIENCE_S)
-            self._go(self._outcome or Outcome(None, self.live.tally))
+            self._go(self._outcome or SessionOutcome(None, self.live.tally))
         # Else the recording is being closed, and `_close_up` goes when that is done.
 
-    def _go(self, outcome: Outcome) -> None:
+    def _go(self, outcome: SessionOutcome) -> None:
         """Leave after a signal."""
         if self.ended_by == getattr(signal, "SIGHUP", None):
             self.leave_at_once()
@@ -199,7 +200,7 @@ class ArlApp(SessionControls):
 
     def leave(self) -> None:
         """Close without having started."""
-        self.exit(Outcome(None, self.live.tally))
+        self.exit(SessionOutcome(None, self.live.tally))
 
     def _header(self, created_utc: str) -> Header:
         from arl_tui.app import facts  # Not needed before the first paint.
@@ -236,7 +237,7 @@ class ArlApp(SessionControls):
         if isinstance(event, events.Key) and not event.is_forwarded:
             simulated = id(event) in self._simulated_keys
             self._simulated_keys.discard(id(event))
-            self.live.press(
+            self.live.key_pressed(
                 key_name(event), nanoseconds(event.time), source="simulated" if simulated else "participant"
             )
         elif isinstance(event, events.AppFocus | events.AppBlur):
@@ -251,9 +252,12 @@ class ArlApp(SessionControls):
     def post_display_hook(self) -> None:
         """Note that a picture of the game has just been handed to the terminal's writer."""
         step = self.play.take_painted()
-        if step is None:
+        if self.play.take_question_painted():
+            frame = self.live.question_painted()
+        elif step is None:
             return
-        frame = self.live.painted(step)
+        else:
+            frame = self.live.painted(step)
         if self._flush_clock.running:
             self._flush_clock.mark(frame)
         else:
@@ -304,6 +308,7 @@ class ArlApp(SessionControls):
         if self._recorder is None or self.live.phase not in ("running", "stopping"):
             return
         self._on_disk_news()
+        self._garbage.look(covered=self.live.gate.covered)
         late = self.live.unconfirmed_s() > SAVING_S or self._recorder.unsynced_s() > BEHIND_S
         self.play.feedback.show_saving(late and self._recorder.failure is None)
         silent_s = self.live.silent_s()
@@ -342,7 +347,7 @@ class ArlApp(SessionControls):
             trouble = "\n\n".join(part for part in (problem, trouble) if part) or None
         setup = self.setup
         warning = "" if setup.simulated else pace_warning(setup.protocol, self._worker_ready)
-        outcome = self._outcome = Outcome(
+        outcome = self._outcome = SessionOutcome(
             path, self.live.tally, trouble, kept=kept, warning=warning, stopped=self.live.stop_reason
         )
         if self.ended_by is not None:

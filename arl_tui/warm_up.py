@@ -46,7 +46,7 @@ def warm_up(protocol: Protocol) -> None:
     )
     protocol = msgspec.structs.replace(protocol, session=short)
     session = build_session(protocol, root_seed=0)
-    demo_participant, stage = (
+    demo_participant, renderer = (
         DemoParticipant(session, protocol, root_seed=0),
         screens_of(protocol).renderer(protocol),
     )
@@ -54,7 +54,7 @@ def warm_up(protocol: Protocol) -> None:
         match output:
             case EpisodeStarted():
                 demo_participant.begin(output)
-                stage.begin(output)
+                renderer.begin(output)
             case StepTaken():
                 demo_participant.watch(output, shown_ns=0, hidden_ns=1)
-                stage.act(output)
+                renderer.act(output)

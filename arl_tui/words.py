@@ -27,6 +27,8 @@ class Words:
     """What the steps of a game are, in the plural."""
     step: str
     """The same for one."""
+    question: str = "What should the computer do now?"
+    """What the agent asks when it offers options; at most 31 characters."""
 
     def told(self, performance: float) -> str:
         """Return a performance with its unit."""

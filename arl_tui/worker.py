@@ -20,10 +20,21 @@ from typing import TYPE_CHECKING
 from arl_tui.ahead import Ahead, fill
 from arl_tui.app.compile_order import is_compiled, session_order
 from arl_tui.app.demo_participant import DemoParticipant
-from arl_tui.app.link import Begin, Crashed, Picture, Preparing, Ready, TakenFor, WorkerLine, WorkerLink
+from arl_tui.app.link import (
+    AskNow,
+    Begin,
+    Crashed,
+    Line,
+    Picture,
+    Preparing,
+    Ready,
+    TakenFor,
+    WorkerLine,
+    WorkerLink,
+)
 from arl_tui.app.taken import StepsShown
 from arl_tui.games.registry import screens_of
-from arl_tui.games.rendering import Shot
+from arl_tui.games.rendering import Place, PlacesOptions, TickView
 from arl_tui.warm_up import warm_up
 from core.events import (
     EpisodeEnded,
@@ -32,6 +43,8 @@ from core.events import (
     Input,
     KeyPressed,
     Output,
+    QuestionAnswered,
+    QuestionPosed,
     Resumed,
     ScreenCleared,
     StepTaken,
@@ -134,7 +147,7 @@ def worker_main(
         demo_participant = DemoParticipant(session, protocol, root_seed) if simulated else None
         reach = reach_of(protocol)
         resumed = None if kept is None else caught_up(session, kept)
-        line.send(Ready(warm_up_ns=clock.now_ns() - before_ns, reach=reach.share, step_s=reach.step_s))
+        line.send(Ready(warm_up_ns=clock.now_ns() - before_ns, reach=reach.fraction, step_s=reach.step_s))
         player = SessionPlayer(line, protocol, clock, demo_participant, ahead)
         player.run(session if resumed is None else resumed)
     except ResumeError as error:
@@ -196,7 +209,7 @@ class SessionPlayer:
 
     def __init__(
         self,
-        line: WorkerLine,
+        line: Line,
         protocol: Protocol,
         clock: Clock,
         demo_participant: DemoParticipant | None = None,
@@ -216,7 +229,7 @@ class SessionPlayer:
         self._line = line
         self._clock = clock
         self._demo_participant = demo_participant
-        self._stage = screens_of(protocol).renderer(protocol)
+        self._renderer = screens_of(protocol).renderer(protocol)
         self._break_ns = round(protocol.screen.pause_between_episodes_s * NS_PER_S)
         self._steps_shown = StepsShown(*(credit.delay for credit in protocol.credit_of_participants))
         self._marks_presses = protocol.screen.mark_presses
@@ -224,6 +237,8 @@ class SessionPlayer:
         self._begun = False
         self._covered_since_ns: int | None = None
         self._stopped = False
+        self._settle_ns = round(protocol.agent.asking.settle_s * NS_PER_S)
+        self._answered = -1
         self._step_on_screen = -1
         self._pictures = 0
         self._due_ns = 0
@@ -250,19 +265,38 @@ class SessionPlayer:
                 if self._demo_participant is not None:
                     self._demo_participant.begin(output)
                 self._due_ns = self._clock.now_ns()
-                self._play(-1, self._stage.begin(output))
+                self._play(-1, self._renderer.begin(output))
             case StepTaken():
-                shots = self._stage.act(output)
-                self._suggest(output, len(shots))
-                self._play(output.step, shots)
-                if shots:
+                ticks = self._renderer.act(output)
+                self._suggest(output, len(ticks))
+                self._play(output.step, ticks)
+                if ticks:
                     self._wait_until_seen(output.step)
+            case QuestionPosed() if not self._stopped:
+                self._ask(output)
             case EpisodeEnded() if not self._stopped:
-                self._send_picture(-1, Shot(self._stage.picture))
+                self._send_picture(-1, TickView(self._renderer.picture))
                 self._due_ns = self._clock.now_ns() + self._break_ns
                 if self._ahead is not None and self._ahead.finished:
                     self._load_kernels()
                 self._wait_until_due()
+
+    def _ask(self, posed: QuestionPosed) -> None:
+        """Let the game stand still, so that what was last seen can be judged; then ask, and wait."""
+        self._send_picture(-1, TickView(self._renderer.picture))
+        self._due_ns = self._clock.now_ns() + self._settle_ns
+        self._wait_until_due()
+        if self._stopped:
+            return
+        places: tuple[Place, ...] = ()
+        if isinstance(self._renderer, PlacesOptions):
+            places = tuple(self._renderer.place_of_option(detail) for detail in posed.details)
+        self._line.send(AskNow(question=posed.question, places=places))
+        if self._demo_participant is not None:
+            self._line.send(self._demo_participant.answer(posed, shown_ns=self._clock.now_ns()))
+        while not self._stopped and (self._answered < posed.question or self._covered_since_ns is not None):
+            self._take_in(None)
+        self._due_ns = self._clock.now_ns()
 
     def _wait_for_kernels(self) -> None:
         """Wait until everything is compiled, and say how far it is: unseen episodes would take Python
@@ -272,7 +306,7 @@ class SessionPlayer:
 
         while self._ahead is not None:
             far = progress()
-            self._line.send(Preparing(compiled=far.compiled, needed=far.needed, share=far.share))
+            self._line.send(Preparing(compiled=far.compiled, needed=far.needed, fraction=far.fraction))
             if self._ahead.finished:
                 self._load_kernels()
             else:
@@ -287,31 +321,31 @@ class SessionPlayer:
         fill(session_order(self._protocol))
         self._ahead = None
 
-    def _suggest(self, step: StepTaken, n_shots: int) -> None:
+    def _suggest(self, step: StepTaken, n_ticks: int) -> None:
         if self._demo_participant is not None:
             now_ns = self._clock.now_ns()
-            judged_ns = now_ns + self._stage.judged_after_ns(n_shots)
+            judged_ns = now_ns + self._renderer.judged_after_ns(n_ticks)
             presses = self._demo_participant.watch(step, shown_ns=now_ns, hidden_ns=judged_ns)
             for press in presses:
                 self._line.send(press)
 
-    def _play(self, step: int, shots: Iterable[Shot]) -> None:
-        for shot in shots:
+    def _play(self, step: int, ticks: Iterable[TickView]) -> None:
+        for tick in ticks:
             if self._stopped:
                 return
-            self._send_picture(step, shot)
+            self._send_picture(step, tick)
             # Where learning took longer than a tick, time went by unseen: begin anew instead of hurrying.
-            self._due_ns = max(self._due_ns + self._stage.tick_ns, self._clock.now_ns())
+            self._due_ns = max(self._due_ns + self._renderer.tick_ns, self._clock.now_ns())
             self._wait_until_due()
 
-    def _send_picture(self, step: int, shot: Shot) -> None:
+    def _send_picture(self, step: int, tick: TickView) -> None:
         self._line.send(
             Picture(
                 number=self._pictures,
                 step=step,
-                view=shot.view,
-                ahead=shot.ahead,
-                lasts_ns=self._stage.tick_ns if shot.ahead is not None else 0,
+                view=tick.view,
+                ahead=tick.ahead,
+                lasts_ns=self._renderer.tick_ns if tick.ahead is not None else 0,
             )
         )
         self._pictures += 1
@@ -352,6 +386,8 @@ class SessionPlayer:
             case Resumed(time_ns=time_ns) if self._covered_since_ns is not None:
                 self._due_ns += time_ns - self._covered_since_ns
                 self._covered_since_ns = None
+            case QuestionAnswered(question=question):
+                self._answered = question
             case StopAsked():
                 self._stopped = True
 
@@ -359,14 +395,11 @@ class SessionPlayer:
         """Tell the screen what a press was taken for."""
         assert press.value is not None, "an accepted press means something"
         step = self._steps_shown.taken_for(press)
-        place = self._stage.place_of(step)
         self._line.send(
             TakenFor(
                 press=press.press,
                 value=press.value,
                 step=step,
-                blocks=place.blocks,
-                player=place.player,
-                target=place.target,
+                place=self._renderer.place_of(step),
             )
         )

@@ -12,6 +12,8 @@ from typing import Generic, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from core.events import ActionRecord
+
 State = TypeVar("State")
 Features = NDArray[np.float64] | NDArray[np.int64]
 """Rows of features psi(s, a): numbers, or first active tiles (`core.learners.encoding`)."""
@@ -113,8 +115,8 @@ class Domain(Protocol[State]):
         """
         ...
 
-    def detail(self, state: State, action: int) -> dict[str, int]:
-        """Return `action` in the domain's words (Tetris: piece, orientation, column), for recordings."""
+    def action_record(self, state: State, action: int) -> ActionRecord:
+        """Return `action` in the game's words (Tetris: piece, orientation, column), for recordings."""
         ...
 
     def recorded_state(self, state: State) -> list[float] | None:

@@ -8,11 +8,11 @@ on every input at exactly the same point.
 All times are integer nanoseconds of one monotonic clock (`core.numerics.clock`).
 """
 
-from typing import Literal
+from typing import Literal, Self
 
 import msgspec
 
-CoverReason = Literal["pause", "help", "quit-dialogue", "resize", "gap", "count-down"]
+CoverReason = Literal["pause", "help", "quit-dialogue", "resize", "gap", "count-down", "question"]
 """What lay over the game on screen."""
 Verdict = Literal["accepted", "other", "repeat", "no-presses-left", "covered", "not-playing"]
 """What became of a press: only accepted ones are learned from."""
@@ -27,6 +27,34 @@ class Record(
     omit_defaults=True,
 ):
     """Base of everything that is written to a recording: the field `type` names the class."""
+
+
+class ActionRecord(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """What was done at a step, in a game's own words: the base of one struct per game.
+
+    Each game declares its fields: whole numbers, in the order in which recordings hold them; `UNSET` where an
+    imported recording does not say. `core.plugins.GamePlugin.action` names the struct. A recording holds the
+    fields alone (`StepTaken.detail`), so the game of its header says which struct they are.
+    """
+
+    @classmethod
+    def of(cls, step: "StepTaken") -> Self:
+        """Return the action of a step of this game.
+
+        Raises:
+            ValueError: the step is of another game; the message says what came and what was expected.
+        """
+        try:
+            return msgspec.convert(step.detail, cls)
+        except msgspec.ValidationError as error:
+            raise ValueError(
+                f"step {step.step} was {step.detail}, expected {', '.join(cls.__struct_fields__)}: {error}"
+            ) from error
+
+    def plain(self) -> dict[str, int]:
+        """Return the fields that are set, by name, as `StepTaken.detail` holds them."""
+        fields: dict[str, int] = msgspec.to_builtins(self)
+        return fields
 
 
 # --- inputs: what the screen showed and what the participant did --------------------------------------------
@@ -49,7 +77,8 @@ class ScreenCleared(Record, frozen=True, kw_only=True, tag="screen-cleared"):
     time_ns: int
     reason: CoverReason
     """`gap`: the session paused by itself after a `TimeGap`. `count-down`: a game is about to begin or to go
-    on; the participant sees a number in its place."""
+    on; the participant sees a number in its place. `question`: the agent poses a question (`QuestionPosed`);
+    no later press is credited to what was on screen before."""
 
 
 class KeyPressed(Record, frozen=True, kw_only=True, tag="key-pressed"):
@@ -97,6 +126,25 @@ class WrongPressAsked(Record, frozen=True, kw_only=True, tag="wrong-press-asked"
 
     time_ns: int
     step: int
+
+
+class QuestionAnswered(Record, frozen=True, kw_only=True, tag="question-answered"):
+    """A question of the agent is over: an option was chosen, none was wanted, or time was up."""
+
+    question: int
+    """Number of the question (`QuestionPosed`)."""
+    shown_ns: int
+    """When the options had been handed to the terminal; of several times, because a page lay over them, the
+    last one. `time_ns - shown_ns` is the latency of the answer."""
+    time_ns: int
+    """Of a key the time of its press (`KeyPressed.time_ns`); otherwise when the time was up."""
+    answer: Literal["chosen", "none", "time-limit"]
+    chosen: int = -1
+    """Action that was chosen, one of `QuestionPosed.options`; -1 where none was."""
+    press: int = -1
+    """The key press that gave the answer; -1 where time was up."""
+    person: int = 0
+    """Who answered, as in `KeyPressed.person`."""
 
 
 class Resumed(Record, frozen=True, kw_only=True, tag="resumed"):
@@ -163,6 +211,7 @@ Input = (
     | KeyPressed
     | PressRetracted
     | WrongPressAsked
+    | QuestionAnswered
     | Resumed
     | TimeGap
     | FocusLost
@@ -174,7 +223,7 @@ Input = (
 # --- outputs: what the domain and the agent did -------------------------------------------------------------
 
 
-class EpisodeStarted(Record, frozen=True, kw_only=True, tag="episode-started"):
+class EpisodeStarted(Record, frozen=True, kw_only=True, tag="episode-started", rename={"handover": "share"}):
     """A watched episode begins."""
 
     episode: int
@@ -190,11 +239,12 @@ class EpisodeStarted(Record, frozen=True, kw_only=True, tag="episode-started"):
     w_r: float
     """Weight of the environment's values in this episode."""
     trust: float | None
-    """What the rule of trust said of the human when the episode began (Eq. 4, 5); None: version 1 did not
-    record it."""
+    """What the rule of trust said of the participant when the episode began (Eq. 4, 5); None: version 1 did
+    not record it."""
     weight: float
-    """Weight w_h of the human's values that the scheme used in this episode; some do not go by trust."""
-    share: float
+    """Weight w_h of the participant's values that the scheme used in this episode; some do not go by
+    trust."""
+    handover: float
     """Probability of handing the choice to the human policy in this episode (control sharing), else 0."""
     shaping: float = 0.0
     """Added to the reward of a step per unit of H in this episode (reward shaping), else 0."""
@@ -217,7 +267,8 @@ class StepTaken(Record, frozen=True, kw_only=True, tag="step-taken"):
     human_action: int
     """What the human policy alone would have chosen; -1 while there is no human policy."""
     detail: dict[str, int]
-    """The action in the domain's words (Tetris: piece, orientation, column)."""
+    """The action in the game's words (Tetris: piece, orientation, column), as a table: which one, says the
+    game's own `ActionRecord`, and `ActionRecord.of` reads it."""
     reward: float
     state: list[float] | None = None
     """What the decision was taken on, where only a simulator could tell again (Keepaway: the state variables
@@ -226,6 +277,29 @@ class StepTaken(Record, frozen=True, kw_only=True, tag="step-taken"):
     observed: dict[str, list[int]] | None = None
     """State before and after, in the domain's numbers: only in imported recordings, which cannot be
     re-run."""
+
+
+class QuestionPosed(Record, frozen=True, kw_only=True, tag="question-posed"):
+    """The agent asks which of some actions the participant would take (`core.combination.asking`).
+
+    The game stands still until the question is over. The decision that was asked about is the next
+    `StepTaken`; the agent is free to decide otherwise than the answer.
+    """
+
+    question: int
+    """Number of the question in this session, from 0."""
+    episode: int
+    step: int
+    """Number that the decision's step will have."""
+    time_ns: int
+    inputs: int
+    """How many inputs had been taken in before."""
+    options: list[int]
+    """Two or three actions, as in `StepTaken.action`; the first has the first key."""
+    details: list[dict[str, int]]
+    """Each option in the domain's words, as in `StepTaken.detail`."""
+    disagreement: float
+    """How unsure the agent was, in [0, 1] (`core.combination.asking.Question`)."""
 
 
 class EpisodeEnded(Record, frozen=True, kw_only=True, tag="episode-ended"):
@@ -243,7 +317,7 @@ class EpisodeEnded(Record, frozen=True, kw_only=True, tag="episode-ended"):
     agreed_worst: int
     """Steps at which the environment policy chose the human policy's worst action."""
     trust: float
-    """What the rule of trust says of the human after this episode (of several people: the mean)."""
+    """What the rule of trust says of the participant after this episode (of several people: the mean)."""
     digest: str
     """Fingerprint of everything the agent has learned (hex)."""
     time: int | None = None
@@ -263,7 +337,7 @@ class UnseenPlayed(Record, frozen=True, kw_only=True, tag="unseen-played"):
     agreed: list[int]
     agreed_worst: list[int]
     trust: float
-    """What the rule of trust says of the human after the last of them (of several people: the mean)."""
+    """What the rule of trust says of the participant after the last of them (of several people: the mean)."""
     weights: list[float] | None
     """Weight w_h that the scheme used in each of them; None where version 1 did not record it."""
     digest: str
@@ -297,5 +371,5 @@ class SessionEnded(Record, frozen=True, kw_only=True, tag="session-ended"):
     digest: str
 
 
-Output = EpisodeStarted | StepTaken | EpisodeEnded | UnseenPlayed | CreditGiven | SessionEnded
+Output = EpisodeStarted | StepTaken | QuestionPosed | EpisodeEnded | UnseenPlayed | CreditGiven | SessionEnded
 Event = Input | Output

@@ -20,6 +20,7 @@ import msgspec
 
 from core.configuration.open_table import OpenTable
 from core.configuration.reading import Problem
+from core.events import ActionRecord
 
 GROUP = "arl.games"
 BUILT_IN = {
@@ -69,6 +70,8 @@ class GamePlugin(ABC):
     """As in sentences: "Tetris"."""
     config: ClassVar[type[msgspec.Struct]]
     """What it is set up by: a frozen struct that inherits from `DomainConfig`, with `name` as its tag."""
+    action: ClassVar[type[ActionRecord]]
+    """What is done at a step, as recordings hold it: a frozen struct that inherits from `ActionRecord`."""
     revision: ClassVar[int]
     """Of what the same seed plays: one more whenever that changes. Recordings hold it."""
     learners: ClassVar[tuple[type[msgspec.Struct], ...]]
@@ -208,7 +211,7 @@ def _wrong(plugin: object, name: str) -> str:
     """Return in which respect something is no plugin of this name; "" where it is one."""
     if not isinstance(plugin, GamePlugin):
         return "it is not an instance of a subclass of core.plugins.GamePlugin"
-    needed = ("name", "title", "config", "revision", "learners", "human_models", "steps")
+    needed = ("name", "title", "config", "action", "revision", "learners", "human_models", "steps")
     missing = [part for part in needed if not hasattr(plugin, part)]
     if missing:
         return f"it lacks {', '.join(missing)}"

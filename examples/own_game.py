@@ -22,12 +22,19 @@ from core import (
     Transition,
     play_unseen,
 )
-from core.events import EpisodeEnded, FrameShown, Input, KeyPressed, StepTaken
+from core.events import ActionRecord, EpisodeEnded, FrameShown, Input, KeyPressed, StepTaken
 from core.learners.cross_entropy import CrossEntropyLearner
 from core.learners.cross_entropy_config import CrossEntropyConfig
 
 LAST = 8
 STEP_NS = 500_000_000
+
+
+class Move(ActionRecord, frozen=True):
+    """What is done at a step."""
+
+    place: int
+    right: int
 
 
 class Corridor:
@@ -63,9 +70,9 @@ class Corridor:
         """Return the number of steps."""
         return state[1]
 
-    def detail(self, state: tuple[int, int], action: int) -> dict[str, int]:
-        """Return the place, for recordings."""
-        return {"place": state[0], "right": action}
+    def action_record(self, state: tuple[int, int], action: int) -> Move:
+        """Return the place and the direction, for recordings."""
+        return Move(state[0], action)
 
     def recorded_state(self, state: tuple[int, int]) -> None:
         """Return nothing: the rules are enough."""

@@ -59,6 +59,7 @@ def simulate_session(
         clock,
         game_of(protocol).viewing(protocol),
         others=others,
+        asking=protocol.agent.asking,
     )
     header = Header(
         origin="simulated",
@@ -128,9 +129,9 @@ class SessionSummary:
     other_presses: int
     """Presses that did not count, for whatever reason."""
     trust: float
-    """What the rule of trust said of the human after the last watched episode."""
+    """What the rule of trust said of the participant after the last watched episode."""
     weight: float
-    """Weight w_h of the human's values that the scheme used in the last watched episode."""
+    """Weight w_h of the participant's values that the scheme used in the last watched episode."""
     complete: bool
 
 

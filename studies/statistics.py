@@ -48,8 +48,7 @@ def few_trials_note(n: int, what: str = "trials") -> str | None:
     if n == 1:
         return (
             f"Only 1 of the {what} was played: there is no interval and no test. An interval that is shown "
-            f"is the one number "
-            f"itself. Play at least {FEW_TRIALS}."
+            f"is the one number itself. Play at least {FEW_TRIALS}."
         )
     normal, exponential = _COVERAGE[n]
     found = (

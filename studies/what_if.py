@@ -28,7 +28,7 @@ from studies.pools import processes
 from studies.statistics import Interval, mean_interval, paired_difference
 
 HELD_OUT = 0.2
-"""Share of the accepted presses, the last ones, on which the human model is tested."""
+"""Fraction of the accepted presses, the last ones, on which the human model is tested."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +75,7 @@ class WhatIfRow:
     watched: int
     """How many of the episodes before were watched."""
     weight: float
-    """Weight w_h of the human's values that the scheme used where the agent was judged."""
+    """Weight w_h of the participant's values that the scheme used where the agent was judged."""
     handover: float
     """Probability of handing the choice to the human model there (control sharing), else 0."""
     shaping: float
@@ -91,7 +91,7 @@ class WhatIfRow:
     """Lines per game minus those of the table's first row, paired by seed, with a 95 % bootstrap interval;
     None in the first row."""
     capped: float
-    """Share of games stopped by the cap."""
+    """Fraction of games stopped by the cap."""
 
     @property
     def rule(self) -> str:
@@ -211,9 +211,9 @@ def _row(path: Path, protocol: Protocol, settings: WhatIfSettings) -> Judged:
         trust=tuple(relearned.trust),
         episode=judged.episode,
         watched=agent.so_far.watched,
-        weight=judged.weights.w_h,
-        handover=judged.weights.handover,
-        shaping=judged.weights.shaping,
+        weight=judged.episode_weights.w_h,
+        handover=judged.episode_weights.handover,
+        shaping=judged.episode_weights.shaping,
         held_out=held_out_log_loss(recording, protocol, steps),
         credited=account.credited / account.presses if account.presses else math.nan,
         lines=mean_interval(lines, rng=stream(settings.root_seed, "what-if", "bootstrap")),
@@ -227,7 +227,7 @@ def judge(agent: ArlAgent, protocol: Protocol, settings: WhatIfSettings) -> tupl
     """Play fresh games as the agent's next episode would be played; every agent plays the same seeds.
 
     Returns:
-        Performance per game, shape (games,), and the share of games that the cap stopped.
+        Performance per game, shape (games,), and the fraction of games that the cap stopped.
     """
     seeds = [stream_seed(settings.root_seed, "what-if", "game", game) for game in range(settings.games)]
     played = game_of(protocol).evaluate(protocol, agent, seeds, max_steps=settings.piece_cap)

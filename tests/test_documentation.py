@@ -184,14 +184,24 @@ def test_json_can_be_read(block: Block):
 EXAMPLES = sorted((REPOSITORY / "examples").glob("*.py"))
 
 
-def test_there_are_five_examples():
-    assert len(EXAMPLES) == 5
+def test_there_are_six_examples():
+    assert len(EXAMPLES) == 6
 
 
 @pytest.mark.jit
 @pytest.mark.parametrize("program", EXAMPLES, ids=lambda path: path.stem)
 def test_an_example_runs(program: Path, tmp_path: Path):
     run([sys.executable, str(program)], tmp_path)
+
+
+PIECE = re.compile(r"a piece of (examples/\w+\.py)")
+
+
+def test_a_piece_of_an_example_is_in_it():
+    pieces = [(block, found[1]) for block in BLOCKS if (found := PIECE.match(block.not_run))]
+    assert len(pieces) >= 2
+    for block, program in pieces:
+        assert block.text in (REPOSITORY / program).read_text(encoding="utf-8"), block.where
 
 
 # --- names, links, indexes ----------------------------------------------------------------------------------

@@ -6,7 +6,8 @@ The screen makes each suggestion a real key event, so a suggested press takes th
 from typing import TYPE_CHECKING, Any
 
 from arl_tui.app.link import PressSuggested
-from core.events import EpisodeStarted, StepTaken
+from core.events import EpisodeStarted, QuestionPosed, StepTaken
+from core.numerics.clock import NS_PER_S
 from core.session.protocol import Protocol
 
 if TYPE_CHECKING:
@@ -24,13 +25,14 @@ class DemoParticipant:
         self._people = simulated_people(protocol, root_seed)
         self._viewing = game_of(protocol).viewing(protocol)
         self._domain = session.domain
+        self._asking = protocol.agent.asking
         self._state: Any = None
 
     def begin(self, episode: EpisodeStarted) -> None:
         """Note that a watched episode begins."""
         self._state = self._domain.initial(episode.episode_seed)
         for parts in self._people:
-            parts.trainer.begin_episode(episode.episode)
+            parts.trainer.watch_episode(episode.episode)
 
     def watch(self, step: StepTaken, *, shown_ns: int, hidden_ns: int) -> list[PressSuggested]:
         """Return the presses about a step that is about to be shown, in order of time.
@@ -59,3 +61,16 @@ class DemoParticipant:
             ]
         self._state = following
         return sorted(suggested, key=lambda each: each.time_ns)
+
+    def answer(self, posed: QuestionPosed, *, shown_ns: int) -> PressSuggested:
+        """Return the press that answers a question which is about to be shown at `shown_ns`.
+
+        Of several people the first one answers.
+        """
+        assert self._state is not None, "an episode starts before its first question"
+        first = self._people[0]
+        chosen = first.trainer.answer(posed.step, first.oracle(self._state), posed.options)
+        key = self._asking.none_key if chosen is None else self._asking.keys[posed.options.index(chosen)]
+        return PressSuggested(
+            key=key, time_ns=shown_ns + round(first.trainer.answer_delay_s(posed.step) * NS_PER_S)
+        )

@@ -2,12 +2,25 @@
 
 import gc
 
+SWEEP_EVERY = 8
+"""Looks between two collections of the youngest objects."""
+OLDER_EVERY = 16
+"""Such collections between two that take those objects, too, that have survived one."""
+ALL_EVERY = 40
+"""Looks between two full collections while the game is covered."""
+
 
 class GarbageControl:
-    """Collects between episodes, never during one."""
+    """Collects everything between episodes, and during one only what was made lately.
+
+    Each frame leaves some dozens of objects behind that refer to each other. Without any collection memory
+    grows by 1.6 MB a minute: in a long game, and in a pause of an hour. Objects of the last two seconds are
+    collected in well under a millisecond.
+    """
 
     def __init__(self) -> None:
         self._frozen = False
+        self._looks = 0
 
     def first_paint(self) -> None:
         """Take everything that start-up left behind out of later collections."""
@@ -20,6 +33,21 @@ class GarbageControl:
     def hold(self) -> None:
         """Collect nothing from here on."""
         gc.disable()
+
+    def look(self, *, covered: bool) -> None:
+        """Collect a little where the collector is held back; to be called four times a second.
+
+        Args:
+            covered: the game is covered: presses do not count, and there is time for everything.
+        """
+        if gc.isenabled():
+            return
+        self._looks += 1
+        if covered:
+            if self._looks % ALL_EVERY == 0:
+                gc.collect()
+        elif self._looks % SWEEP_EVERY == 0:
+            gc.collect(1 if self._looks % (SWEEP_EVERY * OLDER_EVERY) == 0 else 0)
 
     def collect(self) -> None:
         """Collect now, and as usual from here on."""

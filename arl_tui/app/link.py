@@ -32,8 +32,8 @@ class Preparing(Record, frozen=True, kw_only=True, tag="preparing"):
     """Kernels that are compiled, or loaded from the cache."""
     needed: int
     """About how many the session needs, >= compiled."""
-    share: float = 0.0
-    """Share of the work that is done, in [0, 1]."""
+    fraction: float = 0.0
+    """Fraction of the work that is done, in [0, 1]."""
 
 
 class Ready(Record, frozen=True, kw_only=True, tag="ready"):
@@ -77,12 +77,17 @@ class TakenFor(Record, frozen=True, kw_only=True, tag="taken-for"):
     """What the press says: > 0 good, < 0 bad."""
     step: int
     """The step that gets the largest share of it; -1 where none was on screen."""
-    blocks: tuple[tuple[int, int], ...] = ()
-    """Tetris: (row from the bottom, column) of what is left of the piece on the wall."""
-    player: int = -1
-    """Keepaway: the keeper who chose the option."""
-    target: int = -1
-    """Keepaway: the keeper it passed to; -1 where it held the ball."""
+    place: tuple[tuple[int, ...], ...] = ()
+    """Where that step is to be seen now, in the numbers of the game's own renderer and panel; () nowhere."""
+
+
+class AskNow(Record, frozen=True, kw_only=True, tag="ask-now"):
+    """From the worker: the game stands still, and the question that was posed last is to cover it."""
+
+    question: int
+    places: tuple[tuple[tuple[int, ...], ...], ...]
+    """Where each option is to be seen, as in `TakenFor.place`; empty where the game's pictures have no places
+    for them."""
 
 
 class Crashed(Record, frozen=True, kw_only=True, tag="crashed"):
@@ -102,7 +107,7 @@ ALIVE_EVERY_S = 0.5
 """How often a waiting worker says so, seconds."""
 
 ToWorker = Begin | Input
-FromWorker = Preparing | Ready | Alive | Picture | PressSuggested | TakenFor | Crashed | Output
+FromWorker = Preparing | Ready | Alive | Picture | PressSuggested | TakenFor | AskNow | Crashed | Output
 
 _encoder = msgspec.msgpack.Encoder()
 _to_worker = msgspec.msgpack.Decoder(ToWorker)
@@ -240,6 +245,18 @@ class WorkerLink:
             how = f"left with status {code}"
         words = self._last_words().strip()
         return f"The learner's process {how}." + (f"\n\n{words}" if words else "")
+
+
+class Line(Protocol):
+    """The worker's end, as a session's player sees it."""
+
+    def send(self, message: FromWorker) -> None:
+        """Say something to the screen."""
+        ...
+
+    def receive(self, timeout_s: float | None = 0.0) -> list[ToWorker]:
+        """Return all messages that are there, waiting up to `timeout_s` for the first (None: for ever)."""
+        ...
 
 
 class WorkerLine:

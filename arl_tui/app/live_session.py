@@ -11,8 +11,10 @@ from dataclasses import dataclass
 from itertools import count
 from typing import Literal, Protocol
 
+from arl_tui.app.asking import OpenQuestion
 from arl_tui.app.link import (
     Alive,
+    AskNow,
     Begin,
     Crashed,
     FromWorker,
@@ -34,6 +36,8 @@ from core.events import (
     KeyPressed,
     Output,
     PressRetracted,
+    QuestionAnswered,
+    QuestionPosed,
     Resumed,
     ScreenCleared,
     SessionEnded,
@@ -43,14 +47,15 @@ from core.events import (
     TimeGap,
     WrongPressAsked,
 )
+from core.feedback.asking_config import AskingConfig
 from core.feedback.frames import FrameLedger
 from core.feedback.keys import KeyConfig, PressGate, WrongPressPlan
 from core.feedback.people import new_gate
 from core.numerics.clock import NS_PER_S, Clock
 from core.recording.joined import latest_ns
 
-Cover = Literal["pause", "help", "quit-dialogue", "resize", "gap", "count-down"]
-Occurrence = Event | Picture | PressSuggested | Preparing | Ready | TakenFor
+Cover = Literal["pause", "help", "quit-dialogue", "resize", "gap", "count-down", "question"]
+Occurrence = Event | Picture | PressSuggested | Preparing | Ready | TakenFor | AskNow
 
 
 class EventSink(Protocol):
@@ -103,6 +108,7 @@ class LiveSession:
         listener: Callable[[Occurrence], None],
         on_over: Callable[[str | None], None],
         earlier: Sequence[Event] = (),
+        asking: AskingConfig | None = None,
     ) -> None:
         """Prepare; nothing is recorded before `begin`.
 
@@ -114,11 +120,15 @@ class LiveSession:
             listener: told of everything that happens, in order.
             on_over: called once when nothing more will happen; with the reason if the worker failed.
             earlier: what the session had done before it broke off, up to its last finished game.
+            asking: keys and limit of answers to questions; None: the defaults.
         """
         presses = [event.press for event in earlier if isinstance(event, KeyPressed)]
         of_each = (keys,) if isinstance(keys, KeyConfig) else tuple(keys)
         self.gate = new_gate(of_each, numbers=count(max(presses, default=-1) + 1))
         self.tally = Tally()
+        self._asking = asking or AskingConfig()
+        self.question: OpenQuestion | None = None
+        """The question that covers the game; None where none does."""
         self.stop_reason: StopReason | None = None
         """Why the session was asked to end; None while it was not."""
         self.phase: Literal["waiting", "running", "stopping", "over"] = "waiting"
@@ -204,7 +214,7 @@ class LiveSession:
             self._sink.record(joint)
             self._link.send(joint)  # not to the screens: the participant has not been interrupted now
 
-    def press(
+    def key_pressed(
         self, key: str, time_ns: int, *, source: Literal["participant", "simulated"] = "participant"
     ) -> None:
         """Take in a key press made at `time_ns`."""
@@ -213,9 +223,45 @@ class LiveSession:
         self.notice_gap()
         self.collect_frames()
         self.gate.frame, self.gate.step = self._frames.at(time_ns)
-        for record in self.gate.press(key, time_ns, source=source):
+        for record in self.gate.judge(key, time_ns, source=source):
             self._count(record)
             self._enter(record)
+            if isinstance(record, KeyPressed) and self.question is not None:
+                self._answer(self.question.answered_by(record))
+
+    def pose(self, posed: QuestionPosed) -> None:
+        """Note that a question covers the game, or is there again after a page."""
+        self.cover("question")
+        self.question = OpenQuestion(posed, self._asking)
+
+    def question_painted(self) -> int:
+        """Note that the options have been drawn; returns the frame's number."""
+        frame = self._frames.painted(-1)
+        if self.question is not None:
+            self.question.painted(frame)
+        return frame
+
+    def look_at_question(self) -> float | None:
+        """Take a question back whose time is up; return the seconds that are left; None where none is
+        open.
+        """
+        if self.question is None or self.phase != "running":
+            return None
+        now_ns = self._clock.now_ns()
+        self._answer(self.question.timed_out(now_ns))
+        return None if self.question is None else self.question.left_s(now_ns)
+
+    def take_question_down(self) -> None:
+        """Note that a question has left the screen without an answer: a page comes in its place."""
+        if self.question is not None:
+            self.question = None
+            self.uncover()
+
+    def _answer(self, answered: QuestionAnswered | None) -> None:
+        if answered is not None:
+            self.question = None
+            self._enter(answered)
+            self.uncover()
 
     def painted(self, step: int) -> int:
         """Note that new content for `step` has been drawn; returns the frame's number."""
@@ -227,6 +273,8 @@ class LiveSession:
         for frame, time_ns in self.take_stamps():
             if self.phase != "running" or self.gate.covered:
                 self._frames.dropped(frame)
+                if self.question is not None:
+                    self.question.flushed(frame, time_ns)
             else:
                 self._enter(self._frames.flushed(frame, time_ns))
 
@@ -338,7 +386,7 @@ class LiveSession:
             self._worker_error = f"{message.error}\n\n{message.trace}"
         elif isinstance(message, TakenFor):
             self._note_taken(message)
-        elif isinstance(message, Picture | PressSuggested | Preparing):
+        elif isinstance(message, Picture | PressSuggested | Preparing | AskNow):
             self._listener(message)
         elif isinstance(message, Ready):
             self.ready = True

@@ -13,7 +13,7 @@ from core.recording.recorder import Kept
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
+class SessionOutcome:
     """What is left when the app has closed."""
 
     recording: Path | None
@@ -29,7 +29,7 @@ class Outcome:
     """Why the session was asked to end before its last game; None where it was not."""
 
 
-class SessionControls(PlainApp[Outcome]):
+class SessionControls(PlainApp[SessionOutcome]):
     """The app of a session as its screens see it."""
 
     @abstractmethod

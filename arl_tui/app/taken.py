@@ -34,9 +34,11 @@ class StepsShown:
             case FrameShown(step=step, flushed_ns=time_ns) if step != self._step:
                 self._hide(time_ns)
                 self._step, self._since_ns = step, time_ns
-            case ScreenCleared(time_ns=time_ns):
+            case ScreenCleared(time_ns=time_ns, reason=reason):
                 self._hide(time_ns)
                 self._step = -1
+                if reason == "question":  # no later press is credited to what was before
+                    self._intervals.clear()
             case _:
                 pass
 

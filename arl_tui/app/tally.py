@@ -53,5 +53,7 @@ class Tally:
 
 
 def weight_in_use(episode: EpisodeStarted) -> float:
-    """Return the weight that the human has in an episode: in control sharing, the chance of a handover."""
-    return episode.share if episode.share > 0 else episode.weight
+    """Return the weight that the participant has in an episode: in control sharing, the chance of a
+    handover.
+    """
+    return episode.handover if episode.handover > 0 else episode.weight

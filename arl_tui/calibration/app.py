@@ -16,7 +16,7 @@ from arl_tui.calibration.fitting import FitOrder, Fitted
 from arl_tui.calibration.helper import HelperError, ask_helper
 from arl_tui.calibration.pages import (
     HindrancePage,
-    OldSittingPage,
+    OldSessionPage,
     PausePage,
     SummaryPage,
     WaitingPage,
@@ -31,7 +31,7 @@ from arl_tui.games.registry import screens_called
 from arl_tui.games.trial_view import TrialView
 from arl_tui.palette import palette_for
 from arl_tui.screens.covers import SmallWindowScreen, fits_into
-from arl_tui.screens.page import Page
+from arl_tui.screens.page import PageScreen
 from arl_tui.session_app import key_name
 from core.feedback.keys import nanoseconds
 from core.numerics.clock import Clock, MonotonicClock, wall_time_utc
@@ -45,7 +45,7 @@ Helper = Callable[[str, object], Awaitable[bytes]]
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
+class CalibrationOutcome:
     """What is left when the app has closed."""
 
     files: tuple[Path, ...]
@@ -55,7 +55,7 @@ class Outcome:
     trouble: str | None = None
 
 
-class CalibrationApp(PlainApp[Outcome]):
+class CalibrationApp(PlainApp[CalibrationOutcome]):
     """Tasks, one after another, and what came of them."""
 
     CSS_PATH = "../app.tcss"
@@ -116,7 +116,7 @@ class CalibrationApp(PlainApp[Outcome]):
         if isinstance(event, events.Key) and not event.is_forwarded and isinstance(self.screen, TrialScreen):
             reading = self.reader.read(key_name(event))
             key = key_name(event) if reading is None else reading.letter
-            self.screen.press(key, nanoseconds(event.time))
+            self.screen.key_pressed(key, nanoseconds(event.time))
         await super().on_event(event)
 
     def post_display_hook(self) -> None:
@@ -143,12 +143,12 @@ class CalibrationApp(PlainApp[Outcome]):
     async def _conduct(self) -> None:
         setup = self._setup
         if setup.hindrances and not await self._ask(HindrancePage(setup.hindrances)):
-            self.exit(Outcome((), False, Fitted()))
+            self.exit(CalibrationOutcome((), False, Fitted()))
             return
         parts, resumed = await self._parts()
         self._prepare_games(parts)
         if not await self._ask(WelcomePage(parts, setup.participant, resumed=resumed)):
-            self.exit(Outcome((), False, Fitted()))
+            self.exit(CalibrationOutcome((), False, Fitted()))
             return
         finished = True
         for part in parts:
@@ -162,7 +162,7 @@ class CalibrationApp(PlainApp[Outcome]):
         trouble = self._store.trouble
         finished = finished and trouble is None
         await self._ask(SummaryPage(fitted, finished=finished, trouble=trouble))
-        self.exit(Outcome(tuple(self._store.files), finished, fitted, trouble))
+        self.exit(CalibrationOutcome(tuple(self._store.files), finished, fitted, trouble))
 
     def _prepare_games(self, parts: tuple[Part, ...]) -> None:
         """Let the game of feedback-lag be prepared while the first pages are read."""
@@ -170,17 +170,17 @@ class CalibrationApp(PlainApp[Outcome]):
             if part.schedule.config.task == "feedback lag" and not part.complete:
                 module = screens_called(part.schedule.config.game).judging_module
                 self._asked[module] = asyncio.ensure_future(self._helper(module, part.schedule))
-                # Whoever waits for it gets its error; without anybody it is nobody's.
+                # Whoever waits for it gets its error; if nothing waits for it, nothing gets it.
                 self._asked[module].add_done_callback(lambda task: task.cancelled() or task.exception())
 
-    async def _ask(self, page: Page) -> bool:
+    async def _ask(self, page: PageScreen) -> bool:
         answer = await self.push_screen_wait(page)
         return bool(answer)
 
     async def _parts(self) -> tuple[tuple[Part, ...], bool]:
         """Return what is to be done, and whether that goes on with an earlier calibration."""
         old = unfinished(self._setup, wall_time_utc())
-        if old is not None and (not old.is_old or await self._ask(OldSittingPage(old))):
+        if old is not None and (not old.is_old or await self._ask(OldSessionPage(old))):
             return old.parts, True
         return new_parts(self._setup), False
 
@@ -289,7 +289,7 @@ class CalibrationApp(PlainApp[Outcome]):
         self._store.close(finished=False)
         if number == getattr(signal, "SIGHUP", None):
             self.leave_at_once()
-        self.exit(Outcome(tuple(self._store.files), False, Fitted()), return_code=128 + number)
+        self.exit(CalibrationOutcome(tuple(self._store.files), False, Fitted()), return_code=128 + number)
 
     async def _fit(self) -> Fitted:
         if not self._store.complete:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from arl_tui.calibration.plan import GameName, newest_complete
+from arl_tui.calibration.plan import newest_complete
 from arl_tui.participants import LATE_MS, Quantity, TaskDelay, keep_delay
 from core.feedback.delays import GammaDelay
 from core.numerics.clock import seconds, wall_time_utc
@@ -164,7 +164,7 @@ def _pooled(participant: str, own: "Sample", others: "Mapping[str, Sample]") -> 
     return pooled[participant].gamma_delay(), len(samples)
 
 
-def _others(participant: str, recordings: Path, task: Task, game: GameName) -> "Mapping[str, Sample]":
+def _others(participant: str, recordings: Path, task: Task, game: str) -> "Mapping[str, Sample]":
     from studies.reaction_time.exclusion import ExclusionPolicy, select
     from studies.reaction_time.read import read_rows
 

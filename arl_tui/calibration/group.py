@@ -2,7 +2,6 @@
 
 import sys
 from pathlib import Path
-from typing import Literal
 
 import msgspec
 
@@ -15,7 +14,7 @@ class GroupOrder(msgspec.Struct, frozen=True, kw_only=True):
     """What is to be fitted."""
 
     recordings: str
-    game: Literal["tetris", "keepaway"]
+    game: str
 
 
 def fit_group(order: GroupOrder) -> GroupDelay:

@@ -12,7 +12,7 @@ from arl_tui.calibration.fitting import Fitted
 from arl_tui.calibration.plan import Part, Unfinished, minutes_left
 from arl_tui.calibration.texts import SOMETIMES_NOTHING, TITLES, instruction
 from arl_tui.participants import FEEDBACK_LAG, SIMPLE, TaskDelay
-from arl_tui.screens.page import Page
+from arl_tui.screens.page import PageScreen
 from studies.reaction_time.protocol import BlockPlan, Schedule
 
 ENTER_OR_STOP: list[BindingType] = [
@@ -21,7 +21,7 @@ ENTER_OR_STOP: list[BindingType] = [
 ]
 
 
-class Reading(Page):
+class Reading(PageScreen):
     """A page that is left with yes or no."""
 
     BINDINGS: ClassVar[list[BindingType]] = ENTER_OR_STOP
@@ -60,13 +60,12 @@ class HindrancePage(Reading, inherit_bindings=False):
         yield "Between your keyboard and this program there is [b]" + " and ".join(self._hindrances) + "[/]."
         yield (
             "It holds pictures and key presses up by an unknown time, which can differ from press to press. "
-            "For a "
-            "measurement open a terminal on this computer itself and run the command there."
+            "For a measurement open a terminal on this computer itself and run the command there."
         )
         yield "If you go on, this is written down with the measurement."
 
 
-class OldSittingPage(Reading, inherit_bindings=False):
+class OldSessionPage(Reading, inherit_bindings=False):
     """A half session of another day."""
 
     HEADING = "An unfinished session"
@@ -86,8 +85,7 @@ class OldSittingPage(Reading, inherit_bindings=False):
         total = sum(len(part.schedule.trials) for part in self._old.parts)
         yield (
             f"This participant stopped [b]{self._old.age_h:.0f} hours ago[/] after {done} of {total} trials. "
-            f"Another day is "
-            "another measurement, so a new session is better. The old one is kept in any case."
+            "Another day is another measurement, so a new session is better. The old one is kept in any case."
         )
 
 
@@ -115,9 +113,8 @@ class WelcomePage(Reading):
             "Each begins with an explanation and some practice."
         )
         yield (
-            "Sit comfortably, look at the middle of the screen, and leave your fingers on "
-            "[reverse b] F [/], [reverse b] J [/] and [reverse b] Space [/]. Press a key once and let it go "
-            "at once."
+            "Sit comfortably, look at the middle of the screen, and leave your fingers on [reverse b] F [/], "
+            "[reverse b] J [/] and [reverse b] Space [/]. Press a key once and let it go at once."
         )
         yield (
             "[dim]Your key presses and their times are written to a file on this computer under the code[/] "
@@ -200,7 +197,7 @@ class PausePage(Reading):
         yield "Take as long as you like. The last one will come again; nothing else is lost if you stop."
 
 
-class WaitingPage(Page):
+class WaitingPage(PageScreen):
     """Something is being worked out; the app takes this page away."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -266,7 +263,7 @@ def result_words(delay: TaskDelay) -> str:
     """Return one task's result in plain words, in markup; warnings stand in the terminal only."""
     mean = delay.mean_s
     told = (
-        f"[b]{TITLES[delay.task]}[/]: on average you took [b]{mean.estimate:.2f} s[/] "
-        f"(95 % sure: {mean.low:.2f} to {mean.high:.2f} s; {delay.n_observed} answers"
+        f"[b]{TITLES[delay.task]}[/]: on average you took [b]{mean.estimate:.2f} s[/] (95 % sure: "
+        f"{mean.low:.2f} to {mean.high:.2f} s; {delay.n_observed} answers"
     )
     return told + (f", {delay.n_censored} without one)." if delay.n_censored else ").")

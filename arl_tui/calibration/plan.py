@@ -4,18 +4,19 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from pathlib import Path
-from typing import Literal
 
 import msgspec
 
 from arl_tui.games.registry import screens_called
+from arl_tui.participants import FEEDBACK_LAG
 from arl_tui.recordings import CALIBRATION_FOLDER
-from core.session.protocol import DEFAULTS, Protocol
+from core.plugins import GameError, plugin_called
+from core.session.protocol import Protocol
+from studies.lab.folder import group_folders
 from studies.reaction_time.protocol import Schedule, Task, TaskConfig
 from studies.reaction_time.schedule import expected_minutes, make_schedule
 from studies.reaction_time.trial_log import LONGEST_PAUSE_H, TrialFile, read_trials
 
-GameName = Literal["tetris", "keepaway"]
 TASKS: dict[str, Task] = {
     "simple": "simple",
     "choice": "choice",
@@ -99,7 +100,7 @@ def configure(
     *,
     n_trials: int | None = None,
     n_practice: int | None = None,
-    game: GameName = "tetris",
+    game: str = "tetris",
     protocol: Protocol | None = None,
 ) -> tuple[TaskConfig, ...]:
     """Return the configuration of each task.
@@ -111,6 +112,9 @@ def configure(
         game: which one is watched in the feedback-lag task.
         protocol: of the sessions for which the delay is measured; their pace is that of the task. The game's
             default without.
+
+    Raises:
+        GameError: the feedback-lag task is among them, and this game has none.
     """
     changes: dict[str, int] = {}
     if n_trials is not None:
@@ -120,12 +124,19 @@ def configure(
     configs = []
     for name in names:
         config = msgspec.structs.replace(TaskConfig(task=TASKS[name]), **changes)
-        if config.task == "feedback lag":
+        if config.task == FEEDBACK_LAG:
+            if not screens_called(game).judging_module:
+                raise GameError(
+                    f"{plugin_called(game).title} has no feedback-lag task: its delay of judging cannot be "
+                    "measured. Leave the task out, or measure the delay in a game that has it "
+                    "(`arl calibrate --game tetris`)"
+                )
+            default = plugin_called(game).default()
             config = msgspec.structs.replace(
                 config,
                 time_out_s=JUDGING_S,
                 game=game,
-                picture_ms=screens_called(game).picture_ms((protocol or DEFAULTS[game]).screen),
+                picture_ms=screens_called(game).picture_ms((protocol or default).screen),
             )
         configs.append(config)
     return tuple(configs)
@@ -178,13 +189,16 @@ def unfinished(setup: CalibrationSetup, now_utc: str) -> Unfinished | None:
     return Unfinished(parts, seed, age / timedelta(hours=1))
 
 
-def newest_complete(recordings: Path, task: Task, game: GameName = "tetris") -> Iterator[Path]:
+def newest_complete(recordings: Path, task: Task, game: str = "tetris") -> Iterator[Path]:
     """Yield the newest finished session of each participant in this task, and in this game where one is
     watched.
+
+    In a study each participant has a folder; `recordings` may be any of them.
     """
     found: dict[str, tuple[str, Path]] = {}
     name = slug(TaskConfig(task=task, game=game))
-    for path in sorted((recordings / CALIBRATION_FOLDER).glob(f"*-{name}-*.jsonl")):
+    folders = [folder / CALIBRATION_FOLDER for folder in group_folders(recordings)]
+    for path in sorted(path for folder in folders for path in folder.glob(f"*-{name}-*.jsonl")):
         file = read_trials(path)
         header = file.header
         if (header.schedule.config.task, header.schedule.config.game) == (

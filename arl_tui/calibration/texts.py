@@ -37,8 +37,7 @@ INSTRUCTIONS: dict[Task, str] = {
     ),
     "recognition": (
         "First you see a list of words, one after another: keep them in mind. Then words come one by one, "
-        "each "
-        f"after a small cross.\n\nThe word was in the list:     press {cap(YES)}\n"
+        f"each after a small cross.\n\nThe word was in the list:     press {cap(YES)}\n"
         f"The word was not in the list: press {cap(NO)}"
     ),
 }
@@ -60,8 +59,7 @@ def key_reminder(config: TaskConfig) -> str:
 
 SOMETIMES_NOTHING = (
     "Be quick, but wait until you really see something: [b]now and then nothing comes[/], and then nothing "
-    "is to "
-    "be pressed."
+    "is to be pressed."
 )
 KEY_REMINDERS: dict[Task, str] = {
     "simple": f"{cap('space')} when you see X",

@@ -125,7 +125,7 @@ class TrialScreen(Screen[bool], inherit_bindings=False):
 
     # --- what comes in --------------------------------------------------------------------------------------
 
-    def press(self, key: str, time_ns: int) -> None:
+    def key_pressed(self, key: str, time_ns: int) -> None:
         """Take a key in, with its message's own time."""
         if self._trial is not None:
             self._trial.pressed(key, time_ns)

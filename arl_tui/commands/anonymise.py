@@ -22,26 +22,22 @@ KEEP = ("dates", "terminal", "free-text", "other-keys", "codes")
     type=click.Path(dir_okay=False, path_type=Path),
     required=True,
     help="File of the secret key from which new codes are made; a new one where it is missing. Keep it "
-    "elsewhere: it must "
-    "lie in neither folder.",
+    "elsewhere: it must lie in neither folder.",
 )
 @click.option(
     "--keep",
     type=click.Choice(KEEP),
     multiple=True,
     help="Do not remove this. dates: wall-clock times. terminal: facts about the machine (how times were "
-    "measured is always "
-    "kept). free-text: paths, names of files, typed answers. other-keys: names of keys that mean nothing. "
-    "codes: "
-    "participants' codes. May be given several times.",
+    "measured is always kept). free-text: paths, names of files, typed answers. other-keys: names of keys "
+    "that mean nothing. codes: participants' codes. May be given several times.",
 )
 @click.option(
     "--study",
     "study_file",
     type=click.Path(exists=True, dir_okay=False, path_type=Path),
     help="Study file: typed answers are found by its questions. Without it, every answer in words to a "
-    "question that is not "
-    "among the ready ones counts as typed.",
+    "question that is not among the ready ones counts as typed.",
 )
 @click.option(
     "--file-hash",
@@ -49,8 +45,7 @@ KEEP = ("dates", "terminal", "free-text", "other-keys", "codes")
     default="sha256",
     show_default=True,
     help="How a copy names its old file: by SHA-256, or by HMAC-SHA256 under the key, from which nobody "
-    "without the key can "
-    "try out dates and codes.",
+    "without the key can try out dates and codes.",
 )
 def anonymise(
     source: Path, into: Path, key: Path, keep: tuple[str, ...], study_file: Path | None, file_hash: str

@@ -16,9 +16,8 @@ from arl_tui.drawing_rate import FRAMES_PER_S
 from arl_tui.recordings import CALIBRATION_FOLDER
 
 if TYPE_CHECKING:
-    from arl_tui.calibration.app import Outcome
+    from arl_tui.calibration.app import CalibrationOutcome
     from arl_tui.calibration.fitting import Fitted
-    from arl_tui.calibration.plan import GameName
     from studies.reaction_time.protocol import TaskConfig
 
 HINDRANCES = {
@@ -38,7 +37,7 @@ def run_calibration(
     recordings: Path,
     dry_run: bool,
     refit: bool = False,
-    game: "GameName" = "tetris",
+    game: str = "tetris",
     protocol: Path | None = None,
 ) -> None:
     """Run the tasks in this terminal, print what they would be, or fit what has been measured."""
@@ -47,7 +46,7 @@ def run_calibration(
     sessions = read_protocol(protocol, game)
     try:
         configs = configure(
-            task_names(tasks), n_trials=trials, n_practice=practice, game=game, protocol=sessions
+            task_names(tasks), n_trials=trials, n_practice=practice, game=sessions.game, protocol=sessions
         )
     except ValueError as error:
         raise click.BadParameter(str(error), param_hint="--tasks") from error
@@ -118,7 +117,7 @@ def check_files(recordings: Path, participant: str) -> None:
         raise click.ClickException(f"{error}. Move the file away, and run the command again.") from error
 
 
-def tell(outcome: "Outcome") -> None:
+def tell(outcome: "CalibrationOutcome") -> None:
     """Print where everything is, and the results; leave with status 1 where something failed."""
     for path in outcome.files:
         say(f"Trials: {path}")

@@ -1,11 +1,10 @@
 """`arl calibrate`: its options; it is run by `calibrate`."""
 
 from pathlib import Path
-from typing import Literal
 
 import click
 
-from arl_tui.command_line import FILE, pseudonym, recordings_option, seed_option
+from arl_tui.command_line import FILE, GAMES, pseudonym, recordings_option, seed_option
 
 
 @click.command(short_help="Measure how long a participant takes to react and to judge.")
@@ -24,7 +23,7 @@ from arl_tui.command_line import FILE, pseudonym, recordings_option, seed_option
 @click.option("--dry-run", is_flag=True, help="Print every trial as it would be run, and stop.")
 @click.option(
     "--game",
-    type=click.Choice(["tetris", "keepaway"]),
+    type=GAMES,
     default="tetris",
     show_default=True,
     help="Which game is watched and judged in feedback-lag.",
@@ -47,7 +46,7 @@ def calibrate(
     seed: int | None,
     recordings: Path,
     dry_run: bool,
-    game: Literal["tetris", "keepaway"],
+    game: str,
     protocol: Path | None,
     refit: bool,
 ) -> None:

@@ -9,7 +9,7 @@ import msgspec
 
 from arl_tui.command_line import say
 from arl_tui.commands.credit import credit_lines
-from core.configuration.reading import printable
+from core.configuration.messages import printable
 from core.feedback.delays import GammaDelay, describe
 from core.session.effects import idle, warnings_of
 from core.session.plan import plan
@@ -20,12 +20,21 @@ WIDEST = 110
 INDENT = 10
 """Columns of the topics."""
 ENOUGH = 0.70
-"""Below this share another pace or credit rule is advised (docs/decisions/pace-of-a-session.md)."""
+"""Below this fraction another pace or credit rule is advised (docs/decisions/pace-of-a-session.md)."""
+
+IN_SHORT = ("Games", "Presses", "Time", "Weight", "Credit", "Compiled", "Reach")
+"""The topics that are printed before a session, in order."""
+WEIGHT_NOT_SHOWN = "not said where the participant may look; `arl protocol --check FILE` says it"
 
 
 def check_protocol(path: Path, protocol: Protocol) -> None:
     """Print what a session of a protocol file will do; compiled code is loaded for the last lines."""
     say(f"{printable(str(path))}: can be used.")
+    tell_protocol(protocol)
+
+
+def tell_protocol(protocol: Protocol) -> None:
+    """Print what sessions of a protocol do, topic by topic."""
     topics = plan(protocol)
     topics["Compiled"] = _compiled(protocol)  # before anything is
     topics["Reach"] = _reach(protocol)
@@ -34,14 +43,19 @@ def check_protocol(path: Path, protocol: Protocol) -> None:
 
 
 def tell_start(protocol: Protocol, source: Mapping[str, str], recordings: Path, participant: str) -> None:
-    """Print what is about to start: how much, whose delay gives credit, what has no effect.
+    """Print what is about to start: how much, whose delay gives credit, what is compiled, what has no effect.
 
-    Neither the protocol's name nor the weight of the participant is in it: the participant may see this page.
+    The protocol's name is not in it, and the weight only where the participant may see it: the participant
+    may look at this page. The reach takes seconds to work out: the first screen says it when it is known.
     """
     topics = plan(protocol)
     say(f"Session of {participant}:")
-    credit = "; ".join(credit_lines(source, recordings, participant, protocol.game))
-    _tell([*((topic, topics[topic]) for topic in ("Games", "Presses", "Time")), ("Credit", credit)])
+    topics["Credit"] = "; ".join(credit_lines(source, recordings, participant, protocol.game))
+    if not protocol.screen.show_weight:
+        topics["Weight"] = WEIGHT_NOT_SHOWN
+    topics["Compiled"] = _compiled(protocol)
+    topics["Reach"] = "said on the first screen as soon as it is worked out"
+    _tell([(topic, topics[topic]) for topic in IN_SHORT])
     _tell([("Beware", f"{sentence}.") for sentence in notes(protocol)])
 
 
@@ -64,7 +78,7 @@ def notes(protocol: Protocol) -> Iterator[str]:
 
 
 def _reach(protocol: Protocol) -> str:
-    """Return the share of a press that reaches the step it was meant for, under the delay in force."""
+    """Return the fraction of a press that reaches the step it was meant for, under the delay in force."""
     from core.session.reach import delay_in_force, reach_of  # here, not above: compiled code comes with it
 
     measured = protocol.delay_of != "rule"
@@ -75,10 +89,10 @@ def _reach(protocol: Protocol) -> str:
         protocol = msgspec.structs.replace(protocol, agent=agent)
     reach = reach_of(protocol)
     text = (
-        f"{reach.share:.0%} of a press reaches the step it was meant for, for a participant with the delay "
-        f"{describe(delay_in_force(protocol))} (a step lasts {reach.step_s:.2g} s)"
+        f"{reach.fraction:.0%} of a press reaches the step it was meant for, for a participant with the "
+        f"delay {describe(delay_in_force(protocol))} (a step lasts {reach.step_s:.2g} s)"
     )
-    return text if reach.share >= ENOUGH else f"{text}: less than {ENOUGH:.0%}; a slower pace reaches more"
+    return text if reach.fraction >= ENOUGH else f"{text}: less than {ENOUGH:.0%}; a slower pace reaches more"
 
 
 def _compiled(protocol: Protocol) -> str:

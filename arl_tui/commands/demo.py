@@ -85,7 +85,8 @@ def tell_summary(path: Path) -> None:
         f"{summary.other_presses}"
     )
     say(
-        f"Weight of the human in the last game: {summary.weight:.2f}; trust in the human after it: "
+        f"Weight of the participant in the last game: {summary.weight:.2f}; trust in the participant after "
+        f"it: "
         f"{summary.trust:.2f}"
     )
     say(

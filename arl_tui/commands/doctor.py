@@ -54,18 +54,18 @@ def _timing() -> "Finding":
     """Return the result of a few trials against a robot whose true times are known."""
     import secrets
 
-    from arl_tui.commands.timing import measure_scene
+    from arl_tui.commands.timing import measure_condition
     from arl_tui.doctor.findings import Finding
     from arl_tui.timing.plan import make_plan
 
     todo = "run `arl timing` on a quiet machine; do not calibrate before its medians are below 0.5 ms"
     try:
-        scene = measure_scene(make_plan("at rest", TRIALS, root_seed=secrets.randbits(32)))
+        condition = measure_condition(make_plan("at rest", TRIALS, root_seed=secrets.randbits(32)))
     except click.ClickException as error:
         return Finding("timing", f"the test failed: {error.message}", "stop", todo, ("calibration",))
-    if scene.on_time is None:
+    if condition.on_time is None:
         return Finding("timing", f"no usable trial of {TRIALS}", "stop", todo, ("calibration",))
-    found = f"measured times are {scene.on_time.median:+.2f} ms off (median of {TRIALS} trials)"
-    if abs(scene.on_time.median) > LARGE_MS:
+    found = f"measured times are {condition.on_time.median:+.2f} ms off (median of {TRIALS} trials)"
+    if abs(condition.on_time.median) > LARGE_MS:
         return Finding("timing", found, "stop", todo, ("calibration",))
     return Finding("timing", found)

@@ -12,6 +12,7 @@ from arl_tui.command_line import say
 from core.events import SessionEnded
 from core.recording.joined import read_session
 from core.recording.reader import Recording, RecordingError
+from core.recording.stored import AnyRecording, StoredRecording, stored_recording
 from core.recording.summary import summarise_recording
 from core.session.protocol import Protocol
 from core.session.protocol_reading import protocol_from
@@ -36,16 +37,36 @@ def read_or_stop(path: Path, *, allow_truncated: bool) -> Recording:
     return recording
 
 
-def need_outputs(recording: Recording) -> None:
+def open_or_stop(path: Path, *, allow_truncated: bool) -> AnyRecording:
+    """Open a session to be run again: a long one stays on the disk. Otherwise as `read_or_stop`."""
+    try:
+        stored = stored_recording(path)
+    except OSError as error:
+        raise click.ClickException(printable(str(error), longest=None)) from error
+    if stored is None or not (stored.complete or allow_truncated):
+        return read_or_stop(path, allow_truncated=allow_truncated)
+    for note in stored.notes:
+        say(f"Beware: {printable(note, longest=None)}", err=True)
+    return stored
+
+
+def need_outputs(recording: AnyRecording) -> None:
     """Stop where a recording holds nothing that could come out the same, or be learned from."""
-    if not recording.outputs:
+    if not recording.n_outputs:
         raise click.ClickException(
             f"{recording.path}: there is nothing to replay: no game is in the recording. "
-            f"{summarise_recording(recording).words}"
+            f"{summary_words(recording)}"
         )
 
 
-def protocol_of(recording: Recording) -> Protocol:
+def summary_words(recording: AnyRecording) -> str:
+    """Return a recording's summary in words."""
+    if isinstance(recording, StoredRecording):
+        return recording.summary.words
+    return summarise_recording(recording).words
+
+
+def protocol_of(recording: AnyRecording) -> Protocol:
     """Return the protocol in a recording's header."""
     if recording.header.origin == "imported" and not recording.header.protocol:
         raise click.ClickException(
@@ -59,7 +80,7 @@ def protocol_of(recording: Recording) -> Protocol:
         raise click.ClickException(f"{recording.path}:1: the protocol cannot be used: {error}") from error
 
 
-def run_again(recording: Recording) -> None:
+def run_again(recording: AnyRecording) -> None:
     """Run a recording again and say that it came out the same; leave with status 1 where it did not."""
     # Compiled code comes with these.
     from core.session.replay import replay_exactly
@@ -67,7 +88,7 @@ def run_again(recording: Recording) -> None:
 
     need_outputs(recording)
     session = build_session(protocol_of(recording), recording.header.root_seed)
-    n_outputs = len(recording.outputs)
+    n_outputs = recording.n_outputs
     # A session of some minutes is replayed at once.
     bar = click.progressbar(
         length=n_outputs,
@@ -87,12 +108,12 @@ def run_again(recording: Recording) -> None:
             f"{result.difference}\n"
             f"{why_different(recording.header.software)}"
         )
-    whole = isinstance(recording.outputs[-1], SessionEnded)
+    whole = isinstance(recording.last_output, SessionEnded)
     say(
         f"Replay: exact ({result.outputs} outputs equal"
         + (", the weights bit for bit)" if whole else "; the recording ends there, before the session's end)")
     )
-    say(f"Session: {printable(summarise_recording(recording).words)}")
+    say(f"Session: {printable(summary_words(recording))}")
 
 
 def why_different(software: Mapping[str, str]) -> str:
@@ -107,7 +128,6 @@ def why_different(software: Mapping[str, str]) -> str:
         )
     return (
         f"It was recorded with other software: {'; '.join(others)}. Where a game plays otherwise "
-        f"(CHANGELOG), only the "
-        "commit that recorded it can replay it. Its presses can still be learned from, where it holds what "
-        "was on screen: --credit RULE"
+        "(CHANGELOG), only the commit that recorded it can replay it. Its presses can still be learned from, "
+        "where it holds what was on screen: --credit RULE"
     )

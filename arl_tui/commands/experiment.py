@@ -14,7 +14,10 @@ if TYPE_CHECKING:
 
     from studies.experiments.sweep import Experiment
 
-NAMES = ("fig4", "fig5", "fig6", "fig7", "features", "robustness", "robustness-keepaway", "credit")
+NAMES = (
+    *("fig4", "fig5", "fig6", "fig7", "features", "robustness", "robustness-keepaway", "credit"),
+    "mountain-car",
+)
 """Written out here so that `--help` need not load them; a test compares."""
 DEFAULT_RESULTS = Path("results")
 
@@ -32,8 +35,9 @@ out_option = click.option(
 def experiment() -> None:
     """Run the experiments behind the figures, and report them.
 
-    NAME is one of fig4 fig5 fig6 fig7 features robustness robustness-keepaway credit, or one of your own: a
-    file (my.py) or a module (my_package.my) with an EXPERIMENT. docs/own-experiment.md has a template.
+    NAME is one of fig4 fig5 fig6 fig7 features robustness robustness-keepaway credit mountain-car, or one of
+    your own: a file (my.py) or a module (my_package.my) with an EXPERIMENT. docs/own-experiment.md has a
+    template.
     """
 
 

@@ -63,7 +63,7 @@ def tell_trouble(left_out: Iterable[object], damaged: Iterable[object]) -> None:
 def tidy(folder: Path, into: Path, file_format: Literal["csv", "parquet"]) -> None:
     """Write the data in FOLDER as tables: sessions, games, steps, presses, credit, answers, frames, trials.
 
-    With them come settings, interruptions and a codebook (Markdown and JSON). docs/publish-data.md has
+    With them come settings, interruptions and a codebook (Markdown and JSON). docs/how-to/publish-data.md has
     examples.
     """
     from studies.exports.tidy import export_tidy

@@ -35,8 +35,7 @@ _PATH = ToWrite()
     "preset",
     metavar="PROGRAM",
     help="Whose files they are: psychopy, jspsych, eprime, gorilla, opensesame, dmdx, qualtrics; or table. "
-    "Recognised "
-    "by default; a file without that program's marks is an error.",
+    "Recognised by default; a file without that program's marks is an error.",
 )
 @click.option(
     "--column",
@@ -100,8 +99,7 @@ _PATH = ToWrite()
     "--task",
     metavar="TEXT",
     help="What was measured; our recordings say it. Evaluations (evaluation, feedback lag) have other limits "
-    "than "
-    "reactions.",
+    "than reactions.",
 )
 @click.option(
     "--only", multiple=True, metavar="CODE", help="Fit only this participant. May be given several times."

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from studies.reaction_time.sample import Sample
 
 MOST_FAULTS = 0.05
-"""A larger share of negative or absurd times is a wrong column or unit, not an accident."""
+"""A larger fraction of negative or absurd times is a wrong column or unit, not an accident."""
 WORTH_A_WARNING = 0.02
-"""Limits that leave out a larger share of the responses are those of another task, or of another unit."""
+"""Limits that leave out a larger fraction of the responses are those of another task, or of another unit."""
 FILES_IN_FULL = 4
 """So many files are described one by one, more of them together."""
 

@@ -40,8 +40,7 @@ def reading_lines(rows: "Sequence[Row]", selection: "Selection") -> Iterator[str
     p = selection.policy
     yield (
         f"Policy: faster than {p.anticipation_below_s:g} s is no reaction, slower than {p.slow_above_s:g} s "
-        f"something "
-        f"else, above {p.absurd_above_s:g} s a fault of the file; time-outs: {p.time_outs}."
+        f"something else, above {p.absurd_above_s:g} s a fault of the file; time-outs: {p.time_outs}."
     )
 
 
@@ -52,8 +51,7 @@ def fault_lines(rows: "Sequence[Row]", selection: "Selection") -> Iterator[str]:
         if found:
             yield (
                 f"Warning: {len(found)} {fault} {'time' if len(found) == 1 else 'times'}, the first at "
-                f"{found[0].source} "
-                f"({found[0].rt_s:g} s). Left out; find out where it comes from."
+                f"{found[0].source} ({found[0].rt_s:g} s). Left out; find out where it comes from."
             )
 
 
@@ -187,7 +185,7 @@ def group_lines(group: "GroupFit") -> Iterator[str]:
 
 def pooled_lines(group: "GroupFit") -> Iterator[str]:
     """Yield the delays pooled over participants."""
-    yield f"{'pooled':<16}{'mean s':>8}{'shape':>8}{'scale s':>9}  own data's share of the mean"
+    yield f"{'pooled':<16}{'mean s':>8}{'shape':>8}{'scale s':>9}  own data's fraction of the mean"
     for name, delay in group.pooled.items():
         mean = delay.offset_s + delay.shape * delay.scale_s
         yield f"{name:<16}{mean:>8.3f}{delay.shape:>8.2f}{delay.scale_s:>9.4f}  {delay.own_share:.0%}"

@@ -11,7 +11,8 @@ from arl_tui.commands.fit_request import say
 
 def import_log(log: Path, *, out: Path) -> None:
     """Import a TAMER log and say what it held."""
-    from core.recording.importers.tamer_log import TamerLogError, import_tamer_log
+    from core.recording.importers.tamer_log import import_tamer_log
+    from core.recording.importers.tamer_rows import TamerLogError
 
     try:
         report = import_tamer_log(log, out)

@@ -14,11 +14,12 @@ import msgspec
 from arl_tui.command_line import say
 from arl_tui.drawing_rate import FRAMES_PER_S
 from arl_tui.signing import NoKey, signer_in_use
+from core.session.practice import practice_of
 from core.session.protocol import Protocol
 from core.session.protocol_reading import load_protocol
 
 if TYPE_CHECKING:
-    from arl_tui.app.outcome import Outcome
+    from arl_tui.app.outcome import SessionOutcome
     from arl_tui.session_app import ArlApp
     from core.recording.joined import FinishedPart
 
@@ -32,8 +33,9 @@ def play_session(
     episodes: int | None,
     recordings: Path,
     credit: str | None = None,
+    practice: bool = False,
 ) -> None:
-    """Run a live session in this terminal and say where its recording is."""
+    """Run a live session in this terminal and say where its recording is; a practice before it if wanted."""
     need_terminal("arl play", instead="arl demo")
     chosen = read_protocol(protocol, game)
     if episodes is not None:
@@ -49,8 +51,32 @@ def play_session(
     as_written = chosen
     chosen, source = settle_credit(chosen, credit, recordings, participant)
     tell_start(as_written, source, recordings, participant)
+    if practice:
+        practised(chosen, participant=participant, seed=seed, recordings=recordings)
     outcome = run_live(chosen, participant=participant, seed=seed, recordings=recordings, source=source)
     tell(outcome)
+
+
+def practised(protocol: Protocol, *, participant: str, seed: int | None, recordings: Path) -> None:
+    """Run the practice of a session; stop where the participant has left, or it failed.
+
+    Args:
+        protocol: of the session.
+        participant: pseudonym.
+        seed: of the session; the practice has one of its own, so that its games do not come back.
+        recordings: folder of its recording.
+    """
+    outcome = run_live(
+        practice_of(protocol, name=f"{protocol.name} (practice)"),
+        participant=participant,
+        seed=None if seed is None else (seed + 1) % (1 << 63),
+        recordings=recordings,
+        source={"purpose": "practice: it does not count"},
+        practice=True,
+    )
+    tell(outcome)
+    if outcome.stopped not in (None, "practised") or not outcome.tally.performances:
+        raise click.ClickException("the practice was stopped, so the session has not begun")
 
 
 def need_terminal(command: str, *, instead: str) -> None:
@@ -94,7 +120,8 @@ def run_live(
     source: Mapping[str, str] | None = None,
     study: Mapping[str, str] | None = None,
     kept: "FinishedPart | None" = None,
-) -> "Outcome":
+    practice: bool = False,
+) -> "SessionOutcome":
     """Start the worker, then the app; return what is left when both are gone.
 
     The arguments are those of `live_app`.
@@ -108,6 +135,7 @@ def run_live(
         source=source,
         study=study,
         kept=kept,
+        practice=practice,
     )
     if app.ended_by is not None:
         if outcome is not None and outcome.recording is not None:
@@ -130,7 +158,7 @@ def live_app(
     kept: "FinishedPart | None" = None,
     practice: bool = False,
     on_gone: Callable[[], None] = lambda: None,
-) -> "tuple[ArlApp, Outcome | None]":
+) -> "tuple[ArlApp, SessionOutcome | None]":
     """Start the worker, then the app; return the app and its result when both are gone.
 
     Args:
@@ -177,7 +205,7 @@ def live_app(
         link.close()
 
 
-def tell(outcome: "Outcome") -> None:
+def tell(outcome: "SessionOutcome") -> None:
     """Print where the recording is; leave with status 1 where something failed."""
     if outcome.recording is not None:
         say(f"Recording: {outcome.recording}")

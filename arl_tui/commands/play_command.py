@@ -14,6 +14,12 @@ from arl_tui.command_line import GAMES, protocol_option, pseudonym, recordings_o
     "--participant", callback=pseudonym, default="P00", show_default=True, help="Code of the participant."
 )
 @seed_option
+@click.option(
+    "--practice",
+    is_flag=True,
+    help="Before the session two slow games that do not count, until both keys have been pressed in time. "
+    "They are recorded in a file of their own.",
+)
 @click.option("--episodes", type=click.IntRange(1), help="How many games are watched.")
 @click.option(
     "--credit",
@@ -40,6 +46,7 @@ def play(
     protocol: Path | None,
     participant: str,
     seed: int | None,
+    practice: bool,
     episodes: int | None,
     credit: str | None,
     resume: Path | None,
@@ -61,4 +68,5 @@ def play(
         episodes=episodes,
         recordings=recordings,
         credit=credit,
+        practice=practice,
     )

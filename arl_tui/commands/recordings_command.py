@@ -20,8 +20,7 @@ from arl_tui.commands.recordings_format import schema, upgrade
     type=ToWrite(folder=True),
     metavar="DIR",
     help="Copy all sound recordings into a new folder, without dates in headers and names, chained anew. "
-    "`arl anonymise` removes "
-    "more.",
+    "`arl anonymise` removes more.",
 )
 @click.option(
     "--verify",
@@ -34,8 +33,7 @@ from arl_tui.commands.recordings_format import schema, upgrade
     type=ToWrite(),
     metavar="FILE",
     help="Make a key for signatures: FILE, which stays with you, and FILE.pub. Sessions sign where "
-    "ARL_SIGNING_KEY names "
-    "FILE.",
+    "ARL_SIGNING_KEY names FILE.",
 )
 @click.pass_context
 def list_recordings(

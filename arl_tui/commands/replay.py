@@ -1,6 +1,7 @@
 """`arl replay`: the same session again, or what other rules would have made of it."""
 
 import os
+import shutil
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -10,7 +11,14 @@ import click
 
 from arl_tui.command_line import say
 from arl_tui.commands.credit import credited_alike, what_if_delays
-from arl_tui.commands.exact import GETTING_READY, need_outputs, protocol_of, read_or_stop, run_again
+from arl_tui.commands.exact import (
+    GETTING_READY,
+    need_outputs,
+    open_or_stop,
+    protocol_of,
+    read_or_stop,
+    run_again,
+)
 from arl_tui.commands.play import read_protocol
 from arl_tui.commands.what_if_table import table, write_csv
 from arl_tui.games.registry import words_of
@@ -27,6 +35,11 @@ OFF_POLICY = (
     "Steps and presses are as recorded (off-policy): another agent would have shown, and been told, "
     "something else."
 )
+
+
+def _width() -> int | None:
+    """Return how wide tables may be in columns: as the terminal; as wide as they need to be in a file."""
+    return shutil.get_terminal_size().columns if sys.stdout.isatty() else None
 
 
 def replay_recordings(paths: Sequence[Path], **options: Any) -> None:
@@ -71,13 +84,14 @@ def replay_recording(
     allow_truncated: bool,
 ) -> None:
     """Replay exactly, or compare rules if any are named."""
-    recording = read_or_stop(path, allow_truncated=allow_truncated)
     if not credits and not schemes:
+        again = open_or_stop(path, allow_truncated=allow_truncated)
         if csv_path or plot_path:
             raise click.UsageError("--csv and --plot write what --credit and --scheme compare: name a rule")
         say(GETTING_READY, err=True)
-        run_again(recording)
+        run_again(again)
         return
+    recording = read_or_stop(path, allow_truncated=allow_truncated)
     need_outputs(recording)
     chosen = protocol_of(recording) if protocol is None else read_protocol(protocol)
     if protocol is not None:
@@ -96,7 +110,7 @@ def replay_recording(
         workers=workers,
     )
     units = words_of(chosen.game).units[1]
-    say("\n".join(table(rows, units)))
+    say("\n".join(table(rows, units, _width())))
     say(OFF_POLICY)
     from studies.statistics import few_trials_note
 

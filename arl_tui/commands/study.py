@@ -11,6 +11,7 @@ import click
 from arl_tui.command_line import recordings_option, say
 
 if TYPE_CHECKING:
+    from arl_tui.study.simulated import Drawn
     from studies.lab.ledger import Ledger
     from studies.lab.read import LoadedStudy
 
@@ -51,6 +52,7 @@ def check(file: Path, pages: bool) -> None:
     """Say what STUDY asks of participants, which orders there are, and what is missing. Status 1 if something
     is.
     """
+    from arl_tui.commands.check_protocol import tell_protocol
     from studies.lab.check import forecast
     from studies.lab.read import load_study
 
@@ -70,6 +72,9 @@ def check(file: Path, pages: bool) -> None:
             f"  {block.condition:20} {block.games} games, {block.minutes:.1f} min, {block.presses:.0f} "
             f"presses that count"
         )
+    for name, protocol in loaded.protocols.items():
+        say(f"\nSessions of condition {name}:")
+        tell_protocol(protocol)
     say("\nOrders, by place:")
     for place, order in enumerate(found.orders, 1):
         say(f"  {place:3}  {', '.join(order)}")
@@ -132,8 +137,16 @@ def run(file: Path, code: str | None, recordings: Path) -> None:
 @click.option(
     "--participants", type=click.IntRange(1), default=12, show_default=True, help="How many are simulated."
 )
+@click.option(
+    "--drawn",
+    type=click.Choice(["once", "all", "none"]),
+    default="once",
+    show_default=True,
+    help="Which sessions are played on the real screens, picture by picture: each block of each condition "
+    "once, all, or none. The others are computed, some fifty times as fast, from the same parts.",
+)
 @recordings_option(to_write=True)
-def simulate(file: Path, participants: int, recordings: Path) -> None:
+def simulate(file: Path, participants: int, drawn: "Drawn", recordings: Path) -> None:
     """Send simulated participants of all kinds through the real pages of STUDY.
 
     Their data lie in a folder of their own, whose name ends in "-simulated", and every file says that it is
@@ -142,7 +155,7 @@ def simulate(file: Path, participants: int, recordings: Path) -> None:
     from arl_tui.app.facts import software
     from arl_tui.commands.study_blocks import settle_simulated
     from arl_tui.study.run import run_sitting
-    from arl_tui.study.simulated import SimulatedPresenter, habits_of
+    from arl_tui.study.simulated import SimulatedPresenter, ToDraw, habits_of
     from core.numerics.clock import ManualClock
     from core.numerics.streams import stream_seed
     from studies.lab.enrolment import drawn_code
@@ -151,6 +164,7 @@ def simulate(file: Path, participants: int, recordings: Path) -> None:
     with _plain_errors():
         loaded, ledger = _open(file, recordings, simulated=True)
         first = len(progress(ledger.lines()).participants)
+        to_draw = ToDraw(drawn)
         for number in range(first, first + participants):
             clock, code, habits = (
                 ManualClock(),
@@ -166,6 +180,7 @@ def simulate(file: Path, participants: int, recordings: Path) -> None:
                     clock=clock,
                     software=software(),
                     settle=settle_simulated(loaded),
+                    to_draw=to_draw,
                 )
                 result = run_sitting(
                     loaded,

@@ -56,7 +56,7 @@ def histogram(
         label = f"{edges[i]:.{digits}f}-{edges[i + 1]:.{digits}f} s"
         lines.append(f"{label:>14} │{''.join(cells).rstrip()}")
     legend = "  ".join(f"{mark} {name}" for mark, name in zip(MARKS, densities, strict=False))
-    return [*lines, f"{'':>14} └ share of all trials per second, longest {top:.2f}   {legend}".rstrip()]
+    return [*lines, f"{'':>14} └ fraction of all trials per second, longest {top:.2f}   {legend}".rstrip()]
 
 
 def bar(fraction: float, width: int) -> str:

@@ -12,9 +12,9 @@ from arl_tui.command_line import ToWrite, recordings_option, say
 
 if TYPE_CHECKING:
     from arl_tui.timing.plan import Plan
-    from arl_tui.timing.result import SceneResult, TimingResult
+    from arl_tui.timing.result import ConditionResult, TimingResult
 
-SCENE_NAMES = ("bare reader", "at rest", "beside a board")
+CONDITION_NAMES = ("bare reader", "at rest", "beside a board")
 """Written out here so that `--help` need not load them; a test compares."""
 BUSY = 0.5
 """Load per core above which only medians say something about the program."""
@@ -26,9 +26,16 @@ BUSY = 0.5
     type=click.IntRange(1, 9999),
     default=60,
     show_default=True,
-    help="Per scene; a second and a half each.",
+    help="Per condition; a second and a half each.",
 )
-@click.option("--scene", "scenes", multiple=True, type=click.Choice(SCENE_NAMES), help="Only this one.")
+@click.option(
+    "--condition",
+    "--scene",
+    "conditions",
+    multiple=True,
+    type=click.Choice(CONDITION_NAMES),
+    help="Only this one.",
+)
 @click.option(
     "--longest",
     type=click.IntRange(150, 2500),
@@ -48,12 +55,12 @@ BUSY = 0.5
     "--gate",
     type=click.FloatRange(min=0.0, min_open=True),
     metavar="MS",
-    help="Leave with status 1 where a scene's median error is larger. Nothing is kept then or otherwise: "
+    help="Leave with status 1 where a condition's median error is larger. Nothing is kept then or otherwise: "
     "for CI.",
 )
 def timing(
     trials: int,
-    scenes: tuple[str, ...],
+    conditions: tuple[str, ...],
     longest: int,
     seed: int | None,
     json_path: Path | None,
@@ -67,7 +74,7 @@ def timing(
     of it with a program of a few lines that only reads. No keyboard is needed.
     """
     result = measure(
-        tuple(scenes) or SCENE_NAMES, trials, longest, secrets.randbits(63) if seed is None else seed
+        tuple(conditions) or CONDITION_NAMES, trials, longest, secrets.randbits(63) if seed is None else seed
     )
     for line in report_lines(result):
         say(line)
@@ -85,21 +92,21 @@ def timing(
 
 
 def stop_above(result: "TimingResult", gate_ms: float) -> None:
-    """Leave with status 1 where a median is too large, or a scene has no usable trial. Means are the
+    """Leave with status 1 where a median is too large, or a condition has no usable trial. Means are the
     machine's.
     """
-    for scene in result.scenes:
-        if scene.on_time is None:
-            raise click.ClickException(f"{scene.scene}: no usable trial of {scene.n_trials}")
-        if scene.on_time.median > gate_ms:
+    for condition in result.conditions:
+        if condition.on_time is None:
+            raise click.ClickException(f"{condition.condition}: no usable trial of {condition.n_trials}")
+        if condition.on_time.median > gate_ms:
             raise click.ClickException(
-                f"{scene.scene}: the median error is {scene.on_time.median:.2f} ms, allowed are {gate_ms:g} "
-                f"ms"
+                f"{condition.condition}: the median error is {condition.on_time.median:.2f} ms, allowed are "
+                f"{gate_ms:g} ms"
             )
 
 
-def measure(scenes: tuple[str, ...], n_trials: int, longest_ms: int, seed: int) -> "TimingResult":
-    """Run the scenes one after another, with a bar that shows how far they are."""
+def measure(conditions: tuple[str, ...], n_trials: int, longest_ms: int, seed: int) -> "TimingResult":
+    """Run the conditions one after another, with a bar that shows how far they are."""
     if sys.platform == "win32":
         raise click.ClickException("the self-test needs a pseudo-terminal, which Windows does not have")
     import os
@@ -107,16 +114,18 @@ def measure(scenes: tuple[str, ...], n_trials: int, longest_ms: int, seed: int) 
     from arl_tui.app import facts
     from arl_tui.drawing_rate import FRAMES_PER_S
     from arl_tui.timing.kept import machine_code, this_terminal
-    from arl_tui.timing.plan import SCENES, make_plan
+    from arl_tui.timing.plan import CONDITIONS, make_plan
     from arl_tui.timing.result import TimingResult, summarise
     from arl_tui.timing.waking import lateness_ms
     from core.numerics.clock import wall_time_utc
 
-    plans = [make_plan(s, n_trials, root_seed=seed, longest_ms=longest_ms) for s in SCENES if s in scenes]
+    plans = [
+        make_plan(s, n_trials, root_seed=seed, longest_ms=longest_ms) for s in CONDITIONS if s in conditions
+    ]
     late_ms, results = [], []
     for plan in plans:
         late_ms += lateness_ms()
-        results.append(measure_scene(plan))
+        results.append(measure_condition(plan))
     return TimingResult(
         created_utc=wall_time_utc(),
         root_seed=seed,
@@ -126,16 +135,16 @@ def measure(scenes: tuple[str, ...], n_trials: int, longest_ms: int, seed: int) 
         machine=machine_code(),
         terminal=this_terminal(facts.terminal(0, 0, stamps="flush", frames_per_s=int(FRAMES_PER_S))),
         waking=summarise(late_ms),
-        scenes=tuple(results),
+        conditions=tuple(results),
     )
 
 
-def measure_scene(plan: "Plan") -> "SceneResult":
-    """Run one scene."""
+def measure_condition(plan: "Plan") -> "ConditionResult":
+    """Run one condition."""
     from arl_tui.timing.result import compare
     from arl_tui.timing.robot import TimingError, run_plan
 
-    with click.progressbar(length=len(plan.trials), label=plan.scene, file=sys.stderr) as bar:
+    with click.progressbar(length=len(plan.trials), label=plan.condition, file=sys.stderr) as bar:
         try:
             robot, seen = run_plan(plan, lambda: bar.update(1))
         except TimingError as error:
@@ -146,35 +155,32 @@ def measure_scene(plan: "Plan") -> "SceneResult":
 def report_lines(result: "TimingResult") -> Iterator[str]:
     """Yield what is printed."""
     from arl_tui.timing.published import published_lines
-    from arl_tui.timing.result import LATE_MS, TABLE_HEAD, scene_lines
+    from arl_tui.timing.result import LATE_MS, TABLE_HEAD, condition_lines
     from arl_tui.timing.waking import waking_line
 
     yield "Measured minus true reaction time, milliseconds:"
     yield ""
     yield TABLE_HEAD
-    for scene in result.scenes:
-        yield from scene_lines(scene)
+    for condition in result.conditions:
+        yield from condition_lines(condition)
     yield ""
     yield (
         "On the way out: from the flush to the robot's read; the rest is the key's way in, to its time stamp."
     )
     yield (
         f"Read late: the kernel passed the bytes to the robot more than {LATE_MS:g} ms after the flush. The "
-        f"robot's true "
-        "time begins then, so the delay counts as error, though it is the pseudo-terminal's."
+        "robot's true time begins then, so the delay counts as error, though it is the pseudo-terminal's."
     )
     yield (
         "Bare reader: a few lines without a screen, in the same pseudo-terminal. What it has, the machine "
-        "does; the rest "
-        "is this program's."
+        "does; the rest is this program's."
     )
     if result.waking is not None:
         yield waking_line(result.waking)
     if result.load > BUSY * result.cores:
         yield (
             f"This machine is busy (load {result.load:.1f} on {result.cores} cores): only the medians say "
-            f"something "
-            "about the program. Repeat on a quiet machine, and do not calibrate anybody on a busy one."
+            "something about the program. Repeat on a quiet machine, and do not calibrate on a busy one."
         )
     yield "Targets on a quiet machine: at rest bias < 0.5, sd < 0.2; beside a board median < 0.5, p95 < 3."
     yield ""
@@ -184,8 +190,6 @@ def report_lines(result: "TimingResult") -> Iterator[str]:
     yield ""
     yield (
         "Not seen here: the terminal's drawing, the compositor, the screen, the keyboard and its cable. "
-        "Together they "
-        "add typically 20 to 60 ms, about constant for one set-up; a fit has them in its offset. Nothing is "
-        "subtracted. "
-        "Measuring them takes a photodiode and a button box."
+        "Together they add typically 20 to 60 ms, about constant for one set-up; a fit has them in its "
+        "offset. Nothing is subtracted. Measuring them takes a photodiode and a button box."
     )

@@ -49,7 +49,7 @@ def _compile(name: str, order: Order) -> None:
         with click.progressbar(length=STEPS, label=f"{name:17}") as bar:
             done = 0
             while not ahead.finished:
-                now = round(progress().share * STEPS)
+                now = round(progress().fraction * STEPS)
                 bar.update(max(0, now - done))
                 done = max(now, done)
                 time.sleep(LOOK_S)

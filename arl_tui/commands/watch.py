@@ -15,6 +15,7 @@ from click.core import ParameterSource
 from arl_tui.command_line import ToWrite, say
 
 if TYPE_CHECKING:
+    from arl_tui.app.compile_order import Order
     from arl_tui.screens.watch import WatchApp
     from core.keepaway.pitch import KeepawayConfig
     from core.keepaway.policy_file import SavedPolicy
@@ -162,11 +163,12 @@ def watch(
     saved = None if policy in BENCHMARKS else read_policy(Path(policy))
     config = task(saved, keepers=keepers, takers=takers, size=size, vision=vision)
     root_seed = secrets.randbits(63) if seed is None else seed
+    from arl_tui.app.compile_order import match_order
     from arl_tui.screens.watch import WatchApp, WatchScreen
     from arl_tui.widgets.pitch_ink import DETAILS
 
     def prepare() -> "ViewedMatch":
-        get_ready(config)
+        get_ready(match_order(config))
         from core.keepaway.viewed_match import ViewedMatch
 
         return ViewedMatch(config, policy if saved is None else saved.sarsa(), root_seed, "watch")
@@ -207,10 +209,10 @@ def run(app: "WatchApp") -> None:
         os._exit(0)
 
 
-def get_ready(config: "KeepawayConfig") -> None:
-    """Load all that matches of this task need; where it is not compiled, let Python play until it is."""
+def get_ready(order: "Order") -> None:
+    """Load all that an order asks for; where it is not compiled, let Python play until it is."""
     from arl_tui.ahead import Ahead, fill
-    from arl_tui.app.compile_order import is_compiled, match_order
+    from arl_tui.app.compile_order import is_compiled
     from core.numerics.interpreting import (
         CAN_INTERPRET,
         load_interpreted,
@@ -218,7 +220,6 @@ def get_ready(config: "KeepawayConfig") -> None:
         stop_interpreting,
     )
 
-    order = match_order(config)
     if is_compiled(order) or not CAN_INTERPRET:
         fill(order)
         return

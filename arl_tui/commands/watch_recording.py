@@ -47,7 +47,7 @@ def watch_recording(
 
     if export is None:
         need_terminal("arl watch", instead="arl watch FILE --export film.cast")
-    session = opened(path)
+    session = opened(path, at_once=export is None and at is None)
     from arl_tui.viewer.workers import Workers
 
     with Workers(path) as workers:
@@ -66,23 +66,32 @@ def watch_recording(
             screen.transport.seek(session.start_ns + at * 1e9)
         app = ViewerApp(screen)
         told = app.run_in_terminal()
+    if screen.broken is not None:
+        raise click.ClickException(printable(str(screen.broken), longest=None)) from screen.broken
     if app.ended_by is not None:
         sys.exit(128 + app.ended_by)
     if told:
         say(told)
 
 
-def opened(path: Path) -> "SessionView":
-    """Open a recording with its index; stop with a message where that is impossible."""
-    from studies.session_view.session import open_session
+def opened(path: Path, *, at_once: bool = False) -> "SessionView":
+    """Open a recording with its index; stop with a message where that is impossible.
+
+    Args:
+        path: of the recording.
+        at_once: of a long recording without an index, open the first part.
+    """
+    from studies.session_view.session import open_at_once, open_session
 
     try:
-        if path.stat().st_size < LARGE:
+        if at_once:
+            session = open_at_once(path)
+        elif path.stat().st_size < LARGE:
             session = open_session(path)
         else:
             with click.progressbar(length=1000, label="Reading", file=sys.stderr) as shown:
                 session = open_session(
-                    path, on_progress=lambda share: shown.update(round(share * 1000) - shown.pos)
+                    path, on_progress=lambda fraction: shown.update(round(fraction * 1000) - shown.pos)
                 )
     except (RecordingError, OSError) as error:
         raise click.ClickException(printable(str(error), longest=None)) from error
@@ -116,9 +125,10 @@ def viewing_of(
                 f"{path}: a what-if needs states and actions; this recording holds none"
             )
         asked = what_if_of(path, session, protocol, credit, scheme)
+    whole = None if session.index.whole else workers.index()
     own = (
         workers.own()
-        if protocol is not None and len(session.steps)
+        if protocol is not None and (len(session.steps) or whole is not None)
         else nothing_worked_out("no steps, no values")
     )
     return Viewing(
@@ -129,6 +139,7 @@ def viewing_of(
         own=own,
         begin_what_if=workers.what_if,
         what_if=asked,
+        whole=whole,
     )
 
 

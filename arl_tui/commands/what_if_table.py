@@ -18,49 +18,55 @@ PER_VALUE = "per-value:"
 """Begins the text of a credit rule with a density for each value."""
 
 
-def table(rows: "Iterable[WhatIfRow]", units: str = "lines") -> Iterable[str]:
-    """Yield the lines of two tables, and what has to be said about them; `units` is what is counted per game.
+def table(rows: "Iterable[WhatIfRow]", units: str = "lines", width: int | None = None) -> Iterable[str]:
+    """Yield the lines of two tables, and what has to be said about them.
 
-    Two, because one is wider than most terminals.
+    Two, because one is wider than most terminals. Where these are still too wide, rows have numbers. A list
+    before the tables says what they stand for.
+
+    Args:
+        rows: of the tables.
+        units: what is counted per game.
+        width: of the terminal in columns; None where lines may be as long as they need to be.
     """
     rows, tables_of_delays = _with_short_names(rows)
-    first = rows[0]
+    names = [(row.credit, row.rule) for row in rows]
+    lines = list(_tables(rows, ("credit", "scheme"), names, units))
+    if width is not None and max(map(len, lines)) > width:
+        numbers = [(str(number),) for number in range(1, len(rows) + 1)]
+        yield from _aligned(
+            ("row", "credit", "scheme"),
+            [(*number, *name) for number, name in zip(numbers, names, strict=True)],
+            words=3,
+        )
+        yield ""
+        lines = list(_tables(rows, ("row",), numbers, units))
+    yield from lines
+    yield from _remarks(rows)
+    yield from tables_of_delays
+
+
+def _tables(
+    rows: "Sequence[WhatIfRow]", head: tuple[str, ...], names: Sequence[tuple[str, ...]], units: str
+) -> Iterable[str]:
+    """Yield both tables; each row begins with its names, one under each word of `head`."""
+    first, words = rows[0], len(head)
     yield (
-        f"How well each agent plays as its next episode: number {first.episode}, after {first.watched} "
-        f"watched games"
+        f"How each agent plays its next episode: number {first.episode}, after {first.watched} watched games"
     )
     yield from _aligned(
-        ("credit", "scheme", f"{units} per game", "minus the first row", "weight in use"),
-        [(row.credit, row.rule, _score(row), _difference(row), _weight(row)) for row in rows],
+        (*head, f"{units} per game", "minus the first row", "weight in use"),
+        [(*name, _score(row), _difference(row), _weight(row)) for name, row in zip(names, rows, strict=True)],
+        words=words,
     )
     yield ""
     yield "What the presses taught, and what the rule of trust made of it"
     yield from _aligned(
-        (
-            "credit",
-            "scheme",
-            "log-loss",
-            "of the rate",
-            "model is",
-            "on steps",
-            "trust over the watched games",
-        ),
-        [
-            (
-                row.credit,
-                row.rule,
-                _number(row.held_out.log_loss),
-                _number(row.held_out.of_the_rate),
-                _verdict(row),
-                NONE if math.isnan(row.credited) else f"{row.credited:.0%}",
-                " ".join(f"{value:.2f}" for value in _evenly(row.trust)) or NONE,
-            )
-            for row in rows
-        ],
+        (*head, "log-loss", "of the rate", "model is", "on steps", "trust over the watched games"),
+        [(*name, *_taught(row)) for name, row in zip(names, rows, strict=True)],
+        words=words,
         last_to_the_left=True,
     )
-    yield from _remarks(rows)
-    yield from tables_of_delays
 
 
 def _with_short_names(rows: "Iterable[WhatIfRow]") -> "tuple[list[WhatIfRow], list[str]]":
@@ -72,15 +78,26 @@ def _with_short_names(rows: "Iterable[WhatIfRow]") -> "tuple[list[WhatIfRow], li
     return short, [f"{name}: {rule.removeprefix(PER_VALUE)}." for rule, name in names.items()]
 
 
+def _taught(row: "WhatIfRow") -> tuple[str, ...]:
+    """Return the figures of the second table."""
+    return (
+        _number(row.held_out.log_loss),
+        _number(row.held_out.of_the_rate),
+        _verdict(row),
+        NONE if math.isnan(row.credited) else f"{row.credited:.0%}",
+        " ".join(f"{value:.2f}" for value in _evenly(row.trust)) or NONE,
+    )
+
+
 def _aligned(
-    head: Sequence[str], rows: Sequence[Sequence[str]], *, last_to_the_left: bool = False
+    head: Sequence[str], rows: Sequence[Sequence[str]], *, words: int, last_to_the_left: bool = False
 ) -> Iterable[str]:
-    """Yield lines in columns as wide as they need: two columns of words to the left, figures to the right."""
+    """Yield lines in columns as wide as they need: `words` columns to the left, figures to the right."""
     widths = [max(map(len, column)) for column in zip(head, *rows, strict=True)]
     for row in (head, *rows):
         cells = [
             f"{cell:<{width}}"
-            if place < 2 or (last_to_the_left and place == len(head) - 1)
+            if place < words or (last_to_the_left and place == len(head) - 1)
             else f"{cell:>{width}}"
             for place, (cell, width) in enumerate(zip(row, widths, strict=True))
         ]
@@ -161,7 +178,7 @@ def _record(row: "WhatIfRow", sources: Mapping[str, str], units: str) -> dict[st
         "episode": row.episode,
         "watched_games": row.watched,
         "weight": row.weight,
-        "share": row.handover,
+        "handover": row.handover,
         "shaping": row.shaping,
         **_interval(units, row.lines),
         "level": row.lines.level,

@@ -19,6 +19,18 @@ def pace_facts(ready: Ready | None) -> dict[str, str]:
     }
 
 
+def pace_line(protocol: Protocol, ready: Ready | None) -> str:
+    """Return one line for the experimenter: the share of a press that reaches its step; empty if unknown.
+
+    Args:
+        protocol: of the session.
+        ready: what the worker has worked out; None where it has not yet.
+    """
+    if ready is None or ready.reach is None:
+        return ""
+    return f"about {ready.reach:.0%} of a press reaches its {screens_of(protocol).words.step}"
+
+
 def pace_warning(protocol: Protocol, ready: Ready | None) -> str:
     """Return a sentence for the experimenter, or nothing where at least 70 % of a press reach their step.
 

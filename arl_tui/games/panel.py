@@ -2,14 +2,16 @@
 take.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Protocol as Interface
+from typing import runtime_checkable
 
 from textual.geometry import Size
 from textual.widget import Widget
 
 from arl_tui.app.link import Picture, TakenFor
+from arl_tui.games.rendering import Place
 from arl_tui.widgets.coverable import CoverableWidget
 
 SMALLEST = Size(80, 24)
@@ -25,7 +27,7 @@ class Progress:
     episodes: int
     """How many there will be."""
     human_weights: tuple[float, ...]
-    """Weight of the human in each game so far, oldest first; () where it is not to be seen."""
+    """Weight of the participant in each game so far, oldest first; () where it is not to be seen."""
     performances: tuple[float, ...] = ()
     """Of the watched episodes so far, in the game's unit, oldest first."""
 
@@ -44,7 +46,7 @@ class Panel(Interface):
         """
         ...
 
-    def stage(self) -> CoverableWidget:
+    def game_widget(self) -> CoverableWidget:
         """Return the widget of the game itself."""
         ...
 
@@ -74,4 +76,17 @@ class Panel(Interface):
 
     def presses_left(self, presses: int) -> None:
         """Say how many presses still count in this episode, if the game's picture has a place for it."""
+        ...
+
+
+@runtime_checkable
+class DrawsOptions(Interface):
+    """A panel that draws the options of a question into the game; others leave it to the list beside it."""
+
+    def pose(self, places: Sequence[Place], keys: Sequence[str]) -> None:
+        """Draw each option where it is to be seen, by its key, until `unpose`."""
+        ...
+
+    def unpose(self) -> None:
+        """Take the options away."""
         ...

@@ -81,6 +81,15 @@ class GameScreens(ABC):
         default: Protocol = DEFAULTS[self.name]
         return msgspec.structs.replace(default, name="demo", trainer=trainer or default.trainer)
 
+    def option(self, detail: dict[str, int], protocol: Protocol) -> str:
+        """Return an option of a question in words.
+
+        Args:
+            detail: of the action, as in `core.events.StepTaken.detail`.
+            protocol: of the session.
+        """
+        return ", ".join(f"{name} {value}" for name, value in detail.items())
+
     @abstractmethod
     def renderer(self, protocol: Protocol) -> "Renderer":
         """Return what makes pictures of a session's outputs; compiled code may come with it."""

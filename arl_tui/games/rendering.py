@@ -2,33 +2,24 @@
 again.
 """
 
-from typing import NamedTuple
+from typing import NamedTuple, runtime_checkable
 from typing import Protocol as Interface
 
 from core.events import EpisodeStarted, StepTaken
 from core.plugins import View
 
-Blocks = tuple[tuple[int, int], ...]
-"""(row from the bottom, column) of blocks on a wall."""
+Place = tuple[tuple[int, ...], ...]
+"""Where a step that was judged is to be seen, in numbers that a game's renderer writes and its panel reads
+(Tetris: row from the bottom and column of each block; Keepaway: the keeper and whom it passed to); () where
+it is to be seen no more."""
 
 
-class Shot(NamedTuple):
+class TickView(NamedTuple):
     """A picture for one tick."""
 
     view: View
     ahead: View | None = None
     """The picture of the tick after, where what lies between can be shown."""
-
-
-class Place(NamedTuple):
-    """Where a step that was judged is to be seen now."""
-
-    blocks: Blocks = ()
-    """Tetris: what is left of the piece."""
-    player: int = -1
-    """Keepaway: who chose."""
-    target: int = -1
-    """Keepaway: who was passed to; -1 for a hold."""
 
 
 class Renderer(Interface):
@@ -44,18 +35,27 @@ class Renderer(Interface):
         """The newest picture, which stays when an episode has ended."""
         ...
 
-    def begin(self, episode: EpisodeStarted) -> tuple[Shot, ...]:
+    def begin(self, episode: EpisodeStarted) -> tuple[TickView, ...]:
         """Return the pictures from the beginning of an episode to its first decision."""
         ...
 
-    def act(self, step: StepTaken) -> tuple[Shot, ...]:
+    def act(self, step: StepTaken) -> tuple[TickView, ...]:
         """Return the pictures of a step; none where another step begins in the same moment."""
         ...
 
-    def judged_after_ns(self, n_shots: int) -> int:
+    def judged_after_ns(self, n_ticks: int) -> int:
         """Return from when on a step of so many pictures can be judged, since it came on screen."""
         ...
 
     def place_of(self, step: int) -> Place:
         """Return where one of the last steps is to be seen while the newest one is on screen."""
+        ...
+
+
+@runtime_checkable
+class PlacesOptions(Interface):
+    """A renderer that knows where an option of a question would be seen; others list options in words."""
+
+    def place_of_option(self, detail: dict[str, int]) -> Place:
+        """Return where an option is to be seen on the newest picture; `detail` as in `StepTaken.detail`."""
         ...

@@ -8,14 +8,14 @@ from textual.binding import Binding, BindingType
 from textual.widget import Widget
 from textual.widgets import Static
 
-from arl_tui.app.outcome import Outcome, SessionControls
+from arl_tui.app.outcome import SessionControls, SessionOutcome
 from arl_tui.feedback_words import told
-from arl_tui.screens.page import Page
+from arl_tui.screens.page import PageScreen
 from arl_tui.words import Words
 from core.session.protocol import Protocol
 
 
-class ClosingScreen(Page):
+class ClosingScreen(PageScreen):
     """Says how the session ended."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -28,7 +28,7 @@ class ClosingScreen(Page):
 
     def __init__(
         self,
-        outcome: Outcome,
+        outcome: SessionOutcome,
         words: Words,
         *,
         show_weight: bool = False,
@@ -119,7 +119,7 @@ class ClosingScreen(Page):
         cast(SessionControls, self.app).exit(self.outcome)
 
 
-def how_much_recorded(outcome: Outcome) -> str:
+def how_much_recorded(outcome: SessionOutcome) -> str:
     """Return how much of the session is recorded and known to be on the disk, in words.
 
     The terminal names the file afterwards: names of files and folders may tell the condition.

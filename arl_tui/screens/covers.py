@@ -9,11 +9,11 @@ from textual.geometry import Size
 from textual.widget import Widget
 from textual.widgets import Static
 
-from arl_tui.screens.page import Page, keys_of_all, presses_of_all, session_keys
+from arl_tui.screens.page import PageScreen, keys_of_all, presses_of_all, session_keys
 from core.session.protocol import Protocol
 
 
-class PauseScreen(Page):
+class PauseScreen(PageScreen):
     """The game waits."""
 
     HEADING = "Pause"
@@ -45,7 +45,7 @@ class PauseScreen(Page):
         self.leave(True)
 
 
-class HelpScreen(Page):
+class HelpScreen(PageScreen):
     """All keys and what they do."""
 
     HEADING = "Help"
@@ -81,7 +81,7 @@ class HelpScreen(Page):
         self.leave(True)
 
 
-class StopScreen(Page):
+class StopScreen(PageScreen):
     """Asks whether to stop."""
 
     HEADING = "Stop the session?"
@@ -106,7 +106,7 @@ class StopScreen(Page):
         self.leave(False)
 
 
-class SmallWindowScreen(Page):
+class SmallWindowScreen(PageScreen):
     """Asks for a larger window, and leaves by itself when it is there; answers False to stop."""
 
     HEADING = "This window is too small"

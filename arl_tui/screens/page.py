@@ -19,7 +19,7 @@ PAGE_WIDTH = 74
 """Columns of a page in the smallest window."""
 
 
-class Page(Screen[bool], inherit_bindings=False):
+class PageScreen(Screen[bool], inherit_bindings=False):
     """A titled box in the middle of the screen; opaque, so that a game beneath it is not seen."""
 
     HEADING = ""

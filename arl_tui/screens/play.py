@@ -11,8 +11,9 @@ from textual.screen import Screen
 from textual.widgets import Static
 
 from arl_tui.app.gaps import length_s
-from arl_tui.app.link import Picture, Preparing, TakenFor
+from arl_tui.app.link import AskNow, Picture, Preparing, TakenFor
 from arl_tui.app.live_session import Cover, LiveSession, Occurrence
+from arl_tui.app.once import after
 from arl_tui.app.outcome import SessionControls
 from arl_tui.app.tally import weight_in_use
 from arl_tui.games.panel import Progress
@@ -20,8 +21,9 @@ from arl_tui.games.registry import screens_of, words_of
 from arl_tui.palette import Palette
 from arl_tui.screens.count_down import CountDown
 from arl_tui.screens.covers import HelpScreen, PauseScreen, SmallWindowScreen, StopScreen, fits_into
-from arl_tui.screens.page import Page, session_keys
-from arl_tui.widgets.feedback_bar import FeedbackBar
+from arl_tui.screens.page import PageScreen, session_keys
+from arl_tui.screens.question import Questioning
+from arl_tui.widgets.feedback_bar import HOLD_S, FeedbackBar
 from arl_tui.widgets.people_bar import PeopleBar
 from core.events import (
     EpisodeEnded,
@@ -29,6 +31,8 @@ from core.events import (
     KeyPressed,
     Output,
     PressRetracted,
+    QuestionAnswered,
+    QuestionPosed,
     SessionEnded,
     StopAsked,
     TimeGap,
@@ -48,10 +52,10 @@ BAR_WIDTH = 20
 """Cells."""
 
 
-def bar(share: float) -> str:
-    """Return a bar for a share in [0, 1], and the share in per cent."""
-    done = round(share * BAR_WIDTH)
-    return f"{'━' * done}[dim]{'─' * (BAR_WIDTH - done)}[/] {share:.0%}"
+def bar(fraction: float) -> str:
+    """Return a bar for a fraction in [0, 1], and the fraction in per cent."""
+    done = round(fraction * BAR_WIDTH)
+    return f"{'━' * done}[dim]{'─' * (BAR_WIDTH - done)}[/] {fraction:.0%}"
 
 
 class PlayScreen(Screen[None], inherit_bindings=False):
@@ -73,7 +77,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
             palette: colours of the game.
         """
         super().__init__()
-        self.scene = screens_of(protocol).panel(protocol, palette)
+        self.panel = screens_of(protocol).panel(protocol, palette)
         self.add_class(f"-{protocol.game}")
         names = [person.name for person in protocol.people]
         keys = protocol.keys_of_people
@@ -95,7 +99,8 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         """In use, one per game so far; empty where they are not to be seen."""
         self._shows_weight = protocol.screen.show_weight
         self._counts = protocol.screen.count_down_s > 0
-        self._count_down = CountDown(self, self.scene.stage(), protocol.screen.count_down_s)
+        self._count_down = CountDown(self, self.panel.game_widget(), protocol.screen.count_down_s)
+        self._questioning = Questioning(self, live, self.panel, self.feedback, protocol)
         self._said = ""
         self._silence_shown = False
         self._disk_failed = False
@@ -104,12 +109,13 @@ class PlayScreen(Screen[None], inherit_bindings=False):
 
     def compose(self) -> ComposeResult:
         """Lay everything out in fixed sizes."""
-        with Horizontal(id="stage"):
-            yield self.scene.stage()
+        with Horizontal(id="play-area"):
+            yield self.panel.game_widget()
             with Vertical(id="side"):
                 with Horizontal(id="figures"):
-                    yield from self.scene.figures()
+                    yield from self.panel.figures()
                 yield self.feedback
+                yield self._questioning.bar
                 yield self._status
         yield Static(session_keys(*self._protocol.keys_of_people), id="session-keys")
 
@@ -123,9 +129,9 @@ class PlayScreen(Screen[None], inherit_bindings=False):
             case KeyPressed():
                 self._show_press(occurrence)
             case TakenFor():
-                self.feedback.show_taken(self.scene.mark(occurrence), occurrence.press)
+                self.feedback.show_taken(self.panel.mark(occurrence), occurrence.press)
             case PressRetracted():
-                self.scene.unmark()
+                self.panel.unmark()
                 self.feedback.show_retraction(occurrence, self._live.left_of(occurrence))
                 self._tell_presses_left()
             case WrongPressAsked():
@@ -134,12 +140,15 @@ class PlayScreen(Screen[None], inherit_bindings=False):
                 self._begin_episode(occurrence)
             case EpisodeEnded():
                 self._end_episode(occurrence)
-            case Preparing(share=share) if self._live.phase == "running":
-                self._say(f"One moment, this first time:\n{bar(share)}")
+            case Preparing(fraction=fraction) if self._live.phase == "running":
+                self._say(f"One moment, this first time:\n{bar(fraction)}")
+            case QuestionPosed() | AskNow() | QuestionAnswered():
+                self._show_question(occurrence)
             case TimeGap():
                 self._lay_over(PauseScreen(gap_s=length_s(occurrence)), "gap")
             case StopAsked() | SessionEnded():
                 self._count_down.stop()
+                self._questioning.over()
                 self._say("Stopping: everything is being saved ...")
 
     def go_on_after(self, outputs: Iterable[Output]) -> None:
@@ -152,16 +161,40 @@ class PlayScreen(Screen[None], inherit_bindings=False):
 
     def take_painted(self) -> int | None:
         """Return the step whose picture has been drawn since the last call; None where none has."""
-        drawn = self.scene.take_drawn()
+        drawn = self.panel.take_drawn()
         return self._picture.step if drawn and self._picture is not None else None
 
     def _show_picture(self, picture: Picture) -> None:
         self._picture = picture
         performances = tuple(self._live.tally.performances)
         progress = Progress(max(1, self._watched), self._episodes, tuple(self._human_weights), performances)
-        self.scene.show(picture, progress)
+        self.panel.show(picture, progress)
+
+    def take_question_painted(self) -> bool:
+        """Return whether the options of a question have been drawn that was not on screen before."""
+        question = self._live.question
+        return question is not None and question.needs_frame and self._questioning.bar.take_drawn()
+
+    def _show_question(self, occurrence: QuestionPosed | AskNow | QuestionAnswered) -> None:
+        match occurrence:
+            case QuestionPosed():
+                self._questioning.announce(occurrence)
+                self._say(self._questioning.coming())
+            case AskNow():
+                self._say("")
+                self._questioning.ask(occurrence)
+            case QuestionAnswered():
+                said = self._questioning.over(occurrence)
+                self._say(said)
+                after(self, HOLD_S, lambda: self._say("" if self._said == said else self._said))
+                self.panel.refresh()
 
     def _show_press(self, press: KeyPressed) -> None:
+        if press.press == self._questioning.answered_press:
+            return
+        if self._questioning.on_screen and press.value is not None:
+            self._questioning.hint()
+            return
         is_command = any(
             (press.read_as or press.key) in (letter, *keys.split(",")) for letter, keys in COMMANDS.values()
         )
@@ -173,17 +206,17 @@ class PlayScreen(Screen[None], inherit_bindings=False):
     def _tell_presses_left(self) -> None:
         """Write beside the game how many presses are left: of several people the feedback bar says it."""
         if not self._several:
-            self.scene.presses_left(self._live.presses_left)
+            self.panel.presses_left(self._live.presses_left)
 
     def _begin_episode(self, episode: EpisodeStarted) -> None:
         self._watched += 1
         self._playing = True
         if self._shows_weight:
             self._human_weights.append(weight_in_use(episode))
-        self.feedback.begin_episode(self._live.presses_left)
+        self.feedback.begin_game(self._live.presses_left)
         self._tell_presses_left()
-        self.scene.title(f"Game {self._watched}")
-        self.scene.unmark()
+        self.panel.title(f"Game {self._watched}")
+        self.panel.unmark()
         self._say("")
         if not self._live.gate.covered:  # a page lies over the game: the count-down comes when it is left
             self._count()
@@ -198,12 +231,14 @@ class PlayScreen(Screen[None], inherit_bindings=False):
     def _go_on(self) -> None:
         """Let the game go on, and draw once more: what was drawn before came too early to count."""
         self._live.uncover()
-        self.scene.refresh()
+        if self._questioning.waiting:
+            self._questioning.show()
+        self.panel.refresh()
 
     def _end_episode(self, episode: EpisodeEnded) -> None:
         self._playing = False
         lines = self._words.told(episode.performance)
-        self.scene.title("Game over" if episode.ended == "termination" else "End of this game")
+        self.panel.title("Game over" if episode.ended == "termination" else "End of this game")
         if self._watched >= self._episodes or self._live.phase != "running":
             self._say(f"That was the last game: {lines}.")
         elif self._unseen:
@@ -259,15 +294,18 @@ class PlayScreen(Screen[None], inherit_bindings=False):
 
     def on_resize(self, event: events.Resize) -> None:
         """Ask for a larger window where the game does not fit."""
-        if self.is_active and not fits_into(self.scene.needed, event.size):
+        if self.is_active and not fits_into(self.panel.needed, event.size):
             self._lay_over(
-                SmallWindowScreen(self.scene.needed), "resize", lambda large: self._stop_if(large is False)
+                SmallWindowScreen(self.panel.needed), "resize", lambda large: self._stop_if(large is False)
             )
 
-    def _lay_over(self, page: Page, reason: Cover, then: Callable[[bool | None], None] | None = None) -> None:
+    def _lay_over(
+        self, page: PageScreen, reason: Cover, then: Callable[[bool | None], None] | None = None
+    ) -> None:
         if self._count_down.running:
             self._count_down.stop()
             self._live.uncover()
+        self._questioning.take_down()
         if self._live.phase != "running" or self._live.gate.covered:
             return
         self._live.cover(reason)
@@ -276,7 +314,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
             self._go_on()
             if then is not None:
                 then(answer)
-            if self._live.phase == "running" and self._playing:
+            if self._live.phase == "running" and self._playing and not self._questioning.waiting:
                 self._count()
 
         self.app.push_screen(page, uncover)

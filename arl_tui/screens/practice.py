@@ -1,5 +1,6 @@
 """Practice: a person plays the agent's game with the agent's primitives. Nothing is recorded or learned."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import ClassVar
 
@@ -10,11 +11,13 @@ from textual.containers import Horizontal, Vertical
 from textual.geometry import Size
 from textual.screen import Screen
 from textual.timer import Timer
+from textual.widget import Widget
 from textual.widgets import Static
 
 from arl_tui.app.plain_app import PlainApp
 from arl_tui.palette import STANDARD, Palette, palette_for
 from arl_tui.screens.covers import SmallWindowScreen, fits_into
+from arl_tui.screens.page import PageScreen, key_cap
 from arl_tui.widgets.board import TetrisBoard
 from arl_tui.widgets.next_piece import NextPiece
 from arl_tui.widgets.stats import Figures, StatsPanel
@@ -28,15 +31,65 @@ BESIDE, KEYS_END = 38, 20
 """Columns beside the board, and lines down to the end of what stands there."""
 
 KEYS_HELP = """\
-  [b]← →[/b] or [b]h l[/b]    move
+  [b]← →[/b] or [b]a d[/b]    move
    [b]↑[/b]  or  [b]r[/b]     turn clockwise
    [b]↓[/b]  or [b]space[/b]  drop
 
-  [b]p[/b] pause   [b]n[/b] new game   [b]q[/b] quit
+  [b]p[/b] pause  [b]h[/b] help  [b]q[/b] stop
+  [b]n[/b] new game
 
-  You play the game that the agent
-  plays. Full rows vanish. Do not
-  let the pile reach the top."""
+  Full rows disappear. Do not let
+  the pile reach the top."""
+HEADING = "Practice: play Tetris yourself"
+RULES = (
+    "You play the game that the computer plays, with its own four moves. One piece after another falls. Full "
+    "rows disappear: the more, the better. A game ends when the pile reaches the top.\n"
+)
+ROWS = (
+    ("←", "or A: one column to the left"),
+    ("→", "or D: one column to the right"),
+    ("↑", "or W, R: turn clockwise"),
+    ("↓", "or S, Space: drop"),
+    ("P", "pause, and go on"),
+    ("N", "a new game"),
+    ("H", "this page"),
+    ("Q", "stop"),
+)
+ONE_GAME = "\nOne game. Nothing is recorded."
+GAMES = "\n{games} games. Nothing is recorded."
+CALL = "Press [reverse] Space [/] to go on, [reverse] Q [/] to leave"
+"""What participants read; the keys of pause, help and stop are those of a session."""
+
+
+class PracticeHelp(PageScreen):
+    """What to do, and all keys."""
+
+    HEADING = HEADING
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("h,f1,space,enter,escape", "back", "Go on", id="tetris-help.back", tooltip="Go on"),
+        Binding("q,ctrl+q,ctrl+c", "stop", "Stop", id="tetris-help.stop", tooltip="Leave practice"),
+    ]
+
+    def __init__(self, games: int | None) -> None:
+        """Prepare; `games` is how many are played, None for no limit."""
+        super().__init__()
+        self._n_games = games
+
+    def body(self) -> Iterable[Widget]:
+        """Return the text."""
+        yield Static(RULES)
+        yield Static("\n".join(f"  {key_cap(key)}  {meaning}" for key, meaning in ROWS))
+        if self._n_games is not None:
+            yield Static(ONE_GAME if self._n_games == 1 else GAMES.format(games=self._n_games))
+        yield Static(CALL, classes="call")
+
+    def action_back(self) -> None:
+        """Go on."""
+        self.leave(True)
+
+    def action_stop(self) -> None:
+        """Leave."""
+        self.leave(False)
 
 
 @dataclass
@@ -88,13 +141,14 @@ class PracticeScreen(Screen[None], inherit_bindings=False):
 
     BINDING_GROUP_TITLE = "Practice"
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("left,h,a", "act('left')", "left", id="practice.left", tooltip="Move the piece left"),
-        Binding("right,l,d", "act('right')", "right", id="practice.right", tooltip="Move the piece right"),
+        Binding("left,a", "act('left')", "left", id="practice.left", tooltip="Move the piece left"),
+        Binding("right,d", "act('right')", "right", id="practice.right", tooltip="Move the piece right"),
         Binding("up,r,w", "act('rotate')", "turn", id="practice.rotate", tooltip="Turn the piece clockwise"),
         Binding("down,space,s", "act('drop')", "drop", id="practice.drop", tooltip="Drop the piece"),
         Binding("p", "pause", "pause", id="practice.pause", tooltip="Stop the game, or go on"),
+        Binding("h,f1", "guide", "help", id="practice.help", tooltip="Rules and keys"),
         Binding("n", "new", "new game", id="practice.new", tooltip="Begin a new game"),
-        Binding("q", "quit_practice", "quit", id="practice.quit", tooltip="Leave practice"),
+        Binding("q,ctrl+q,ctrl+c", "quit_practice", "quit", id="practice.quit", tooltip="Leave practice"),
     ]
     AUTO_FOCUS = None
     ALLOW_SELECT = False
@@ -115,6 +169,8 @@ class PracticeScreen(Screen[None], inherit_bindings=False):
         fall_s: float = 0.6,
         palette: Palette = STANDARD,
         clock: Clock | None = None,
+        games: int | None = None,
+        explain: bool = False,
     ) -> None:
         """Prepare a game.
 
@@ -125,8 +181,11 @@ class PracticeScreen(Screen[None], inherit_bindings=False):
             fall_s: a piece falls by a row in this time, seconds, > 0.
             palette: colours.
             clock: of gravity; the machine's by default.
+            games: leave after so many, >= 1; None until the player leaves.
+            explain: show rules and keys first.
         """
         super().__init__()
+        self._games, self._explain, self._begun = games, explain, 1
         self.game = Practice(seed, rows=rows, columns=columns)
         """The rules; the screen only shows them."""
         self._seed = seed
@@ -152,6 +211,8 @@ class PracticeScreen(Screen[None], inherit_bindings=False):
         self._draw()
         self._gravity.start()
         self._poll = self.set_interval(POLL_S, self.fall)
+        if self._explain:
+            self.action_guide()
 
     def fall(self) -> None:
         """Let gravity act as often as the clock says."""
@@ -182,8 +243,16 @@ class PracticeScreen(Screen[None], inherit_bindings=False):
             self._board.uncover()
             self._gravity.start()
 
+    def action_guide(self) -> None:
+        """Show rules and keys; the game waits."""
+        self._lay_over(PracticeHelp(self._games))
+
     def action_new(self) -> None:
-        """Begin a new game with other pieces."""
+        """Begin a new game with other pieces; leave after the last one."""
+        if self._games is not None and self._begun >= self._games:
+            self.action_quit_practice()
+            return
+        self._begun += 1
         self._seed = (self._seed + 1) % (1 << 63)
         rows, columns = self._size_of_board
         self.game = Practice(self._seed, rows=rows, columns=columns)
@@ -200,6 +269,10 @@ class PracticeScreen(Screen[None], inherit_bindings=False):
         """Ask for a larger window where the game does not fit; it waits."""
         if not self.is_active or fits_into(self._needed, event.size):
             return
+        self._lay_over(SmallWindowScreen(self._needed))
+
+    def _lay_over(self, page: PageScreen) -> None:
+        """Show a page while the game waits; leave where it is answered so."""
         went_on = self._gravity.running
         self._gravity.stop()
 
@@ -209,7 +282,7 @@ class PracticeScreen(Screen[None], inherit_bindings=False):
             elif went_on:
                 self._gravity.start()
 
-        self.app.push_screen(SmallWindowScreen(self._needed), go_on)
+        self.app.push_screen(page, go_on)
 
     def _draw(self) -> None:
         picture = self.game.picture()
@@ -219,7 +292,9 @@ class PracticeScreen(Screen[None], inherit_bindings=False):
         if picture.over and not self._board.covered:
             self._gravity.stop()
             rows = "1 row" if picture.counts.lines == 1 else f"{picture.counts.lines} rows"
-            self._board.cover(f"GAME OVER\n{rows} cleared\n\nn new game  q quit", whole=False)
+            last = self._games is not None and self._begun >= self._games
+            call = "n go on" if last else "n new game  q stop"
+            self._board.cover(f"GAME OVER\n{rows} cleared\n\n{call}", whole=False)
 
 
 class PracticeApp(PlainApp[int]):
@@ -237,6 +312,8 @@ class PracticeApp(PlainApp[int]):
         fall_s: float = 0.6,
         palette: str = STANDARD.name,
         clock: Clock | None = None,
+        games: int | None = None,
+        explain: bool = False,
     ) -> None:
         """Prepare a game; the arguments are those of PracticeScreen, the palette by name.
 
@@ -251,6 +328,8 @@ class PracticeApp(PlainApp[int]):
             fall_s=fall_s,
             palette=palette_for(palette, self.console.color_system, no_color=self.no_color),
             clock=clock,
+            games=games,
+            explain=explain,
         )
 
     def on_mount(self) -> None:

@@ -20,7 +20,7 @@ from arl_tui.app.plain_app import PlainApp
 from arl_tui.games.keepaway.playback import Playback, Source
 from arl_tui.palette import STANDARD, palette_for
 from arl_tui.screens.covers import SmallWindowScreen, fits_into
-from arl_tui.screens.page import Page, key_cap
+from arl_tui.screens.page import PageScreen, key_cap
 from arl_tui.widgets.pitch import PitchWidget
 from arl_tui.widgets.pitch_colours import legend
 from arl_tui.widgets.pitch_drawing import smallest
@@ -45,7 +45,7 @@ KEYS = (
 ENDS_SHOWN = 4
 
 
-class HelpPage(Page):
+class HelpPage(PageScreen):
     """What is drawn, and all keys."""
 
     HEADING = "Watching Keepaway"
@@ -129,6 +129,8 @@ class WatchScreen(Screen[None], inherit_bindings=False):
             clock: of the one who watches.
         """
         super().__init__()
+        self.keys: tuple[tuple[str, str], ...] = KEYS
+        """Keys and what they do, for the last line."""
         self.playback: Playback | None = None
         """None until the match is ready."""
         self._heading = heading
@@ -152,7 +154,7 @@ class WatchScreen(Screen[None], inherit_bindings=False):
         with Horizontal():
             yield self.pitch
             yield Static(id="panel")
-        yield Static("   ".join(f"[b]{key}[/] {meaning}" for key, meaning in KEYS), id="watch-keys")
+        yield Static("   ".join(f"[b]{key}[/] {meaning}" for key, meaning in self.keys), id="watch-keys")
 
     def on_mount(self) -> None:
         """Say that the match is not ready yet."""
@@ -183,9 +185,13 @@ class WatchScreen(Screen[None], inherit_bindings=False):
         if self.playback is None:
             return
         self._written_ns = self._clock.now_ns()
-        self.query_one("#panel", Static).update(
-            "\n".join([self._heading, *panel_lines(self.playback, self._palette)])
-        )
+        self.query_one("#panel", Static).update("\n".join(self.panel()))
+
+    def panel(self) -> Iterable[str]:
+        """Yield what stands beside the pitch, in markup."""
+        yield self._heading
+        if self.playback is not None:
+            yield from panel_lines(self.playback, self._palette)
 
     # --- keys -----------------------------------------------------------------------------------------------
 
@@ -242,7 +248,7 @@ class WatchScreen(Screen[None], inherit_bindings=False):
         if self.is_active and not fits_into(self._needed, event.size):
             self._lay_over(SmallWindowScreen(self._needed), lambda large: self._leave_if(large is False))
 
-    def _lay_over(self, page: Page, then: Callable[[bool | None], None] = lambda _: None) -> None:
+    def _lay_over(self, page: PageScreen, then: Callable[[bool | None], None] = lambda _: None) -> None:
         playback = self.playback
         went_on = playback is not None and not playback.paused
         if playback is not None:

@@ -10,9 +10,10 @@ from textual.widgets import Static
 
 from arl_tui.app.link import Preparing, Ready
 from arl_tui.app.outcome import SessionControls
-from arl_tui.games.pace import pace_warning
+from arl_tui.games.pace import pace_line, pace_warning
 from arl_tui.games.registry import words_of
-from arl_tui.screens.page import Page, keys_of_all, presses_of_all
+from arl_tui.screens.page import PageScreen, keys_of_all, presses_of_all
+from arl_tui.screens.question import about_questions
 from core.numerics.clock import NS_PER_S, Clock, MonotonicClock
 from core.session.protocol import Protocol
 
@@ -21,7 +22,7 @@ AT_SCREEN_S = 10.0
 CALL = "Press [reverse] Enter [/] to start, [reverse] Q [/] to leave"
 
 
-class WelcomeScreen(Page):
+class WelcomeScreen(PageScreen):
     """Explains, and waits for the start key while the worker gets ready.
 
     A game begins only in front of a participant: where getting ready took longer than `AT_SCREEN_S` after the
@@ -78,11 +79,14 @@ class WelcomeScreen(Page):
             yield Static(f"[b]Your session goes on after {self._games_done} of {games}.[/]\n")
         practises = words.practises if session.unseen_between else ""
         yield Static(words.welcome.format(games=games, practises=practises))
-        yield Static(f"\n{keys_of_all(self._protocol)}\n")
+        asking = self._protocol.agent.asking
+        answers = f"\n{about_questions(asking)}" if asking.per_episode else ""
+        yield Static(f"\n{keys_of_all(self._protocol)}{answers}\n")
+        # The page is full in the smallest window: a line for answers takes the room of the last sentence.
+        last = "" if answers else " Nothing you press is wrong: only your opinion counts."
         yield Static(
             f"You have [b]{presses_of_all(self._protocol)}[/], so save them for what matters, and press as "
-            f"soon as "
-            "you have made up your mind. Nothing you press is wrong: only your opinion counts."
+            f"soon as you have made up your mind.{last}"
         )
         if keys.wrong_press_rate > 0:
             yield Static(
@@ -128,7 +132,9 @@ class WelcomeScreen(Page):
         """Write the last lines."""
         if not self.query("#call"):
             return  # Not laid out yet: `on_mount` comes back here.
-        if warning := self._warning():
+        warning = self._warning()
+        self.query_one("#pace").display = bool(warning)  # an empty line would take the room of the last one
+        if warning:
             self.query_one("#pace", Static).update(Text(f"For the experimenter: {warning}", style="dim"))
             self.query_one("#call").add_class("-close")  # the page is full in the smallest window
         self.query_one("#call", Static).update(self._call())
@@ -142,7 +148,10 @@ class WelcomeScreen(Page):
         if self._worker_ready is not None:
             line = f"Ready. {CALL}" if self._asked_ns is not None else CALL
             # The warning takes the room of the second line: nothing moves without one.
-            return line if self._warning() else f"{line}\n"
+            if self._warning():
+                return line
+            pace = "" if self._simulated else pace_line(self._protocol, self._worker_ready)
+            return f"{line}\n[dim]{pace and f'For the experimenter: {pace}'}[/]"
         far = "getting ready"
         if self._progress is not None and self._progress.compiled:
             far = f"getting ready: {self._progress.compiled} of about {self._progress.needed} parts"

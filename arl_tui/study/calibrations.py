@@ -8,7 +8,6 @@ from arl_tui.calibration.fitting import FitOrder, fit_files
 from arl_tui.calibration.plan import (
     PLANNED,
     CalibrationSetup,
-    GameName,
     configure,
     new_parts,
     slug,
@@ -33,12 +32,13 @@ def calibration_configs(loaded: LoadedStudy, step: Calibration) -> tuple[TaskCon
     """Return the tasks of a calibration, at the pace of the study's sessions.
 
     Raises:
-        ValueError: a task is unknown.
+        ValueError: a task is unknown, or the study's game does not have it.
     """
     protocol = next(iter(loaded.protocols.values()))
-    game: GameName = "tetris" if protocol.game == "tetris" else "keepaway"
     names = task_names(",".join(step.tasks))
-    return configure(names, n_trials=step.trials, n_practice=step.practice, game=game, protocol=protocol)
+    return configure(
+        names, n_trials=step.trials, n_practice=step.practice, game=protocol.game, protocol=protocol
+    )
 
 
 def simulated_calibration(

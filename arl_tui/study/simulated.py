@@ -1,12 +1,13 @@
 """Simulated participants of a whole study: they press keys on the real pages, headless, and leave real files.
 
-Sessions are those of `studies.demo`: the same learners, credit and recorder as in a live session, with a
-simulated participant in place of a person, as fast as the machine can. Nobody draws their games.
+Sessions are played on the real screens, picture by picture (`arl_tui.study.drawn_session`), or computed
+(`studies.demo`): the same learners, credit and recording, some fifty times as fast.
 """
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import assert_never
+from pathlib import Path
+from typing import Literal, assert_never
 
 import msgspec
 import numpy as np
@@ -30,10 +31,27 @@ from studies.lab.read import LoadedStudy
 
 KINDS = tuple(persons())
 """Kinds of simulated participants, taken in turn."""
+Drawn = Literal["once", "all", "none"]
+"""Which blocks are played on the real screens: each block of a condition once, all, or none."""
 Settle = Callable[[BlockCall, Block], tuple[Protocol, dict[str, str]]]
 SIZE = (80, 24)
 LATEST_PRESS = 400
 """A page that is not left after so many keys cannot be left at all."""
+
+
+class ToDraw:
+    """Says which sessions of a simulation are drawn."""
+
+    def __init__(self, drawn: Drawn) -> None:
+        self._drawn = drawn
+        self._seen: set[tuple[str, str]] = set()
+
+    def wants(self, call: BlockCall) -> bool:
+        """Return whether a session is to be drawn; with "once", the same step and condition only once."""
+        kind = (call.facts["step"], call.condition or "")
+        new = kind not in self._seen
+        self._seen.add(kind)
+        return self._drawn == "all" or (self._drawn == "once" and new)
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +80,7 @@ class SimulatedPresenter:
         clock: ManualClock,
         software: Mapping[str, str],
         settle: Settle | None = None,
+        to_draw: ToDraw | None = None,
     ) -> None:
         """Prepare.
 
@@ -73,6 +92,7 @@ class SimulatedPresenter:
             software: versions, for headers.
             settle: returns a block's protocol with its credit rule in numbers, and where that comes from; by
                 default the simulated participant's own delay is known without a calibration.
+            to_draw: says which sessions are played on the real screens; none by default.
         """
         self._loaded = loaded
         self._habits = habits
@@ -81,6 +101,7 @@ class SimulatedPresenter:
         self._settle: Settle = settle or (
             lambda call, step: (loaded.simulated_protocol(call.condition, step), {})
         )
+        self._to_draw = to_draw or ToDraw("none")
         self._rng = stream(seed, "answers")
         self.on_gone: Callable[[], None] = do_nothing
 
@@ -172,18 +193,20 @@ class SimulatedPresenter:
         protocol = msgspec.structs.replace(
             protocol, trainer=msgspec.structs.replace(trainer, delay=protocol.trainer.delay)
         )
-        facts = call.facts
-        stem = f"{call.code}-sitting-{int(facts['sitting']) + 1}-step-{int(facts['step']) + 1}"
-        path = new_path(call.folder, stem, wall_time_utc())
-        simulate_session(
-            protocol,
-            call.seed,
-            path,
-            software=dict(self._software),
-            participant=call.code,
-            source=source,
-            study=facts,
-        )
+        if self._to_draw.wants(call):
+            path = self._play_drawn(call, protocol, source)
+        else:
+            stem = f"{call.code}-sitting-{int(call.facts['sitting']) + 1}-step-{int(call.facts['step']) + 1}"
+            path = new_path(call.folder, stem, wall_time_utc())
+            simulate_session(
+                protocol,
+                call.seed,
+                path,
+                software=dict(self._software),
+                participant=call.code,
+                source=source,
+                study=call.facts,
+            )
         summary = summarise(read_recording(path))
         return Played(
             how="finished",
@@ -192,6 +215,22 @@ class SimulatedPresenter:
             presses=summary.accepted,
             unit=words_of(protocol.game).units[1],
         )
+
+    def _play_drawn(self, call: BlockCall, protocol: Protocol, source: Mapping[str, str]) -> Path:
+        """Play a session on the real screens; return its recording."""
+        from arl_tui.study.drawn_session import draw_session  # here: compiled code comes with it
+
+        outcome = draw_session(
+            protocol,
+            call.seed,
+            call.folder,
+            participant=call.code,
+            source=source,
+            study=call.facts,
+            practice=isinstance(call.step, Practice),
+        )
+        assert outcome.recording is not None, "`draw_session` refuses a session without one"
+        return outcome.recording
 
 
 def habits_of(number: int) -> Habits:

@@ -14,8 +14,8 @@ from pathlib import Path
 
 import msgspec
 
-from arl_tui.timing.leash import tie_to_parent
 from arl_tui.timing.plan import ANSWER_KEY, GAP_S, START_UP_S, TIME_OUT_S, Answered, Plan, Seen, marker
+from core.system.processes import leave_with
 
 TIME_OUT_NS = round(TIME_OUT_S * 1e9)
 
@@ -55,7 +55,7 @@ def _key_time(fd: int, until_ns: int) -> int | None:
 def main(plan_path: str, seen_path: str, parent: str) -> None:
     """Run a plan from a file and write what was seen to another."""
     plan = msgspec.json.decode(Path(plan_path).read_bytes(), type=Plan)
-    tie_to_parent(int(parent), START_UP_S + plan.longest_s)
+    leave_with(int(parent), started_by_main_thread=True, longest_s=START_UP_S + plan.longest_s)
     in_fd, out_fd = sys.stdin.fileno(), sys.stdout.fileno()
     tty.setraw(in_fd)
     Path(seen_path).write_bytes(msgspec.json.encode(run(plan, in_fd, out_fd)))

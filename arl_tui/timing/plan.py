@@ -5,9 +5,9 @@ from typing import Literal
 
 import msgspec
 
-Scene = Literal["bare reader", "at rest", "beside a board"]
-SCENES: dict[Scene, str] = {
-    "bare reader": "a program of a few lines without any screen: what this machine adds to everybody's times",
+Condition = Literal["bare reader", "at rest", "beside a board"]
+CONDITIONS: dict[Condition, str] = {
+    "bare reader": "a program of a few lines without any screen: what this machine adds to all times",
     "at rest": "nothing else moves",
     "beside a board": "a Tetris board at 30 fps, its agent learning in a process of its own",
 }
@@ -38,9 +38,9 @@ class PlannedTrial(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Plan(msgspec.Struct, frozen=True, kw_only=True):
-    """A scene and its trials."""
+    """A condition and its trials."""
 
-    scene: Scene
+    condition: Condition
     root_seed: int
     trials: tuple[PlannedTrial, ...]
 
@@ -61,7 +61,7 @@ class Answered(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Seen(msgspec.Struct, frozen=True, kw_only=True):
-    """What the app saw of a whole scene."""
+    """What the app saw of a whole condition."""
 
     answers: tuple[Answered, ...]
     board_frames: int
@@ -75,11 +75,11 @@ def marker(number: int) -> str:
     return f"<<{number:04d}>>"
 
 
-def make_plan(scene: Scene, n_trials: int, *, root_seed: int, longest_ms: int = LONGEST_MS) -> Plan:
+def make_plan(condition: Condition, n_trials: int, *, root_seed: int, longest_ms: int = LONGEST_MS) -> Plan:
     """Draw foreperiods of 300 to 600 ms and delays of 150 to `longest_ms`.
 
     Args:
-        scene: what else is on the screen.
+        condition: what else is on the screen.
         n_trials: 1 to 9999.
         root_seed: the same seed gives the same trials.
         longest_ms: longest delay, at least 150.
@@ -91,11 +91,11 @@ def make_plan(scene: Scene, n_trials: int, *, root_seed: int, longest_ms: int = 
         )
     from core.numerics.streams import stream  # Numpy: a session's header only reads results.
 
-    rng = stream(root_seed, "timing self-test", scene)
+    rng = stream(root_seed, "timing self-test", condition)
     foreperiods = rng.integers(300, 600, n_trials, endpoint=True)
     delays = rng.integers(SHORTEST_MS, longest_ms, n_trials, endpoint=True)
     trials = tuple(
         PlannedTrial(number=i, foreperiod_ms=int(f), delay_ms=int(d))
         for i, (f, d) in enumerate(zip(foreperiods, delays, strict=True))
     )
-    return Plan(scene=scene, root_seed=root_seed, trials=trials)
+    return Plan(condition=condition, root_seed=root_seed, trials=trials)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from arl_tui.timing.plan import SCENES, Plan, Scene, Seen
+from arl_tui.timing.plan import CONDITIONS, Condition, Plan, Seen
 
 if TYPE_CHECKING:
     from arl_tui.timing.robot import RobotTrial
@@ -47,10 +47,10 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
     p99: float
 
 
-class SceneResult(msgspec.Struct, frozen=True, kw_only=True):
-    """One scene."""
+class ConditionResult(msgspec.Struct, frozen=True, kw_only=True, rename={"condition": "scene"}):
+    """One condition."""
 
-    scene: Scene
+    condition: Condition
     n_trials: int
     n_missed: int
     """Trials without an answer or without a flush stamp."""
@@ -66,7 +66,7 @@ class SceneResult(msgspec.Struct, frozen=True, kw_only=True):
     trials: tuple[TimedTrial, ...]
 
 
-class TimingResult(msgspec.Struct, frozen=True, kw_only=True):
+class TimingResult(msgspec.Struct, frozen=True, kw_only=True, rename={"conditions": "scenes"}):
     """The whole self-test: what `arl timing --json` writes."""
 
     format: str = "arl-timing"
@@ -82,8 +82,8 @@ class TimingResult(msgspec.Struct, frozen=True, kw_only=True):
     terminal: dict[str, str] = {}
     """Where the command was run; see `arl_tui.app.facts.terminal`."""
     waking: Summary | None = None
-    """By how much plain sleeps ended late beside the scenes; see `arl_tui.timing.waking`."""
-    scenes: tuple[SceneResult, ...]
+    """By how much plain sleeps ended late beside the conditions; see `arl_tui.timing.waking`."""
+    conditions: tuple[ConditionResult, ...]
 
 
 def summarise(errors_ms: Sequence[float]) -> Summary | None:
@@ -98,8 +98,8 @@ def summarise(errors_ms: Sequence[float]) -> Summary | None:
     return Summary(n=len(values), bias=float(values.mean()), sd=sd, median=median, p95=p95, p99=p99)
 
 
-def compare(plan: Plan, robot: "Sequence[RobotTrial]", seen: Seen) -> SceneResult:
-    """Set both ends of a scene against each other."""
+def compare(plan: Plan, robot: "Sequence[RobotTrial]", seen: Seen) -> ConditionResult:
+    """Set both ends of a condition against each other."""
     answers = {answer.number: answer for answer in seen.answers}
     trials = []
     for done in robot:
@@ -115,8 +115,8 @@ def compare(plan: Plan, robot: "Sequence[RobotTrial]", seen: Seen) -> SceneResul
                 read_late_ms=(done.read_ns - answer.flushed_ns) / NS_PER_MS,
             )
         )
-    return SceneResult(
-        scene=plan.scene,
+    return ConditionResult(
+        condition=plan.condition,
         n_trials=len(plan.trials),
         n_missed=len(plan.trials) - len(trials),
         on_time=summarise([trial.error_ms for trial in trials if not trial.late]),
@@ -144,11 +144,11 @@ def header_facts(result: TimingResult) -> dict[str, str]:
     facts = {"timing_utc": result.created_utc, "timing_load": f"{result.load:.1f} on {result.cores} cores"}
     if result.waking is not None:
         facts["timing_waking"] = _short(result.waking)
-    for scene in result.scenes:
-        name = f"timing_{scene.scene.replace(' ', '_')}"
-        facts[name] = "no usable trial" if scene.on_time is None else _short(scene.on_time)
-        if scene.late is not None:
-            facts[f"{name}_read_late"] = _short(scene.late)
+    for condition in result.conditions:
+        name = f"timing_{condition.condition.replace(' ', '_')}"
+        facts[name] = "no usable trial" if condition.on_time is None else _short(condition.on_time)
+        if condition.late is not None:
+            facts[f"{name}_read_late"] = _short(condition.late)
     return facts
 
 
@@ -160,21 +160,21 @@ def _short(summary: Summary) -> str:
     )
 
 
-def scene_lines(scene: SceneResult) -> list[str]:
-    """Return a scene's rows of the table whose head is `TABLE_HEAD`."""
-    lines = [_row(scene.scene, scene.on_time)]
-    if scene.on_the_way is not None:
-        lines.append(_row("  of it on the way out", scene.on_the_way))
-    if scene.late is not None:
-        lines.append(_row(f"  read late (> {LATE_MS:g} ms)", scene.late))
-    if scene.n_missed:
-        lines.append(f"  {scene.n_missed} of {scene.n_trials} trials without an answer or a stamp")
-    setting = SCENES[scene.scene]
-    lines.append(f"  ({setting}{f'; {scene.board_fps:.1f} fps here' if scene.board_fps else ''})")
+def condition_lines(condition: ConditionResult) -> list[str]:
+    """Return a condition's rows of the table whose head is `TABLE_HEAD`."""
+    lines = [_row(condition.condition, condition.on_time)]
+    if condition.on_the_way is not None:
+        lines.append(_row("  of it on the way out", condition.on_the_way))
+    if condition.late is not None:
+        lines.append(_row(f"  read late (> {LATE_MS:g} ms)", condition.late))
+    if condition.n_missed:
+        lines.append(f"  {condition.n_missed} of {condition.n_trials} trials without an answer or a stamp")
+    setting = CONDITIONS[condition.condition]
+    lines.append(f"  ({setting}{f'; {condition.board_fps:.1f} fps here' if condition.board_fps else ''})")
     return lines
 
 
-TABLE_HEAD = f"{'scene':<24}{'trials':>7}{'bias':>8}{'sd':>8}{'median':>8}{'p95':>8}{'p99':>8}"
+TABLE_HEAD = f"{'condition':<24}{'trials':>7}{'bias':>8}{'sd':>8}{'median':>8}{'p95':>8}{'p99':>8}"
 
 
 def _row(name: str, summary: Summary | None) -> str:

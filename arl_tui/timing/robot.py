@@ -185,7 +185,7 @@ def run_plan(plan: Plan, on_trial: Callable[[], None] = lambda: None) -> tuple[l
 
 
 def _program(plan: Plan) -> str:
-    return "arl_tui.timing.bare" if plan.scene == "bare reader" else "arl_tui.timing.subject"
+    return "arl_tui.timing.bare" if plan.condition == "bare reader" else "arl_tui.timing.subject"
 
 
 def _environment() -> dict[str, str]:

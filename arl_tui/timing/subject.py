@@ -21,7 +21,6 @@ from arl_tui.app.link import Begin, Crashed, FromWorker, Link, Picture, Ready
 from arl_tui.app.once import after
 from arl_tui.app.plain_app import PlainApp
 from arl_tui.palette import STANDARD
-from arl_tui.timing.leash import tie_to_parent
 from arl_tui.timing.plan import (
     ANSWER_KEY,
     GAP_S,
@@ -38,6 +37,7 @@ from core.events import FrameShown
 from core.feedback.keys import nanoseconds
 from core.numerics.clock import MonotonicClock
 from core.session.protocol import Protocol, ScreenConfig, SessionConfig
+from core.system.processes import leave_with
 from core.tetris.picture import Snapshot
 
 FRAME_MS = 33
@@ -239,7 +239,7 @@ def board_protocol() -> Protocol:
 def run(plan: Plan) -> tuple[str, Seen]:
     """Run the app in this terminal; return why it ended early ("" if it did not) and what it saw."""
     link = None
-    if plan.scene == "beside a board":
+    if plan.condition == "beside a board":
         from arl_tui.worker import start_worker
 
         link = start_worker(board_protocol(), plan.root_seed)
@@ -256,7 +256,7 @@ def run(plan: Plan) -> tuple[str, Seen]:
 def main(plan_path: str, seen_path: str, parent: str) -> None:
     """Run a plan from a file and write what was seen to another."""
     plan = msgspec.json.decode(Path(plan_path).read_bytes(), type=Plan)
-    tie_to_parent(int(parent), START_UP_S + plan.longest_s)
+    leave_with(int(parent), started_by_main_thread=True, longest_s=START_UP_S + plan.longest_s)
     trouble, seen = run(plan)
     if trouble:
         raise SystemExit(trouble)

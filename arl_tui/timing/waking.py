@@ -34,6 +34,5 @@ def waking_line(waking: Summary) -> str:
         return told
     return (
         f"{told} More than {QUIET_P95_MS:g} ms in 1 of 20 cases is not a quiet machine: bias, sd and tails "
-        f"above are its, and "
-        "no program on it can have better ones."
+        "above are its, and no program on it can have better ones."
     )

@@ -95,7 +95,7 @@ def _beneath(view: PitchFrame, sheet: Sheet, player: int, length: int) -> tuple[
     return start, row
 
 
-def bar(share: float, width: int = 3) -> str:
-    """Return a bar of `width` characters that is full at a share of 1; at least a trace of it."""
-    full, rest = divmod(round(min(max(share, 0.02), 1.0) * width * 8), 8)
+def bar(fraction: float, width: int = 3) -> str:
+    """Return a bar of `width` characters that is full at a fraction of 1; at least a trace of it."""
+    full, rest = divmod(round(min(max(fraction, 0.02), 1.0) * width * 8), 8)
     return ("█" * full + (_EIGHTHS[rest] if rest else "")).ljust(width)

@@ -3,8 +3,8 @@
 from rich.style import Style
 
 from arl_tui.viewer.boards import BLAMED, CANDIDATE, PRAISED, WHAT_IF, bar
+from arl_tui.viewer.looks import Look
 from arl_tui.viewer.panels import Detail, beside, thought_lines
-from arl_tui.viewer.pictures import Look
 from arl_tui.viewer.reading import Viewing
 from arl_tui.viewer.rows import BOLD, DIM, Run
 from arl_tui.viewer.timeline import clock_text
@@ -34,7 +34,7 @@ def board_marks(
                     text = whole if share >= 0.995 else f"{share * 100:2.0f}"
                     marks[view.rows - 1 - row, column] = (text, style)
     if view.falling is not None and look.before is not None:
-        for cell, mark in viewing.candidates(moment.step, look.before.wall.board).items():
+        for cell, mark in viewing.candidates(moment.step, look.before.columns).items():
             row, column = cell
             if row < view.rows:
                 style = WHAT_IF if mark.endswith("'") else CANDIDATE
@@ -46,10 +46,10 @@ def pitch_marks(viewing: Viewing, moment: Moment, view: PitchFrame) -> dict[int,
     """Return a bar for each option: at the receiver, or for holding the ball at the one who decides."""
     return {
         player: (
-            f"{bar(share)}{text}",
+            f"{bar(height)}{text}",
             CANDIDATE if chosen else Style(color="#c4cfc8", bgcolor="#12291d"),
         )
-        for player, (share, text, chosen) in viewing.bars(moment.step).items()
+        for player, (height, text, chosen) in viewing.bars(moment.step).items()
         if player < len(view.players)
     }
 
@@ -65,12 +65,15 @@ def status_line(viewing: Viewing, transport: Transport, moment: Moment) -> list[
     games = f"  game {moment.game + 1}/{len(session.games)}" if moment.game >= 0 else ""
     tag = viewing.tags.near(moment.time_ns, NEAR_NS)
     note = f"  [{tag.tag}] {printable(tag.note, longest=40)}" if tag is not None else ""
-    return [
+    runs: list[Run] = [
         (f"{state} {at}", BOLD),
-        (f" of {whole}  {speed}", None),
+        (f" of {whole}{'' if viewing.whole is None else ' and more'}  {speed}", None),
         (f"{games}{step}", None),
         (note, BOLD),
     ]
+    if viewing.whole is not None:
+        runs.append((f"  reading the rest: {viewing.whole.share:.0%}", DIM))
+    return runs
 
 
 def decision_lines(viewing: Viewing, moment: Moment, width: int, *, roomy: bool) -> list[list[Run]]:

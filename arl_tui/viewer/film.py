@@ -68,8 +68,7 @@ def export_film(
     if path.suffix.lower() == ".gif" and n > MOST_GIF_FRAMES:
         raise click.ClickException(
             f"{path}: a GIF of {n:,} pictures; the most is {MOST_GIF_FRAMES:,}. Name a shorter stretch "
-            f"(--at, --until), a "
-            "higher --speed, or a .cast, which has no limit"
+            "(--at, --until), a higher --speed, or a .cast, which has no limit"
         )
     times = [session.start_ns + round((begin_s + k * speed / FRAMES_PER_S) * NS_PER_S) for k in range(n)]
     with _opened(path) as film:

@@ -8,7 +8,7 @@ from textual.binding import Binding, BindingType
 from textual.widget import Widget
 from textual.widgets import Static
 
-from arl_tui.screens.page import Page
+from arl_tui.screens.page import PageScreen
 
 ROWS = (
     ("space", "play, pause"), ("+ -", "speed, 1/8 to 64"), (". ,", "next, previous frame"),
@@ -22,7 +22,7 @@ ROWS = (
 )  # fmt: skip
 
 
-class ViewerHelp(Page):
+class ViewerHelp(PageScreen):
     """What every key does."""
 
     HEADING = "Looking at a session"

@@ -61,8 +61,8 @@ def strip_lines(strip: CreditStrip, rule: str, width: int, *, tall: bool = True)
     head: list[Run] = [("Credit ", None), (rule, BOLD), (merged, DIM)]
     n = width - 1
     density = strip.density(n)
-    upper: list[Run] = [(level(float(max(0.0, share * 2 - 1))), TRUST) for share in density]
-    lower: list[Run] = [(level(float(min(1.0, share * 2))), TRUST) for share in density]
+    upper: list[Run] = [(level(float(max(0.0, height * 2 - 1))), TRUST) for height in density]
+    lower: list[Run] = [(level(float(min(1.0, height * 2))), TRUST) for height in density]
     steps: list[tuple[str, Style | None]] = [(" ", None)] * n
     shares: list[tuple[str, Style | None]] = [(" ", None)] * n
     for place, stretch in enumerate(strip.stretches):
@@ -84,7 +84,7 @@ def strip_lines(strip: CreditStrip, rule: str, width: int, *, tall: bool = True)
     if tall and density.any():
         lines += [cells_to_runs(upper), [*cells_to_runs(lower), press]]
     elif density.any():
-        lines.append([*cells_to_runs([(level(float(share)), TRUST) for share in density]), press])
+        lines.append([*cells_to_runs([(level(float(height)), TRUST) for height in density]), press])
     lines += [[*cells_to_runs(steps), press], [*cells_to_runs(shares), (" ", None)]]
     return [*lines, [(_in_words(strip), None)]]
 

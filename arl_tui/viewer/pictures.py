@@ -1,17 +1,25 @@
-"""What was on screen at a moment of a recording, drawn by the stage that drew the session."""
+"""What was on screen at a moment of a recording, drawn by the renderer that drew the session."""
 
-from dataclasses import dataclass, field
+import textwrap
 from typing import Final, Protocol
 
 import msgspec
+from msgspec import UNSET
 
-from arl_tui.games.rendering import Shot
+from arl_tui.games.registry import screens_of
+from arl_tui.games.rendering import TickView
 from arl_tui.games.tetris.renderer import TetrisRenderer
+from arl_tui.viewer.looks import Board, Look, tick_number
+from arl_tui.viewer.rendered import RenderedPictures
 from core.events import StepTaken
 from core.feedback.keys import NS_PER_MS
 from core.keepaway.pitch import KeepawayConfig
-from core.plugins import View
+from core.plugins import GameError, View
+from core.registry import game_of
+from core.session.protocol import Protocol as SessionProtocol
+from core.tetris.action import PlacedPiece
 from core.tetris.config import TetrisConfig
+from core.tetris.game import Board as BitBoard
 from core.tetris.game import FallingPiece, landing_row, settle
 from core.tetris.picture import Counts, Snapshot, Wall, snapshot
 from core.tetris.practice import PIECE_STREAMS
@@ -22,31 +30,11 @@ KEPT_EVERY: Final = 64
 """Of so many boards of a game one is kept, from which the others are found."""
 LOOK_BACK: Final = 24
 """Pieces of an imported log that are followed back to tell which cell belongs to which piece."""
-Ids = tuple[tuple[int, ...], ...]
-"""Rows from the bottom; for each cell the number of the step that placed it, -1 where nobody knows."""
 
 
-@dataclass(frozen=True, slots=True)
-class Look:
-    """A picture, and what the marks on it need."""
-
-    view: View | None
-    """None where nothing was on screen."""
-    words: str = ""
-    """Why there is no picture, or what is unusual about it."""
-    before: "Board | None" = None
-    """Tetris: the board on which the step on screen was decided."""
-    ids: Ids = field(default=())
-    """Tetris: which step placed which settled cell of the picture."""
-
-
-@dataclass(frozen=True, slots=True)
-class Board:
-    """A board of Tetris at rest."""
-
-    wall: Wall
-    ids: Ids
-    counts: Counts
+def board_of(wall: Wall, lines: int, pieces: int) -> Board:
+    """Return a board of which nobody knows which step placed what."""
+    return Board(wall, (), lines, pieces, wall.board)
 
 
 class Pictures(Protocol):
@@ -68,7 +56,16 @@ def pictures_of(session: SessionView) -> Pictures:
         case TetrisConfig() as board:
             return BoardPictures(session, board, protocol.screen.tick_ms * NS_PER_MS)
         case _:
-            return NoPictures("The viewer draws Tetris and Keepaway\nonly; press, credit and weight are here")
+            return _rendered(session, protocol)
+
+
+def _rendered(session: SessionView, protocol: SessionProtocol) -> Pictures:
+    """Return what draws a game that came as a plug-in, or why it cannot be drawn here."""
+    try:
+        domain = game_of(protocol).domain(protocol)
+        return RenderedPictures(session, screens_of(protocol).renderer(protocol), domain)
+    except GameError as error:
+        return NoPictures("\n".join(textwrap.wrap(str(error), 38)))
 
 
 class NoPictures:
@@ -82,36 +79,17 @@ class NoPictures:
         return Look(None, self._reason)
 
 
-def shot_number(session: SessionView, moment: Moment, n_shots: int, tick_ns: int) -> int:
-    """Return which of a step's pictures was on screen.
-
-    A live session records every picture as a frame: where all of them reached the terminal, they are counted.
-    Where some did not, or where only the first is recorded (simulated and imported sessions), time on screen
-    tells.
-    """
-    frame, frames = moment.frame, session.frames
-    n_frames = session.frames_of(moment.step) if moment.step >= 0 else 0
-    if n_frames == n_shots:
-        while frame > 0 and frames["nth"][frame] < 0:
-            frame -= 1
-        return int(frames["nth"][frame])
-    visible_ns = moment.visible_ns
-    if n_frames > 1:
-        visible_ns = session.at(int(frames["time"][moment.frame])).visible_ns + tick_ns // 2
-    return min(max(visible_ns // tick_ns, 0), n_shots - 1)
-
-
 class BoardPictures:
     """Boards of Tetris."""
 
     def __init__(self, session: SessionView, config: TetrisConfig, tick_ns: int) -> None:
         self._session = session
         self._config = config
-        self._stage = TetrisRenderer(config, tick_ns)
+        self._renderer = TetrisRenderer(config, tick_ns)
         self._piece_at = PIECE_STREAMS[config.pieces]
         self._game = -1
         self._kept: dict[int, Board] = {}
-        self._shots: tuple[int, tuple[Shot, ...], Board, Board] | None = None
+        self._ticks: tuple[int, tuple[TickView, ...], Board, Board] | None = None
 
     def at(self, moment: Moment) -> Look:
         """Return what was on screen at a moment."""
@@ -119,11 +97,12 @@ class BoardPictures:
             return Look(self._empty(), "")
         if moment.step < 0:
             board = self._between(moment)
-            return Look(snapshot(board.wall, counts=board.counts), "", None, board.ids)
-        shots, before, after = self._step(moment.step)
-        n = shot_number(self._session, moment, len(shots), self._stage.tick_ns)
-        landed = n == len(shots) - 1
-        return Look(shots[n].view, "", before, after.ids if landed else before.ids)
+            counts = self._counts(moment.game, board)
+            return Look(snapshot(board.wall, counts=counts), "", None, board.ids)
+        ticks, before, after = self._step(moment.step)
+        n = tick_number(self._session, moment, len(ticks), self._renderer.tick_ns)
+        landed = n == len(ticks) - 1
+        return Look(ticks[n].view, "", before, after.ids if landed else before.ids)
 
     def _empty(self) -> Snapshot:
         return snapshot(Wall(self._config.rows, self._config.columns), counts=Counts())
@@ -139,7 +118,7 @@ class BoardPictures:
         first = int(games["first_step"][game])
         last = self._last_of(game)
         if last < first or not 0 <= self._session.steps["shown"][first] <= frame_ns:
-            return Board(Wall(self._config.rows, self._config.columns), (), self._counts_at(game, 0, 0))
+            return board_of(Wall(self._config.rows, self._config.columns), 0, 0)
         return self._step(last)[2]
 
     def _last_of(self, game: int) -> int:
@@ -147,35 +126,35 @@ class BoardPictures:
         after = int(games["first_step"][game + 1]) if game + 1 < len(games) else len(self._session.steps)
         return after - 1
 
-    def _step(self, row: int) -> tuple[tuple[Shot, ...], Board, Board]:
+    def _step(self, row: int) -> tuple[tuple[TickView, ...], Board, Board]:
         """Return the pictures of a step, and the boards before and after it."""
-        if self._shots is None or self._shots[0] != row:
+        if self._ticks is None or self._ticks[0] != row:
             before = self._before(row)
             step = self._session.step_taken(row)
             game = int(self._session.steps["episode"][row])
-            placed = self._placed(step, before.wall)
+            placed, counts = self._placed(step, before.columns), self._counts(game, before)
             if placed is None:
-                shots: tuple[Shot, ...] = (Shot(snapshot(before.wall, counts=before.counts)),)
+                ticks: tuple[TickView, ...] = (TickView(snapshot(before.wall, counts=counts)),)
                 after = before
             else:
-                self._stage.stand_at(before.wall, before.counts, self._seed(game))
-                shots = self._known_pieces(self._stage.act(placed))
+                self._renderer.stand_at(before.wall, counts, self._seed(game))
+                ticks = self._known_pieces(self._renderer.act(placed))
                 after = self._after(before, placed)
-            self._shots = row, shots, before, after
-        return self._shots[1:]
+            self._ticks = row, ticks, before, after
+        return self._ticks[1:]
 
-    def _known_pieces(self, shots: tuple[Shot, ...]) -> tuple[Shot, ...]:
+    def _known_pieces(self, ticks: tuple[TickView, ...]) -> tuple[TickView, ...]:
         """Take the next piece out of the pictures of an imported log, which does not hold it."""
         if not self._session.imported:
-            return shots
-        return tuple(Shot(_without_next(shot.view)) for shot in shots)
+            return ticks
+        return tuple(TickView(_without_next(tick.view)) for tick in ticks)
 
     def _seed(self, game: int) -> int:
         return int(self._session.games["seed"][game])
 
-    def _counts_at(self, game: int, lines: int, pieces: int) -> Counts:
-        following = -1 if self._session.imported else self._piece_at(self._seed(game), pieces)
-        return Counts(lines=lines, pieces=pieces, next_piece=following)
+    def _counts(self, game: int, board: Board) -> Counts:
+        following = -1 if self._session.imported else self._piece_at(self._seed(game), board.pieces)
+        return Counts(lines=board.lines, pieces=board.pieces, next_piece=following)
 
     def _before(self, row: int) -> Board:
         """Return the board on which a step was decided."""
@@ -186,20 +165,17 @@ class BoardPictures:
         known = max((kept for kept in self._kept if kept <= row), default=-1)
         if known < 0:
             known = max(first, row - LOOK_BACK) if self._session.imported else first
-            self._kept[known] = Board(
-                self._seen_wall(known) or Wall(self._config.rows, self._config.columns),
-                (),
-                self._counts_at(game, 0, known - first),
-            )
+            wall = self._seen_wall(known) or Wall(self._config.rows, self._config.columns)
+            self._kept[known] = board_of(wall, 0, known - first)
         board = self._kept[known]
         for step_row, step in enumerate(
             self._session.steps_taken(known, row - 1) if row > known else (), known
         ):
-            placed = self._placed(step, board.wall)
+            placed = self._placed(step, board.columns)
             board = board if placed is None else self._after(board, placed)
             seen = self._seen_wall(step_row + 1)
-            if seen is not None and seen.board != board.wall.board:
-                board = Board(seen, (), board.counts)
+            if seen is not None and seen.board != board.columns:
+                board = board_of(seen, board.lines, board.pieces)
             if (step_row + 1 - first) % KEPT_EVERY == 0 or step_row + 1 == row:
                 self._kept[step_row + 1] = board
         return board
@@ -211,41 +187,43 @@ class BoardPictures:
         observed = self._session.step_taken(row).observed or {}
         return Wall.of_board(tuple(observed["before"]), self._config.rows) if "before" in observed else None
 
-    def _placed(self, step: StepTaken, wall: Wall) -> StepTaken | None:
+    def _placed(self, step: StepTaken, board: BitBoard) -> StepTaken | None:
         """Return a step that says where the piece came to rest; None where an imported log does not tell."""
-        if "orientation" in step.detail:
+        placed = PlacedPiece.of(step)
+        if placed.column is not UNSET:
             return step
         after = tuple((step.observed or {}).get("after", ()))
-        piece = step.detail["piece"]
+        piece = placed.piece
         for orientation in range(len(ORIENTATION_ROWS[piece])):
             for column in range(self._config.columns):
                 if FallingPiece(piece, orientation, 0, column).width + column > self._config.columns:
                     continue
-                rest = FallingPiece(
-                    piece, orientation, landing_row(wall.board, piece, orientation, column), column
-                )
-                if settle(wall.board, rest, self._config.rows).board == after:
-                    return msgspec.structs.replace(
-                        step, detail={"piece": piece, "orientation": orientation, "column": column}
-                    )
+                row = landing_row(board, piece, orientation, column)
+                rest = FallingPiece(piece, orientation, row, column)
+                if settle(board, rest, self._config.rows).board == after:
+                    found = PlacedPiece(piece, orientation, column)
+                    return msgspec.structs.replace(step, detail=found.plain())
         return None
 
     def _after(self, board: Board, step: StepTaken) -> Board:
-        piece, orientation, column = (step.detail[name] for name in ("piece", "orientation", "column"))
-        wall = board.wall
-        rest = FallingPiece(piece, orientation, landing_row(wall.board, piece, orientation, column), column)
+        placed = PlacedPiece.of(step)
+        piece, (orientation, column) = placed.piece, placed.place
+        row = landing_row(board.columns, piece, orientation, column)
+        rest = FallingPiece(piece, orientation, row, column)
         settled = settle(
-            wall.board, rest, self._config.rows, clear_on_overflow=self._config.clear_on_overflow
+            board.columns, rest, self._config.rows, clear_on_overflow=self._config.clear_on_overflow
         )
-        filled = wall.with_piece(rest)
-        ids = [list(level) for level in board.ids]
-        ids += [[-1] * self._config.columns for _ in range(len(filled.levels) - len(ids))]
+        filled = board.wall.with_piece(rest)
+        # Only the rows that the piece reaches change.
+        ids = list(board.ids)
+        ids += [(-1,) * self._config.columns] * (len(filled.levels) - len(ids))
         for row, cell in rest.cells():
-            ids[row][cell] = step.step
-        kept = tuple(tuple(level) for row, level in enumerate(ids) if row not in settled.cleared)
-        game = int(self._session.steps["episode"][self._session.step_row(step.step)])
-        counts = self._counts_at(game, board.counts.lines + len(settled.cleared), board.counts.pieces + 1)
-        return Board(filled.without(settled.cleared), kept, counts)
+            ids[row] = (*ids[row][:cell], step.step, *ids[row][cell + 1 :])
+        cleared = settled.cleared
+        if cleared:
+            ids = [level for row, level in enumerate(ids) if row not in cleared]
+            filled = filled.without(cleared)
+        return Board(filled, tuple(ids), board.lines + len(cleared), board.pieces + 1, settled.board)
 
 
 def _without_next(view: View) -> View:
@@ -258,15 +236,15 @@ class PitchPictures:
 
     def __init__(self, session: SessionView, config: KeepawayConfig, speed: float) -> None:
         from arl_tui.games.keepaway.renderer import (
-            PitchRenderer,  # here, not above: compiled code comes with it
+            KeepawayRenderer,  # here, not above: compiled code comes with it
         )
 
         self._session = session
-        self._stage = PitchRenderer(config, speed)
+        self._renderer = KeepawayRenderer(config, speed)
         self._game = -1
         self._next = -1
-        self._opening: tuple[Shot, ...] = ()
-        self._shots: tuple[Shot, ...] = ()
+        self._opening: tuple[TickView, ...] = ()
+        self._ticks: tuple[TickView, ...] = ()
         self._otherwise = ""
         self.receivers: tuple[int, tuple[int, ...]] = (-1, ())
         """The row of the step drawn last, and to whom its options pass, in their order."""
@@ -274,14 +252,14 @@ class PitchPictures:
     def at(self, moment: Moment) -> Look:
         """Return what was on screen at a moment."""
         if moment.frame < 0 or moment.game < 0:
-            return Look(self._stage.picture)
+            return Look(self._renderer.picture)
         if moment.step < 0:
             return self._between(moment)
         self._play_to(int(self._session.steps["episode"][moment.step]), moment.step)
-        if not self._shots:
-            return Look(self._stage.picture, self._otherwise)
-        n = shot_number(self._session, moment, len(self._shots), self._stage.tick_ns)
-        return Look(self._shots[n].view, self._otherwise)
+        if not self._ticks:
+            return Look(self._renderer.picture, self._otherwise)
+        n = tick_number(self._session, moment, len(self._ticks), self._renderer.tick_ns)
+        return Look(self._ticks[n].view, self._otherwise)
 
     def _between(self, moment: Moment) -> Look:
         games, frame_ns = self._session.games, int(self._session.frames["time"][moment.frame])
@@ -292,15 +270,15 @@ class PitchPictures:
         after = int(games["first_step"][game + 1]) if game + 1 < len(games) else len(self._session.steps)
         if after <= first or not 0 <= self._session.steps["shown"][first] <= frame_ns:
             self._begin(game)
-            n = min(moment.visible_ns // self._stage.tick_ns, len(self._opening) - 1)
-            return Look(self._opening[n].view if self._opening else self._stage.picture)
+            n = min(moment.visible_ns // self._renderer.tick_ns, len(self._opening) - 1)
+            return Look(self._opening[n].view if self._opening else self._renderer.picture)
         self._play_to(game, after - 1)
-        return Look(self._stage.picture, self._otherwise)
+        return Look(self._renderer.picture, self._otherwise)
 
     def _begin(self, game: int) -> None:
-        self._opening = self._stage.begin(self._session.game_started(game))
+        self._opening = self._renderer.begin(self._session.game_started(game))
         self._game, self._next = game, int(self._session.games["first_step"][game])
-        self._shots, self._otherwise = (), ""
+        self._ticks, self._otherwise = (), ""
 
     def _play_to(self, game: int, row: int) -> None:
         """Play to the end of a step."""
@@ -309,9 +287,9 @@ class PitchPictures:
         if row < self._next or self._otherwise:
             return
         for step in self._session.steps_taken(self._next, row):
-            if not self._stage.could_be(step):
+            if not self._renderer.could_be(step):
                 self._otherwise = "This match comes out otherwise now: use the program that recorded it"
                 return
-            self.receivers = row, self._stage.receivers
-            self._shots = self._stage.act(step)
+            self.receivers = row, self._renderer.receivers
+            self._ticks = self._renderer.act(step)
         self._next = row + 1

@@ -107,8 +107,8 @@ def _draw_block(draw: ImageDraw.ImageDraw, code: int, front: RGB, back: RGB) -> 
                 draw.rectangle((x, y, x + width // 2, y + height // 2 - 1), fill=front)
         return
     if 0x2591 <= code <= 0x2593:
-        share = (code - 0x2590) / 4
-        mixed = tuple(round(b + (f - b) * share) for f, b in zip(front, back, strict=True))
+        fraction = (code - 0x2590) / 4
+        mixed = tuple(round(b + (f - b) * fraction) for f, b in zip(front, back, strict=True))
         draw.rectangle((0, 0, width, height), fill=mixed)
         return
     box = {0x2580: (0, 0, width, height // 2 - 1), 0x2588: (0, 0, width, height)}.get(code)

@@ -10,10 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arl_tui.games.registry import words_of
-from arl_tui.viewer.workers import Working
+from arl_tui.viewer.workers import WholeIndex, Working
 from core.feedback.credit import CurrentStep, Delay, PreviousStep, describe
+from core.keepaway.action import ChosenOption
 from core.keepaway.pitch import KeepawayConfig
 from core.session.protocol import Protocol
+from core.tetris.action import PlacedPiece
 from core.tetris.config import TetrisConfig
 from core.tetris.game import Board, FallingPiece, landing_row
 from studies.session_view.credit_strip import PAPER, UNIFORM, CreditStrip, strip_of
@@ -74,6 +76,7 @@ class Viewing:
         own: Working,
         begin_what_if: Callable[[Protocol], Working],
         what_if: tuple[str, Protocol] | None = None,
+        whole: WholeIndex | None = None,
     ) -> None:
         """Prepare.
 
@@ -85,6 +88,7 @@ class Viewing:
             own: decisions of the session's agent.
             begin_what_if: begins to work out what another protocol's agent thinks.
             what_if: name and protocol that the command asked for; begun at once.
+            whole: the index that is being built, where `session` is the first part of a long recording.
         """
         self.path = path
         self.session = session
@@ -92,6 +96,7 @@ class Viewing:
         self.rules = tuple(rules)
         self.other: Working | None = None
         self.other_name = ""
+        self.whole = whole
         self._rule = 0
         self._own = own
         self._begin = begin_what_if
@@ -112,6 +117,16 @@ class Viewing:
         """Changes whenever something that is drawn has changed, apart from the time."""
         other = None if self.other is None else (self.other.words, len(self.other.thoughts))
         return self.warm, self._rule, self._own.words, other, len(self.tags.all), self.other_name
+
+    def look_again(self) -> None:
+        """Forget what was worked out of the first part of a recording: the whole one is there."""
+        self._strip.cache_clear()
+        self._candidates.cache_clear()
+        self._board = -1, ()
+        self._differences = 0, NO_TIMES
+        protocol = self.session.protocol
+        if protocol is not None and not self.rules[0].recorded:
+            self.rules = (rules_of(self.session)[0], *self.rules[1:])
 
     @property
     def unit(self) -> str:
@@ -147,11 +162,11 @@ class Viewing:
         row = self.session.press_near(time_ns)
         if row < 0:
             return None, None
-        press = self.session.press(row)
+        press = self.session.press_at(row)
         return self._strip(row, self._rule), press
 
     def _strip_of(self, row: int, rule: int) -> CreditStrip | None:
-        press, chosen = self.session.press(row), self.rules[rule]
+        press, chosen = self.session.press_at(row), self.rules[rule]
         if press.kind not in ("good", "bad", "neither", "taken back"):
             return None
         return strip_of(self.session, press, chosen.delay, recorded=chosen.recorded)
@@ -284,7 +299,7 @@ class Viewing:
         return marks
 
     def _piece(self, step: int) -> int:
-        return self.session.step_taken(step).detail["piece"]
+        return PlacedPiece.of(self.session.step_taken(step)).piece
 
     def _candidates_of(self, step: int, board: Board) -> tuple[tuple[int, int], ...]:
         from core.tetris.afterstate import Tetris, TetrisState  # here, not above: compiled code comes with it
@@ -305,8 +320,8 @@ class Viewing:
         """Return f(R, H) of each option at a step of Keepaway.
 
         Returns:
-            For each keeper a share of the best, a figure, and whether it was chosen. The bar of holding the
-            ball is the deciding keeper's own.
+            For each keeper a fraction of the best, a figure, and whether it was chosen. The bar of holding
+            the ball is the deciding keeper's own.
         """
         thought = self.own_thought(step) if step >= 0 else None
         if thought is None:
@@ -329,7 +344,7 @@ class Viewing:
         row, mates = self.drawn_receivers()
         if row != step:
             return {}
-        keeper = self.session.step_taken(step).detail["keeper"]
+        keeper = ChosenOption.of(self.session.step_taken(step)).keeper
         return {HOLD: keeper, **dict(enumerate(mates, HOLD + 1))}
 
     # --- tags -----------------------------------------------------------------------------------------------
@@ -355,7 +370,7 @@ class Viewing:
             "step": int(steps["number"][moment.step]) if moment.step >= 0 else "",
             "frame": int(frames["number"][moment.frame]) if moment.frame >= 0 else "",
             "last_press": int(self.session.presses["number"][row]) if row >= 0 else "",
-            "last_press_was": self.session.press(row).words if row >= 0 else "",
+            "last_press_was": self.session.press_at(row).words if row >= 0 else "",
             "weight": float(games["weight"][moment.game]) if moment.game >= 0 else "",
         }
 

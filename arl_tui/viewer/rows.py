@@ -27,11 +27,11 @@ SHADES = (Style(bgcolor="#2b3242"), Style(bgcolor="#1a1d25"))
 LEVELS = " ▁▂▃▄▅▆▇█"
 
 
-def level(share: float) -> str:
-    """Return a block as high as `share`, in [0, 1]; the lowest one for anything above 0."""
-    if not share > 0:
+def level(fraction: float) -> str:
+    """Return a block as high as `fraction`, in [0, 1]; the lowest one for anything above 0."""
+    if not fraction > 0:
         return LEVELS[0]
-    return LEVELS[min(max(round(share * 8), 1), 8)]
+    return LEVELS[min(max(round(fraction * 8), 1), 8)]
 
 
 class Rows(Widget, inherit_bindings=False, can_focus=False):

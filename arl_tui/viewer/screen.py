@@ -14,18 +14,17 @@ from textual.widgets import Input
 
 from arl_tui.palette import palette_for
 from arl_tui.viewer.boards import MarkedBoard, MarkedPitch
-from arl_tui.viewer.drawing import NEAR_NS, board_marks, decision_lines, pitch_marks, status_line
+from arl_tui.viewer.drawing import NEAR_NS, decision_lines, status_line
+from arl_tui.viewer.game_view import GameView
 from arl_tui.viewer.help import ViewerHelp
+from arl_tui.viewer.looks import Look
 from arl_tui.viewer.panels import key_line, press_line, strip_lines
-from arl_tui.viewer.pictures import Look, Pictures, PitchPictures
+from arl_tui.viewer.pictures import Pictures, PitchPictures, pictures_of
 from arl_tui.viewer.reading import Viewing
 from arl_tui.viewer.rows import BOLD, DIM, Rows, Run
 from arl_tui.viewer.timeline import Facts, Timeline, clock_text
-from core.keepaway.picture import PitchFrame
-from core.keepaway.pitch import KeepawayConfig
 from core.numerics.clock import Clock, MonotonicClock
-from core.tetris.config import TetrisConfig
-from core.tetris.picture import Snapshot
+from studies.session_view.index import open_index
 from studies.session_view.session import Kind, Moment
 from studies.session_view.tags import Tag
 from studies.session_view.transport import Transport
@@ -37,8 +36,6 @@ KEYS = (
     ("space", "play"), ("← →", "step"), ("[ ]", "press"), ("↑ ↓", "game"), ("+ -", "speed"), ("c", "rule"),
     ("w", "what-if"), ("n", "differs"), ("1-9", "tag"), ("h", "all keys"), ("q", "quit"),
 )  # fmt: skip
-PIECES = "IOTZSJL"
-"""Letters of the pieces by id."""
 Asking = Literal["press", "note", ""]
 
 
@@ -109,9 +106,9 @@ class ViewerScreen(Screen[str], inherit_bindings=False):
         self.marks = True
         """Credited pieces, candidates and bars are drawn on the game."""
         self.frames_drawn = 0
-        self._pictures = pictures
-        if isinstance(pictures, PitchPictures):
-            viewing.drawn_receivers = lambda: pictures.receivers
+        self.broken: Exception | None = None
+        """Why the rest of a long recording cannot be read."""
+        self._pictures = self._drawn_by(pictures)
         self._colours = colours
         self._asking: Asking = ""
         self._said = ""
@@ -125,18 +122,11 @@ class ViewerScreen(Screen[str], inherit_bindings=False):
         """Lay out the game on the left, everything else beside and below it."""
         colours = self._colours or self.app.console.color_system
         palette = palette_for("standard", colours, no_color=self.app.no_color and self._colours is None)
-        domain = None if self.session.protocol is None else self.session.protocol.domain
+        self._game = GameView(self.viewing, palette)
+        self._board, self._pitch = self._game.board, self._game.pitch
         unit, facts = self.viewing.unit, Facts(self.session)
         with Horizontal(id="upper"):
-            if not isinstance(domain, KeepawayConfig):
-                size = (domain.rows, domain.columns) if isinstance(domain, TetrisConfig) else (20, 10)
-                self._board = MarkedBoard(*size, palette=palette, id="game")
-                yield self._board
-            else:
-                self._pitch = MarkedPitch(
-                    domain.length_m, domain.width_m, beside=40, palette=palette, id="game"
-                )
-                yield self._pitch
+            yield self._game.widget
             with Vertical(id="right"):
                 yield Rows(id="status")
                 yield Timeline(self.session, facts, unit, tall=False, id="timeline-right")
@@ -171,6 +161,8 @@ class ViewerScreen(Screen[str], inherit_bindings=False):
         """Draw what is due; nothing where nothing has changed."""
         if not self.is_current:
             return
+        if self.viewing.whole is not None and self.viewing.whole.done:
+            self._look_at_all()
         time_ns = self.transport.tick()
         key = (
             time_ns,
@@ -180,6 +172,7 @@ class ViewerScreen(Screen[str], inherit_bindings=False):
             self.marks,
             self._said,
             self.timeline.stretch,
+            None if self.viewing.whole is None else round(self.viewing.whole.share, 2),
         )
         if key == self._drawn:
             return
@@ -187,37 +180,34 @@ class ViewerScreen(Screen[str], inherit_bindings=False):
         self.frames_drawn += 1
         moment = self.session.at(time_ns)
         look = self._pictures.at(moment)
-        self._draw_game(moment, look)
+        self._game.draw(moment, look, marks=self.marks)
         self._draw_text(moment, look)
         timeline = self.timeline
         timeline.differences = self.viewing.differences
         timeline.tags = self.viewing.tags.all
         timeline.draw(time_ns)
 
-    def _draw_game(self, moment: Moment, look: Look) -> None:
-        game: MarkedBoard | MarkedPitch | None = self._board or self._pitch
-        assert game is not None, "there is a widget for every game"
-        cover = f"Covered: {moment.covered}" if moment.covered else look.words if look.view is None else ""
-        if cover:
-            game.cover(cover)
-        elif game.covered:
-            game.uncover()
-        number = int(self.session.games["number"][moment.game]) if moment.game >= 0 else -1
-        title = f"Game {moment.game + 1}" if number >= 0 else ""
-        if self._board is not None:
-            self._board.border_title = title
-            if isinstance(look.view, Snapshot):
-                counts = look.view.counts
-                following = f", next {PIECES[counts.next_piece]}" if counts.next_piece >= 0 else ""
-                lines = "1 line" if counts.lines == 1 else f"{counts.lines} lines"
-                self._board.border_subtitle = f"{lines}{following}"
-            if isinstance(look.view, Snapshot):
-                self._board.show(look.view)
-                self._board.overlay(board_marks(self.viewing, moment, look, look.view) if self.marks else {})
-        elif self._pitch is not None and isinstance(look.view, PitchFrame):
-            self._pitch.title = title
-            self._pitch.show(look.view)
-            self._pitch.overlay(pitch_marks(self.viewing, moment, look.view) if self.marks else {})
+    def _look_at_all(self) -> None:
+        """Go on with the whole recording, whose index is there now; leave where it is damaged."""
+        whole, self.viewing.whole = self.viewing.whole, None
+        assert whole is not None, "looked at before"
+        try:
+            whole.check()
+            self.session.look_at(open_index(self.viewing.path))
+        except Exception as error:  # noqa: BLE001 - whatever it is, the viewer ends, and the command names it
+            self.broken = error
+            self.dismiss("")
+            return
+        self.viewing.look_again()
+        self._pictures = self._drawn_by(pictures_of(self.session))
+        facts = Facts(self.session)
+        for timeline in self.query(Timeline):
+            timeline.renew(facts)
+
+    def _drawn_by(self, pictures: Pictures) -> Pictures:
+        if isinstance(pictures, PitchPictures):
+            self.viewing.drawn_receivers = lambda: pictures.receivers
+        return pictures
 
     def _draw_text(self, moment: Moment, look: Look) -> None:
         self.query_one("#status", Rows).show([status_line(self.viewing, self.transport, moment)])
@@ -368,7 +358,7 @@ class ViewerScreen(Screen[str], inherit_bindings=False):
         self.set_focus(None)
         if what == "press":
             number = int(event.value) if event.value.strip().isdecimal() else 0
-            if not self.transport.press(number):
+            if not self.transport.go_to_press(number):
                 self.say(f"There are presses 1 to {len(self.session.times('press'))}")
         elif event.value.strip():
             self._keep_note(event.value.strip())

@@ -139,12 +139,21 @@ class Timeline(Rows):
         self._session = session
         self._facts = facts
         self._unit = unit
-        self.stretch = Stretch(session.start_ns, session.end_ns)
+        self.stretch = self._whole = Stretch(session.start_ns, session.end_ns)
         """What is shown; see `zoom`."""
         self.differences: Times = np.zeros(0, dtype=np.int64)
         self.tags: list[Tag] = []
         self._drawn: tuple[object, ...] = ()
         self._base: list[list[Cell]] = []
+
+    def renew(self, facts: Facts) -> None:
+        """Draw other facts: more of the session is known. Where all of it was shown, all of it is."""
+        whole = self.stretch == self._whole
+        self._facts = facts
+        self._whole = Stretch(self._session.start_ns, self._session.end_ns)
+        if whole:
+            self.stretch = self._whole
+        self._drawn = ()
 
     def get_content_height(self, *_: object) -> int:
         """Return the number of lines: a tall one has a line for each of several people."""

@@ -38,6 +38,32 @@ class Working:
         return self._future.result() if error is None else f"no values: {printable(str(error))}"
 
 
+class WholeIndex:
+    """The index of a long recording while another process builds it."""
+
+    def __init__(self, told: Path, future: "Future[None]") -> None:
+        """Follow a future that writes into `told` which share has been read."""
+        self._told = told
+        self._future = future
+
+    @property
+    def share(self) -> float:
+        """Which share of the recording has been read, in [0, 1]."""
+        try:
+            return float(self._told.read_text() or 0)
+        except (OSError, ValueError):
+            return 0.0
+
+    @property
+    def done(self) -> bool:
+        """Whether the index is there, or cannot be built."""
+        return self._future.done()
+
+    def check(self) -> None:
+        """Raise what has kept the index from being built, if anything has."""
+        self._future.result()
+
+
 class Workers:
     """A process that works out decisions, and the folder in which it writes them; both go with the viewer."""
 
@@ -70,13 +96,30 @@ class Workers:
         """Begin with an agent that learns from the recording under another protocol."""
         return self._submit(_what_if, protocol)
 
+    def index(self) -> WholeIndex:
+        """Begin to build the recording's index."""
+        told = self._folder / "read"
+        return WholeIndex(told, self._processes().submit(_index, self._recording, told))
+
     def _submit(self, function: object, *arguments: object) -> Working:
-        if self._pool is None:
-            self._pool = self._stack.enter_context(processes(1))
         self._n += 1
         out = self._folder / f"{self._n}.thoughts"
         assert callable(function)
-        return Working(Thoughts(out), self._pool.submit(function, self._recording, out, *arguments))
+        return Working(Thoughts(out), self._processes().submit(function, self._recording, out, *arguments))
+
+    def _processes(self) -> ProcessPoolExecutor:
+        if self._pool is None:
+            self._pool = self._stack.enter_context(processes(1))
+        return self._pool
+
+
+def _index(recording: Path, told: Path) -> None:
+    from studies.session_view.index import open_index
+
+    def tell(share: float) -> None:
+        told.write_text(f"{share:.3f}")
+
+    open_index(recording, on_progress=tell)
 
 
 def _own(recording: Path, out: Path) -> str:

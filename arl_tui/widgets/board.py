@@ -1,7 +1,7 @@
 """The board of Tetris."""
 
 from asyncio import TimerHandle
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import ClassVar
 
 from rich.segment import Segment
@@ -24,7 +24,7 @@ class TetrisBoard(BlockWidget, CoverableWidget):
     Two cells per block: a board of 20 x 10 takes 22 lines and 22 columns with its border.
     """
 
-    COMPONENT_CLASSES: ClassVar[set[str]] = {"board--cover"}
+    COMPONENT_CLASSES: ClassVar[set[str]] = {"board--cover", "board--option"}
     DEFAULT_CSS: ClassVar[str] = """
     TetrisBoard {
         width: auto;
@@ -33,6 +33,7 @@ class TetrisBoard(BlockWidget, CoverableWidget):
         border-title-color: $foreground 75%;
         border-title-align: center;
     }
+    TetrisBoard > .board--option { background: $foreground; color: $background; text-style: bold; }
     TetrisBoard > .board--cover { background: $surface; color: $foreground; text-style: bold; }
     """
 
@@ -59,6 +60,8 @@ class TetrisBoard(BlockWidget, CoverableWidget):
         self._mark: tuple[frozenset[int] | None, int] | None = None
         """What is marked (places in the codes; None for the falling piece), and with which code."""
         self._mark_timer: TimerHandle | None = None
+        self._options: dict[int, str] = {}
+        """What is written on a place (in the codes) for the options of a question: two characters."""
         self._due = False
         """Whether a picture is to be drawn, other than for a mark."""
         self._silent = False
@@ -137,6 +140,34 @@ class TetrisBoard(BlockWidget, CoverableWidget):
         self._forget_mark()
         self._remark(None)
 
+    def pose(self, options: Sequence[tuple[Iterable[tuple[int, int]], str]]) -> None:
+        """Draw the options of a question over the picture; none takes them away.
+
+        Args:
+            options: (row from the bottom, column) of the piece at rest, and the option's key, one character.
+                Where two options share a block both keys stand on it.
+        """
+        keys: dict[int, str] = {}
+        for blocks, key in options:
+            for row, column in blocks:
+                if row < self.rows:
+                    place = (self.rows - 1 - row) * self.columns + column
+                    keys[place] = keys.get(place, "") + key
+        self._options = {place: (held * CELLS_PER_BLOCK)[:CELLS_PER_BLOCK] for place, held in keys.items()}
+        self._silent = not self._due
+        self.refresh()
+
+    def _with_options(self, y: int, strip: Strip) -> Strip:
+        """Return a line of the board with the options on it."""
+        style = self.get_component_rich_style("board--option")
+        pieces: list[Strip] = []
+        for column in range(self.columns):
+            start = column * CELLS_PER_BLOCK
+            text = self._options.get(y * self.columns + column)
+            cell = strip.crop(start, start + CELLS_PER_BLOCK)
+            pieces.append(cell if text is None else Strip([Segment(text, style)], CELLS_PER_BLOCK))
+        return Strip.join(pieces)
+
     def _forget_mark(self) -> None:
         self._mark = None
         if self._mark_timer is not None:
@@ -182,7 +213,8 @@ class TetrisBoard(BlockWidget, CoverableWidget):
             return self._cover_line(words)
         if not self._silent:
             self.drawn_frame = self.frame
-        return self.strip(self._codes[y * self.columns : (y + 1) * self.columns])
+        strip = self.strip(self._codes[y * self.columns : (y + 1) * self.columns])
+        return self._with_options(y, strip) if self._options else strip
 
     def _cover_line(self, words: str) -> Strip:
         width = self.columns * CELLS_PER_BLOCK

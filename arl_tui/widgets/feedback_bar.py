@@ -114,7 +114,7 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
         """Return the height, which never changes."""
         return self.LINES_HIGH
 
-    def begin_episode(self, presses_left: int) -> None:
+    def begin_game(self, presses_left: int) -> None:
         """Clear the bar and show a new budget."""
         self.presses_left = presses_left
         self._say("", "idle", "")

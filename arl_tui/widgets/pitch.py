@@ -86,6 +86,7 @@ class PitchWidget(CoverableWidget):
         self._caption = caption
         self._mark: Mark | None = None
         self._mark_timer: TimerHandle | None = None
+        self._options: tuple[tuple[int, str], ...] = ()
         self._title: str | None = None
         self._view: PitchFrame | None = None
         self._shape: Shape | None = None
@@ -166,6 +167,15 @@ class PitchWidget(CoverableWidget):
             self._mark = None
             self._redraw()
 
+    def pose(self, options: tuple[tuple[int, str], ...]) -> None:
+        """Write the keys of a question's options beside players; none takes them away.
+
+        Args:
+            options: player, and the key of the option.
+        """
+        self._options = options
+        self._redraw()
+
     # --- drawing --------------------------------------------------------------------------------------------
 
     def get_content_width(self, container: Size, viewport: Size) -> int:
@@ -198,6 +208,7 @@ class PitchWidget(CoverableWidget):
             self._title,
             caption=self._caption,
             mark=self._mark,
+            options=self._options,
         )
         if self.hidden_whole or before == self._rows:
             return False

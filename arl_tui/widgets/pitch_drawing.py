@@ -45,6 +45,7 @@ def draw(
     *,
     caption: bool = True,
     mark: Mark | None = None,
+    options: tuple[tuple[int, str], ...] = (),
 ) -> tuple[Row, ...]:
     """Return the rows of a picture.
 
@@ -56,9 +57,11 @@ def draw(
         title: written into it at the top left; the number of the episode by default.
         caption: whether what is going on stands in it at the bottom left, lit up where it is an end.
         mark: players to be marked.
+        options: players, and the keys of a question's options that are written beside them.
     """
     sheet = Sheet(frame, shape, detail, mark)
     sheet.write_names()
+    sheet.write_keys(options)
     sheet.dot_centre()
     sheet.dot_pass()
     sheet.dot_trail()

@@ -126,6 +126,16 @@ class Sheet:
                 if 0 < column < self.shape.columns - 1:
                     cells.setdefault(column, (sign, WORDS, paper))
 
+    def write_keys(self, options: tuple[tuple[int, str], ...]) -> None:
+        """Write the key of an option beside the name of a player, lit up like the one who has the ball."""
+        for player, key in options:
+            start, row, length = self.names[player]
+            label = f"[{key}]"
+            place, line = self._free_place(start + length, row, len(label))
+            cells = self.texts.setdefault(line, {})
+            for k, letter in enumerate(label):
+                cells[place + k] = (letter, HOLDER_NAME, WORDS)
+
     def _free_place(self, column: int, line: int, length: int) -> tuple[int, int]:
         for down, right in _nearest_first():
             row, start = line + down, column + right

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from core.combination.asking import Asker, Question, samples_of
+from core.combination.asking import Asker, Question
 from core.combination.config import (
     ENVIRONMENT_WEIGHTS,
     AgentConfig,
@@ -22,7 +22,14 @@ from core.combination.listeners import Listeners, ListenersTrust
 from core.combination.preference import best_action, choose, takes_control, worst_action
 from core.combination.ranking import EpisodeReport
 from core.combination.schedule import EpisodesSoFar, NextEpisode, next_episode
-from core.combination.sides import Decision, EpisodeEnd, EpisodePolicy, EpisodeStart, HumanPreference, Outcome
+from core.combination.sides import (
+    Decision,
+    EpisodeEnd,
+    EpisodeOutcome,
+    EpisodePolicy,
+    EpisodeStart,
+    HumanPreference,
+)
 from core.combination.window import DecisionWindow, Values
 from core.domain import Choices, Features
 from core.events import CreditGiven
@@ -33,7 +40,7 @@ from core.numerics.fixed_point import exact_weights
 from core.numerics.streams import stream, stream_seed
 from core.numerics.tile_coding import Tiling, tile_values
 
-__all__ = ["ArlAgent", "Decision", "EpisodePolicy", "Outcome", "exact_values"]
+__all__ = ["ArlAgent", "Decision", "EpisodeOutcome", "EpisodePolicy", "exact_values"]
 
 
 def exact_values(rows: Features, weights: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -44,7 +51,7 @@ def exact_values(rows: Features, weights: NDArray[np.float64]) -> NDArray[np.flo
 
 
 class ArlAgent:
-    """Chooses actions by environment and human (Fig. 1), and learns from both.
+    """Chooses actions by environment and participant (Fig. 1), and learns from both.
 
     The agent "initially assumes the absence of human feedback" (section 3.1): until the human model knows
     something, the environment policy is played alone, w_h is 0 and nothing is compared. (`HumanOnly` alone
@@ -99,7 +106,6 @@ class ArlAgent:
             learner, environment_values, config.scheme
         )
         self._asker = Asker(config.asking)
-        self._answers = 0
         self._root_seed = root_seed
         self._human_values = human_values
         self._policy_values = environment_values
@@ -111,10 +117,10 @@ class ArlAgent:
 
     @property
     def trust(self) -> float:
-        """What the rule of trust says of the human (Eq. 4, 5); 0 while the human model knows nothing.
+        """What the rule of trust says of the participant (Eq. 4, 5); 0 while the human model knows nothing.
 
         Of several participants the mean; each one's is in `trust_of_sources`. Which weight an episode is
-        played with is up to the scheme: `EpisodePolicy.weights`.
+        played with is up to the scheme: `EpisodePolicy.episode_weights`.
         """
         return sum(self.trust_of_sources) / len(self.trust_of_sources)
 
@@ -145,14 +151,14 @@ class ArlAgent:
         `begin_episode`.
         """
         episode = self.next_episode.number
-        self._asker.begin_episode()
+        self._asker.reset()
         handover_seed = stream_seed(self._root_seed, "share", episode) >> 1
 
         def draw() -> tuple[int, NDArray[np.float64]]:
             drawn = self.bootstrap.draw(rng=stream(self._root_seed, "policy", episode))
             return drawn.policy_id, drawn.theta
 
-        started = self._environment.begin_episode(
+        started = self._environment.start_policy(
             EpisodeStart(
                 episode=episode,
                 draw=None if exploring or not self.bootstrap.ranked else draw,
@@ -166,7 +172,7 @@ class ArlAgent:
             theta=started.theta,
             human_weights=self.human.weights,
             trust=self.trust,
-            weights=weights,
+            episode_weights=weights,
             handover_seed=handover_seed,
             exploring=started.proposed,
             chance_seed=stream_seed(self._root_seed, "softmax", episode) >> 1,
@@ -194,11 +200,11 @@ class ArlAgent:
             of_participants = self.human.preferred_by_each(
                 choices, self._human_values, (human_action, human_worst_action)
             )
-            handed_over = takes_control(policy.handover_seed, step, policy.weights.handover)
+            handed_over = takes_control(policy.handover_seed, step, policy.episode_weights.handover)
         preferred = human_action if handed_over else self._prefer(env_values, human_values, choices, policy)
-        human = HumanPreference(human_values, policy.weights, policy.chance_seed, step, handed_over)
+        human = HumanPreference(human_values, policy.episode_weights, policy.chance_seed, step, handed_over)
         action = self._environment.act(env_values, choices, preferred, human)
-        self._decided = (policy.weights, human_values)
+        self._decided = (policy.episode_weights, human_values)
         self.last_values = (env_values, human_values)
         return Decision(action, environment_action, human_action, human_worst_action, of_participants)
 
@@ -223,7 +229,7 @@ class ArlAgent:
             watched_step=watched_step,
         )
 
-    def learn_from_domain(self, policy: EpisodePolicy, played: Outcome) -> None:
+    def learn_from_domain(self, policy: EpisodePolicy, played: EpisodeOutcome) -> None:
         """Take in how an episode went: the learner learns of its proposal, policies are ranked, w_h is
         revised.
 
@@ -267,18 +273,23 @@ class ArlAgent:
         """Learn from a participant's press, value > 0 good, < 0 bad; return how it was shared out."""
         given = self.human.learn_from_press(press, time_ns, value, participant)
         if self._taught_by_presses is not None:
-            self._taught_by_presses.press(given, value)
+            self._taught_by_presses.learn_from_credit(given, value)
         return given
 
     def question(self, choices: Choices) -> Question | None:
         """Return a choice to pose at this decision of a watched episode; None where there is nothing worth
         asking.
 
-        The committee are the top policies; a learner that changes at every step has none
-        (`docs/decisions/asking.md`).
+        The committee are the top policies. A learner that changes at every step has none, and asks by its
+        values of now (`docs/decisions/asking.md`).
         """
+        if self.config.asking.per_episode == 0:
+            return None
+        if self._environment.kind == "stepwise":
+            values = self._environment.values(choices, np.empty(0))
+            return self._asker.question_by_values(choices, values)
         committee = [policy.theta for policy in self.bootstrap.ranked if len(policy.theta)]
-        if self.config.asking.per_episode == 0 or len(committee) < 2:
+        if len(committee) < 2:
             return None
         actions = [
             best_action(
@@ -290,8 +301,7 @@ class ArlAgent:
 
     def learn_from_answer(self, question: Question, chosen: int, participant: int = 0) -> None:
         """Learn which of a question's options a participant has chosen."""
-        self.human.learn_from_answer(samples_of(question, chosen, number=self._answers), participant)
-        self._answers += 1
+        self.human.learn_from_answer(question, chosen, participant)
 
     def retract(self, press: int) -> None:
         """Forget a press as if it had never been made."""
@@ -317,7 +327,7 @@ class ArlAgent:
             theta=best.theta if best else self._environment.no_policy(),
             human_weights=self.human.weights,
             trust=self.trust,
-            weights=weights,
+            episode_weights=weights,
             handover_seed=stream_seed(self._root_seed, "share", episode) >> 1,
             exploring=False,
         )
@@ -357,8 +367,8 @@ class ArlAgent:
         choices: Choices,
         policy: EpisodePolicy,
     ) -> int:
-        """Return what both sides together prefer; -1 where the human has no say."""
-        weights = policy.weights
+        """Return what both sides together prefer; -1 where the participant has no say."""
+        weights = policy.episode_weights
         if weights.w_h == 0.0:
             return -1
         return choose(

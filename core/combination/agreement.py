@@ -35,7 +35,9 @@ class Agreement:
 
     @property
     def signed(self) -> float:
-        """Fraction of the human's best minus fraction of the human's worst actions, in [-1, 1]."""
+        """Fraction of the participant's best minus fraction of the participant's worst actions, in [-1,
+        1].
+        """
         return (self.agreed - self.agreed_worst) / self.decisions
 
 

@@ -39,7 +39,9 @@ class BootstrapLearning:
 
     @property
     def w_h(self) -> float:
-        """Weight of the human: 0 (if not fixed) until the human policy has been compared with some policy."""
+        """Weight of the participant: 0 (if not fixed) until the human policy has been compared with some
+        policy.
+        """
         return self._trust.w_h
 
     @property
@@ -62,7 +64,7 @@ class BootstrapLearning:
         return self._trust.matches(self._evidence(human_weights))
 
     def pulls(self, human_weights: NDArray[np.float64] | None) -> list[float]:
-        """Return w_h m_i of each ranked policy; 0 where the symmetric update is off or the human is not
+        """Return w_h m_i of each ranked policy; 0 where the symmetric update is off or the participant is not
         trusted.
         """
         if not self.config.symmetric or not self.w_h:

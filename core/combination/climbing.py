@@ -11,7 +11,8 @@ from typing import ClassVar
 import numpy as np
 
 from core.combination.config import Coach
-from core.combination.preference import best_action, fill_logits
+from core.combination.policy_search import PolicySearch
+from core.combination.preference import fill_logits
 from core.combination.sides import EpisodeEnd, EpisodeStart, HumanPreference, StartedPolicy
 from core.combination.window import Values
 from core.domain import Choices
@@ -26,7 +27,7 @@ KEPT_TRACES = 256
 """Watched steps whose traces are kept: a press is never credited to one so long ago."""
 
 
-class Climbing:
+class Climbing(PolicySearch):
     """A learner whose proposal is a softmax policy that learns while it is played; good ones can be played
     again.
     """
@@ -34,35 +35,33 @@ class Climbing:
     kind: ClassVar[LearnerKind] = "climbing"
 
     def __init__(self, learner: Actor, values: Values) -> None:
-        self._learner = learner
-        self._values = values
+        super().__init__(learner, values)
+        self._actor = learner
         self._climbs = False
         # Of the decision at hand: (gains, probabilities, reference), None where the policy did not decide.
         self._softmax: tuple[Floats, Floats, int] | None = None
 
-    def begin_episode(self, start: EpisodeStart) -> StartedPolicy:
+    def start_policy(self, start: EpisodeStart) -> StartedPolicy:
         """Return a ranked policy where one may be drawn, else the learner's proposal, which then learns."""
         self._climbs = start.draw is None
         self._softmax = None
-        if start.draw is not None:
-            return StartedPolicy(*start.draw(), proposed=False)
-        self._learner.begin_episode()
-        candidate = self._learner.propose()
-        return StartedPolicy(candidate.policy_id, candidate.weights, proposed=True)
+        if self._climbs:
+            self._actor.begin_episode()
+        return super().start_policy(start)
 
     def values(self, choices: Choices, theta: Floats) -> Floats:
         """Return the learner's values of now; of a ranked policy the features times theta."""
-        return self._learner.values(choices) if self._climbs else self._values(choices.features, theta)
+        return self._actor.values(choices) if self._climbs else super().values(choices, theta)
 
     def act(self, values: Floats, choices: Choices, preferred: int, human: HumanPreference) -> int:
-        """Draw from the softmax of f(R, H); a ranked policy, and a human who decides alone, take the best
-        action.
+        """Draw from the softmax of f(R, H); a ranked policy, and a participant who decides alone, take the
+        best action.
         """
         n = len(values)
         self._softmax = None
-        weights = human.weights
+        weights = human.episode_weights
         if human.handed_over or not self._climbs or weights.w_r == 0.0:
-            return preferred if preferred >= 0 else best_action(values, choices.ruled_out, n)
+            return super().act(values, choices, preferred, human)
         logits, gains, probabilities = np.empty(n), np.empty(n), np.empty(n)
         reference = fill_logits(
             values,
@@ -91,32 +90,24 @@ class Climbing:
     ) -> None:
         """Let the learner learn; whoever chose the action."""
         if self._climbs:
-            self._learner.took(self._score(choices, action), reward + shaping)
+            self._actor.took(self._score(choices, action), reward + shaping)
 
     def end_episode(self, end: EpisodeEnd) -> None:
         """Let the learner learn from the end, and tell it how its proposal did."""
         if end.proposed:
-            self._learner.end_episode()
-            self._learner.report(end.policy_id, end.performance)
-
-    def no_policy(self) -> Floats:
-        """Return zeros."""
-        return np.zeros_like(self._learner.propose().weights)
-
-    def state_digest(self) -> bytes:
-        """Return the learner's state."""
-        return self._learner.state_digest()
+            self._actor.end_episode()
+        super().end_episode(end)
 
     def export(self) -> dict[str, list[float]]:
         """Return the policy as it is now."""
-        return {"actor": self._learner.propose().weights.tolist()}
+        return {"actor": self._actor.propose().weights.tolist()}
 
     def _score(self, choices: Choices, action: int) -> Floats | None:
         """Return grad log pi of the decision at hand; None where the policy did not decide."""
         if self._softmax is None:
             return None
         gains, probabilities, reference = self._softmax
-        return self._learner.score(
+        return self._actor.score(
             choices, action, gains=gains, probabilities=probabilities, reference=reference
         )
 
@@ -133,10 +124,10 @@ class Coached(Climbing):
         # After each watched step, by the number that presses know it by.
         self._traces: deque[tuple[int, Floats]] = deque(maxlen=KEPT_TRACES)
 
-    def begin_episode(self, start: EpisodeStart) -> StartedPolicy:
+    def start_policy(self, start: EpisodeStart) -> StartedPolicy:
         """Begin an episode with a trace of its own."""
         self._trace = np.zeros(0)
-        return super().begin_episode(start)
+        return super().start_policy(start)
 
     def took(
         self,
@@ -154,14 +145,14 @@ class Coached(Climbing):
         score = self._score(choices, action)
         self._remember(score, choices.features.shape[1], watched_step)
         if self._coach.environment_too:
-            self._learner.took(score, reward + shaping)
+            self._actor.took(score, reward + shaping)
 
-    def press(self, credit: CreditGiven, value: float) -> None:
+    def learn_from_credit(self, credit: CreditGiven, value: float) -> None:
         """Move the policy toward what was praised, away from what was blamed, by each step's share."""
         shares = dict(zip(credit.steps, credit.shares, strict=True))
         for step, trace in self._traces:
             if step in shares:
-                self._learner.push(self._coach.step_size * value * shares[step] * trace)
+                self._actor.push(self._coach.step_size * value * shares[step] * trace)
 
     def state_digest(self) -> bytes:
         """Return the learner's state and the traces that presses can still reach."""

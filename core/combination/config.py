@@ -11,7 +11,7 @@ from typing import Annotated, ClassVar, Literal, get_args
 import msgspec
 
 from core.combination.agreement import MatchKind
-from core.combination.bootstrap_config import AskingConfig, BootstrapConfig
+from core.combination.bootstrap_config import BootstrapConfig
 from core.combination.episode_weights import (
     ADVISE,
     ENVIRONMENT_WEIGHTS,
@@ -32,6 +32,7 @@ from core.combination.trust import (
     TrustRule,
 )
 from core.configuration.fields import number
+from core.feedback.asking_config import AskingConfig
 from core.feedback.config import CreditConfig
 from core.learners.human_config import HumanModelConfig, RidgeModel
 from core.learners.kinds import LearnerKind
@@ -107,7 +108,7 @@ class Linear(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="linea
     scale: Scale = "standardised"
     """What R and H are divided by (`docs/decisions/scale-of-r-and-h.md`)."""
 
-    def weights(self, trust: float, episode: int) -> EpisodeWeights:
+    def episode_weights(self, trust: float, episode: int) -> EpisodeWeights:
         """Return the weights for the w_h that bootstrap learning holds now."""
         return EpisodeWeights(_linear_form(self.scale), 1.0, trust)
 
@@ -117,7 +118,7 @@ class Exponential(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="
 
     acts_on: ClassVar[ActsOn] = "choice"
 
-    def weights(self, trust: float, episode: int) -> EpisodeWeights:
+    def episode_weights(self, trust: float, episode: int) -> EpisodeWeights:
         """Return the weights for the w_h that bootstrap learning holds now."""
         return EpisodeWeights(EXPONENTIAL, 1.0, trust)
 
@@ -142,7 +143,7 @@ class Annealed(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="ann
     def __post_init__(self) -> None:
         _check_annealing(self.beta_0, self.decay)
 
-    def weights(self, trust: float, episode: int) -> EpisodeWeights:
+    def episode_weights(self, trust: float, episode: int) -> EpisodeWeights:
         """Return the weights at number `episode` >= 0 of the schedule; `trust` plays no part."""
         return EpisodeWeights(_linear_form(self.scale), 1.0, _annealed(self.beta_0, self.decay, episode))
 
@@ -157,17 +158,17 @@ class Constant(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="con
     scale: Scale = "standardised"
     """As in `Linear`."""
 
-    def weights(self, trust: float, episode: int) -> EpisodeWeights:
+    def episode_weights(self, trust: float, episode: int) -> EpisodeWeights:
         """Return the constant weights; `trust` and `episode` play no part."""
         return EpisodeWeights(_linear_form(self.scale), 1.0, self.w_h)
 
 
 class EnvironmentOnly(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="environment-only"):
-    """The underlying learner without a human: a = argmax R (section 4, "default")."""
+    """The underlying learner without a participant: a = argmax R (section 4, "default")."""
 
     acts_on: ClassVar[ActsOn] = "choice"
 
-    def weights(self, trust: float, episode: int) -> EpisodeWeights:
+    def episode_weights(self, trust: float, episode: int) -> EpisodeWeights:
         """Return w_r = 1, w_h = 0."""
         return ENVIRONMENT_WEIGHTS
 
@@ -177,7 +178,7 @@ class HumanOnly(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="hu
 
     acts_on: ClassVar[ActsOn] = "choice"
 
-    def weights(self, trust: float, episode: int) -> EpisodeWeights:
+    def episode_weights(self, trust: float, episode: int) -> EpisodeWeights:
         """Return w_r = 0, w_h = 1."""
         return EpisodeWeights(LINEAR, 0.0, 1.0)
 
@@ -204,7 +205,7 @@ class ActionBiasing(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag
     def __post_init__(self) -> None:
         _check_annealing(self.beta_0, self.decay)
 
-    def weights(self, trust: float, episode: int) -> EpisodeWeights:
+    def episode_weights(self, trust: float, episode: int) -> EpisodeWeights:
         """Return the weights at number `episode` >= 0 of the schedule; `trust` plays no part."""
         return EpisodeWeights(_linear_form(self.scale), 1.0, _annealed(self.beta_0, self.decay, episode))
 
@@ -225,7 +226,7 @@ class ControlSharing(msgspec.Struct, frozen=True, forbid_unknown_fields=True, ta
     def __post_init__(self) -> None:
         _check_annealing(self.beta_0, self.decay)
 
-    def weights(self, trust: float, episode: int) -> EpisodeWeights:
+    def episode_weights(self, trust: float, episode: int) -> EpisodeWeights:
         """Return the weights at number `episode` >= 0 of the schedule; `trust` plays no part."""
         return EpisodeWeights(LINEAR, 1.0, 0.0, min(1.0, _annealed(self.beta_0, self.decay, episode)))
 
@@ -234,8 +235,8 @@ class Advise(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="advis
     """a = argmax pi_R(a) pi_H(a): policy shaping by the Advise rule (Griffith et al. 2013).
 
     pi_R is the softmax of R; pi_H = C^d / (C^d + (1 - C)^d), d being how much more often the action has been
-    called right than wrong, and C how consistent the human is. Where states do not come back nobody counts: d
-    is H, standardised over the actions of the decision as R is (`docs/decisions/more-schemes.md`).
+    called right than wrong, and C how consistent the participant is. Where states do not come back nobody
+    counts: d is H, standardised over the actions of the decision as R is (`docs/decisions/more-schemes.md`).
     """
 
     acts_on: ClassVar[ActsOn] = "choice"
@@ -252,7 +253,7 @@ class Advise(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="advis
         if not (math.isfinite(self.temperature) and self.temperature > 0):
             raise ValueError(f"temperature is > 0, got {self.temperature}")
 
-    def weights(self, trust: float, episode: int) -> EpisodeWeights:
+    def episode_weights(self, trust: float, episode: int) -> EpisodeWeights:
         """Return 1 / temperature and the log odds of C; `trust` and `episode` play no part."""
         odds = math.log(self.consistency / (1.0 - self.consistency))
         return EpisodeWeights(ADVISE, 1.0 / self.temperature, odds)
@@ -276,7 +277,7 @@ class RewardShaping(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag
     def __post_init__(self) -> None:
         _check_annealing(self.beta_0, self.decay)
 
-    def weights(self, trust: float, episode: int) -> EpisodeWeights:
+    def episode_weights(self, trust: float, episode: int) -> EpisodeWeights:
         """Return the weights at number `episode` >= 0 of the schedule; `trust` plays no part."""
         return EpisodeWeights(LINEAR, 1.0, 0.0, shaping=_annealed(self.beta_0, self.decay, episode))
 
@@ -297,7 +298,7 @@ class QAugmentation(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag
         if not math.isfinite(self.beta):
             raise ValueError(f"beta is finite, got {self.beta}")
 
-    def weights(self, trust: float, episode: int) -> EpisodeWeights:
+    def episode_weights(self, trust: float, episode: int) -> EpisodeWeights:
         """Return the constant weights; `trust` and `episode` play no part."""
         return EpisodeWeights(LINEAR_RAW, 1.0, self.beta, augmentation=self.beta)
 
@@ -317,7 +318,8 @@ class Coach(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="coach"
     trace_decay: Annotated[float, number(ge=0, le=1)] = 0.95
     """lambda of the trace, in [0, 1] (the source, for plain presses)."""
     environment_too: bool = True
-    """The environment's reward goes on teaching; False: the source, where the human is the only teacher."""
+    """The environment's reward goes on teaching; False: the source, where the participant is the only
+    teacher."""
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.step_size) and self.step_size > 0 and 0 <= self.trace_decay <= 1):
@@ -325,7 +327,7 @@ class Coach(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="coach"
                 f"need step_size > 0 and trace_decay in [0, 1]: {self.step_size}, {self.trace_decay}"
             )
 
-    def weights(self, trust: float, episode: int) -> EpisodeWeights:
+    def episode_weights(self, trust: float, episode: int) -> EpisodeWeights:
         """Return w_r = 1, w_h = 0."""
         return ENVIRONMENT_WEIGHTS
 
@@ -357,7 +359,7 @@ def check_learner(scheme: Scheme, kind: LearnerKind, name: str) -> None:
     """Refuse a learner that a scheme cannot act on.
 
     Args:
-        scheme: how environment and human are combined.
+        scheme: how environment and participant are combined.
         kind: of the environment's learner.
         name: of the learner, for the message.
 

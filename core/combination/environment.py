@@ -10,7 +10,7 @@ import numpy as np
 
 from core.combination.climbing import Climbing, Coached
 from core.combination.config import Coach, Scheme, check_learner
-from core.combination.preference import best_action
+from core.combination.policy_search import PolicySearch
 from core.combination.sides import EpisodeEnd, EpisodeStart, HumanPreference, StartedPolicy
 from core.combination.window import Values
 from core.domain import Choices
@@ -26,7 +26,7 @@ class EnvironmentSide(Protocol):
     kind: ClassVar[LearnerKind]
     """Of its learner: says what a scheme can act on."""
 
-    def begin_episode(self, start: EpisodeStart) -> StartedPolicy:
+    def start_policy(self, start: EpisodeStart) -> StartedPolicy:
         """Return the policy of this episode."""
         ...
 
@@ -76,7 +76,7 @@ class EnvironmentSide(Protocol):
 class TaughtByPresses(Protocol):
     """A side that presses teach directly, not through a human model."""
 
-    def press(self, credit: CreditGiven, value: float) -> None:
+    def learn_from_credit(self, credit: CreditGiven, value: float) -> None:
         """Learn from how a press of this value was shared out among the steps."""
         ...
 
@@ -88,60 +88,6 @@ class Sides(NamedTuple):
     taught_by_presses: TaughtByPresses | None
 
 
-class PolicySearch:
-    """A learner that proposes a policy for a whole episode: good ones can be played again."""
-
-    kind: ClassVar[LearnerKind] = "search"
-
-    def __init__(self, learner: EnvironmentLearner, values: Values) -> None:
-        self._learner = learner
-        self._values = values
-
-    def begin_episode(self, start: EpisodeStart) -> StartedPolicy:
-        """Return a ranked policy where one may be drawn, else the learner's proposal."""
-        if start.draw is not None:
-            return StartedPolicy(*start.draw(), proposed=False)
-        candidate = self._learner.propose()
-        return StartedPolicy(candidate.policy_id, candidate.weights, proposed=True)
-
-    def values(self, choices: Choices, theta: Floats) -> Floats:
-        """Return the features times theta."""
-        return self._values(choices.features, theta)
-
-    def act(self, values: Floats, choices: Choices, preferred: int, human: HumanPreference) -> int:
-        """Return the preferred action; the best one where there is none."""
-        return preferred if preferred >= 0 else best_action(values, choices.ruled_out, len(values))
-
-    def took(
-        self,
-        choices: Choices,
-        action: int,
-        reward: float,
-        *,
-        shaping: float,
-        augmentation: float,
-        watched_step: int = -1,
-    ) -> None:
-        """Do nothing: this learner learns from whole episodes only."""
-
-    def end_episode(self, end: EpisodeEnd) -> None:
-        """Tell the learner how its proposal did."""
-        if end.proposed:
-            self._learner.report(end.policy_id, end.performance)
-
-    def no_policy(self) -> Floats:
-        """Return zeros."""
-        return np.zeros_like(self._learner.propose().weights)
-
-    def state_digest(self) -> bytes:
-        """Return the learner's state."""
-        return self._learner.state_digest()
-
-    def export(self) -> dict[str, list[float]]:
-        """Return nothing: the ranked policies are what has been learned."""
-        return {}
-
-
 class StepByStep:
     """A learner that changes at every step: each episode is a policy of its own, and none comes back."""
 
@@ -150,7 +96,7 @@ class StepByStep:
     def __init__(self, learner: StepwiseLearner) -> None:
         self._learner = learner
 
-    def begin_episode(self, start: EpisodeStart) -> StartedPolicy:
+    def start_policy(self, start: EpisodeStart) -> StartedPolicy:
         """Begin with what has been learned so far; the episode's number is that of the policy, theta is
         empty.
         """
@@ -203,7 +149,7 @@ def environment_sides(learner: EnvironmentLearner | StepwiseLearner, values: Val
     Args:
         learner: of the environment.
         values: R of action rows and theta, for policies that are played again.
-        scheme: how environment and human are combined.
+        scheme: how environment and participant are combined.
 
     Raises:
         ValueError: the scheme acts on what the learner learns, and this learner cannot be acted on so.

@@ -1,5 +1,5 @@
-"""How environment and human are combined during one episode: the form of f(R, H), and its weights (Eqs. 2 and
-3).
+"""How environment and participant are combined during one episode: the form of f(R, H), and its weights (Eqs.
+2 and 3).
 """
 
 import math
@@ -12,7 +12,7 @@ EXPONENTIAL = 1
 LINEAR_RAW = 2
 """Form: argmax w_r R + w_h H of the values as they come (Eq. 3 to the letter)."""
 ADVISE = 3
-"""Form: argmax pi_R pi_H, softmax of R times the probability that the human calls the action right
+"""Form: argmax pi_R pi_H, softmax of R times the probability that the participant calls the action right
 (Advise)."""
 
 FORM_NAMES: dict[int, str] = {
@@ -26,14 +26,14 @@ FORM_NAMES: dict[int, str] = {
 
 @dataclass(frozen=True, slots=True)
 class EpisodeWeights:
-    """How environment and human are combined during one episode."""
+    """How environment and participant are combined during one episode."""
 
     form: int
     """LINEAR, EXPONENTIAL, LINEAR_RAW or ADVISE."""
     w_r: float
     """Weight of the environment's values, >= 0."""
     w_h: float
-    """Weight of the human's values; negative where the human is believed to mean the opposite."""
+    """Weight of the participant's values; negative where the participant is believed to mean the opposite."""
     handover: float = 0.0
     """Probability, per decision, of taking the human model's best action instead, in [0, 1]."""
     shaping: float = 0.0

@@ -5,10 +5,11 @@ import struct
 import numpy as np
 from numpy.typing import NDArray
 
+from core.combination.asking import Question, samples_of
 from core.domain import Features
 from core.events import CreditGiven
 from core.feedback.assigner import CreditAssigner
-from core.feedback.samples import CreditConfig, MassAccount, Sample
+from core.feedback.samples import CreditConfig, FeedbackSample, MassAccount
 from core.learners.consistency import Consistency
 from core.learners.human_config import HumanModelConfig
 from core.learners.human_reward import HumanRewardModel
@@ -37,7 +38,8 @@ class HumanLearner:
         self._consistency = Consistency()
         self._on_screen = -1
         # What was learned from answers to questions, beside the assigner's samples.
-        self._answers: list[Sample] = []
+        self._answers: list[FeedbackSample] = []
+        self._n_answers = 0
 
     @property
     def consistency(self) -> float:
@@ -95,7 +97,7 @@ class HumanLearner:
         """Learn from a press, value > 0 good, < 0 bad, whichever participant made it; return how it was
         shared out.
         """
-        given = self._assigner.press(press, time_ns, value)
+        given = self._assigner.add_press(press, time_ns, value)
         self._learn()
         return CreditGiven(
             press=press,
@@ -107,8 +109,15 @@ class HumanLearner:
             merged_into=given.merged_into,
         )
 
-    def learn_from_answer(self, samples: list[Sample]) -> None:
-        """Learn what an answer to a question says (`core.combination.asking.samples_of`)."""
+    def learn_from_answer(self, question: Question, chosen: int, participant: int = 0) -> None:
+        """Learn which of a question's options was chosen, by whichever participant
+        (`core.combination.asking.samples_of`).
+
+        Raises:
+            ValueError: `chosen` is not an option.
+        """
+        samples = samples_of(question, chosen, number=self._n_answers)
+        self._n_answers += 1
         self._answers.extend(samples)
         for sample in samples:
             self._learn_from(sample)
@@ -153,13 +162,13 @@ class HumanLearner:
         for sample in self._assigner.take():
             self._learn_from(sample)
 
-    def _learn_from(self, sample: Sample) -> None:
+    def _learn_from(self, sample: FeedbackSample) -> None:
         if _tells(sample):
             prediction = self._model.predict(sample.features[None, :])[0]
             self._consistency.note(float(prediction), sample.label, sample.weight)
             self._model.add(sample)
 
 
-def _tells(sample: Sample) -> bool:
+def _tells(sample: FeedbackSample) -> bool:
     """Return whether the step's features are known: an imported log may not show what a step led to."""
     return bool(np.isfinite(sample.features).all())

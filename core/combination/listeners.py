@@ -14,6 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from core.combination.agreement import Agreement
+from core.combination.asking import Question
 from core.combination.bootstrap_learning import BootstrapLearning
 from core.combination.config import BootstrapConfig, EpisodeWeights, Scheme
 from core.combination.human_learner import HumanLearner
@@ -23,7 +24,7 @@ from core.combination.trust.measures import selection_probabilities
 from core.combination.window import DecisionWindow, Values
 from core.domain import Choices, Features
 from core.events import CreditGiven
-from core.feedback.samples import MassAccount, Sample
+from core.feedback.samples import MassAccount
 from core.numerics.arrays import Floats
 
 
@@ -151,9 +152,9 @@ class Listeners:
         self._participant_of[press] = participant
         return self.learners[participant].learn_from_press(press, time_ns, value)
 
-    def learn_from_answer(self, samples: list[Sample], participant: int = 0) -> None:
-        """Learn what a participant's answer to a question says."""
-        self.learners[participant].learn_from_answer(samples)
+    def learn_from_answer(self, question: Question, chosen: int, participant: int = 0) -> None:
+        """Learn which of a question's options a participant has chosen."""
+        self.learners[participant].learn_from_answer(question, chosen)
 
     def retract(self, press: int) -> None:
         """Forget a press as if it had never been made."""
@@ -261,7 +262,7 @@ class ListenersTrust:
         """
         # Of one alone -0.0 is 0.0, as it stands in recordings.
         w_h = [sum(self.w_h)] if self._listeners.alone else self.w_h
-        each = [scheme.weights(w_s, episode) for w_s in w_h]
+        each = [scheme.episode_weights(w_s, episode) for w_s in w_h]
         weights = [single.w_h for single in each]
         silent = not (any(weights) and self._listeners.knows_something)
         folded = self._listeners.fold([1.0] * len(each) if silent else weights, self._window)

@@ -36,7 +36,7 @@ class NextEpisode:
     number: int
     """Its number in the session, watched or not, from 0: all its random choices follow from it."""
     scheduled: int
-    """The number that the scheme's schedule is asked about, from 0 (`Scheme.weights`)."""
+    """The number that the scheme's schedule is asked about, from 0 (`Scheme.episode_weights`)."""
 
 
 def next_episode(scheme: Scheme, so_far: EpisodesSoFar) -> NextEpisode:

@@ -61,7 +61,7 @@ class HumanPreference:
 
     human_values: Floats
     """H of each action, shape (n,); zeros while nothing is known."""
-    weights: EpisodeWeights
+    episode_weights: EpisodeWeights
     """How the two are combined."""
     chance_seed: int
     """Of the episode's draws from a softmax."""
@@ -84,7 +84,7 @@ class EpisodePolicy:
     """v of the human model when the episode began, shape (G,); zeros while nothing is known."""
     trust: float
     """What the rule of trust said when the episode began. The scheme was given it, and need not go by it."""
-    weights: EpisodeWeights
+    episode_weights: EpisodeWeights
     """How the two are combined in this episode: the weights in use."""
     handover_seed: int
     """Seed of `takes_control` (control sharing), in [0, 2**62)."""
@@ -113,7 +113,7 @@ class Decision:
     """Best and worst action of each participant's own model; -1 while it knows nothing."""
 
 
-class Outcome(Protocol):
+class EpisodeOutcome(Protocol):
     """How an episode went (`core.session.rollout.Played`)."""
 
     @property

@@ -40,7 +40,7 @@ class Range:
     def holds(self, value: float) -> bool:
         """Return whether a value is inside; NaN is not."""
         return (
-            not math.isnan(value)
+            not (isinstance(value, float) and math.isnan(value))  # a long integer is no float
             and (self.ge is None or value >= self.ge)
             and (self.gt is None or value > self.gt)
             and (self.le is None or value <= self.le)

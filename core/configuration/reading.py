@@ -5,8 +5,6 @@ themselves when they are made, such as two settings that exclude each other, is 
 same way.
 """
 
-import difflib
-import json
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -18,12 +16,9 @@ import msgspec
 
 from core.configuration.catalogue import TAG, Kind, Struct, settings_of, tables_of, tag_of
 from core.configuration.fields import plain
+from core.configuration.messages import Path, nearest, quoted, shown, shown_key, shown_path
 from core.configuration.open_table import decode_open_table
-from core.system import foreign_text
 
-Path = tuple[str | int, ...]
-LONGEST_SHOWN = 60
-"""A value is cut after so many characters in a message."""
 DEEPEST = 20
 """Levels of tables within tables; a configuration has five."""
 Config = TypeVar("Config", bound=msgspec.Struct)
@@ -229,7 +224,7 @@ def _wrong_in_typed_table(
     typed = "" not in structs
     if not isinstance(value, Mapping):
         tags = [tag for tag in structs if tag]
-        reason = f"expected a table, [{shown_key(path)}]" + (f", or one of {_quoted(tags)}" if tags else "")
+        reason = f"expected a table, [{shown_key(path)}]" + (f", or one of {quoted(tags)}" if tags else "")
         yield Problem(path, reason, value)
         return
     below = default if isinstance(default, msgspec.Struct) else None
@@ -239,7 +234,7 @@ def _wrong_in_typed_table(
         near = nearest(str(tag), tags)
         yield Problem(
             (*path, TAG),
-            f"expected one of {_quoted(tags)}" + (f'; did you mean "{near}"?' if near else ""),
+            f"expected one of {quoted(tags)}" + (f'; did you mean "{near}"?' if near else ""),
             tag,
         )
         return
@@ -324,7 +319,7 @@ def _unknown(key: str, struct: Struct, siblings: Mapping[str, Struct], places: P
     others = {name: list(settings_of(other)) for name, other in siblings.items()}
     with_key = [name for name, keys in others.items() if key in keys]
     if with_key:
-        types = f"type {_quoted(with_key)}" if len(with_key) == 1 else f"the types {_quoted(with_key)}"
+        types = f"type {quoted(with_key)}" if len(with_key) == 1 else f"the types {quoted(with_key)}"
         return f'{text}; `{key}` belongs to {types}: set {TAG} = "{with_key[0]}"'
     near = nearest(key, own)
     if near:
@@ -335,7 +330,7 @@ def _unknown(key: str, struct: Struct, siblings: Mapping[str, Struct], places: P
     near = nearest(key, [name for keys in others.values() for name in keys])
     if near:
         of_types = [name for name, keys in others.items() if near in keys]
-        return f"{text}; did you mean `{near}`, which belongs to type {_quoted(of_types)}?"
+        return f"{text}; did you mean `{near}`, which belongs to type {quoted(of_types)}?"
     near = places.nearest(key)
     if near:
         return f"{text}; did you mean `{near}`, which belongs to {places.of(near)}?"
@@ -360,48 +355,3 @@ def _from_struct(text: str, given: Mapping[str, Any]) -> Problem:
     ]
     value = table[keys[0]] if keys else None
     return Problem((*path, keys[0]) if keys else path, reason, None if isinstance(value, Mapping) else value)
-
-
-def nearest(word: str, known: Sequence[str]) -> str | None:
-    """Return the known word that is most like `word`; None where none is much like it."""
-    found = difflib.get_close_matches(word.lower(), known, n=1, cutoff=0.6)
-    return found[0] if found else None
-
-
-def shown_path(path: Path) -> str:
-    """Return a place as it is written in a file: "[agent.scheme] beta_0"; "name" at the top."""
-    if not path:
-        return ""
-    table, key = path[:-1], path[-1]
-    if isinstance(key, int):
-        return f"[[{shown_key(table)}]] number {key + 1}"
-    return f"[{shown_key(table)}] {printable(key)}" if table else printable(key)
-
-
-def shown_key(path: Path) -> str:
-    """Return a table's name; of a list of tables with the number, from 1."""
-    return ".".join(f"{part + 1}" if isinstance(part, int) else printable(part) for part in path)
-
-
-def shown(value: object) -> str:
-    """Return a value as it is written in a file, cut where it is long, safe for a terminal."""
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, str):
-        text = printable(json.dumps(value[: LONGEST_SHOWN + 1], ensure_ascii=False))
-    elif isinstance(value, Mapping):
-        return "(a table)"
-    elif isinstance(value, list | tuple):
-        text = "[" + ", ".join(shown(item) for item in value[:10]) + (", ...]" if len(value) > 10 else "]")
-    else:
-        text = repr(value) if isinstance(value, int | float) else str(value)
-    return text if len(text) <= LONGEST_SHOWN else text[:LONGEST_SHOWN] + "..."
-
-
-def printable(text: str) -> str:
-    """Return a text without anything that a terminal could take for a command."""
-    return foreign_text.printable(text, longest=None)
-
-
-def _quoted(names: Sequence[str]) -> str:
-    return ", ".join(f'"{name}"' for name in names)

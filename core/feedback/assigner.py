@@ -13,10 +13,10 @@ import numpy as np
 from core.domain import Features
 from core.feedback.credit import STILL_SHOWN_NS, CurrentStep, PreviousStep, credit
 from core.feedback.delays import PressRule, rule_for
-from core.feedback.samples import CreditConfig, MassAccount, PressCredit, Sample
+from core.feedback.samples import CreditConfig, FeedbackSample, MassAccount, PressCredit
 from core.numerics.clock import NS_PER_S
 
-__all__ = ["CreditAssigner", "CreditConfig", "MassAccount", "PressCredit", "Sample"]
+__all__ = ["CreditAssigner", "CreditConfig", "FeedbackSample", "MassAccount", "PressCredit"]
 
 LATENESS_NS = 200_000_000
 """A report may come this long after what it reports (terminal, queues): a press still finds its step open,
@@ -48,7 +48,7 @@ class CreditAssigner:
         self._taken = 0
 
     @property
-    def samples(self) -> Sequence[Sample]:
+    def samples(self) -> Sequence[FeedbackSample]:
         """All samples so far, in the order in which a model is to see them."""
         return self._ledger.samples
 
@@ -57,7 +57,7 @@ class CreditAssigner:
         """Where the mass of all presses went."""
         return self._ledger.account
 
-    def take(self) -> Sequence[Sample]:
+    def take(self) -> Sequence[FeedbackSample]:
         """Return the samples that are new since the last call."""
         new = self._ledger.samples[self._taken :]
         self._taken = len(self._ledger.samples)
@@ -87,7 +87,7 @@ class CreditAssigner:
         """
         self._do(_Ledger.interrupted, last_ns)
 
-    def press(self, press: int, time_ns: int, value: float) -> PressCredit:
+    def add_press(self, press: int, time_ns: int, value: float) -> PressCredit:
         """Share out a press.
 
         Args:
@@ -97,7 +97,7 @@ class CreditAssigner:
         """
         if press in self._known:
             raise ValueError(f"press {press} was given already")
-        given = self._do(_Ledger.press, press, time_ns, value)
+        given = self._do(_Ledger.add_press, press, time_ns, value)
         self._known.add(press)
         return given
 
@@ -106,7 +106,7 @@ class CreditAssigner:
 
         Afterwards a model has to be fitted to all `samples` again; `take` goes on from their end.
         """
-        kept = [entry for entry in self._log if entry[0] is not _Ledger.press or entry[1] != press]
+        kept = [entry for entry in self._log if entry[0] is not _Ledger.add_press or entry[1] != press]
         if len(kept) == len(self._log):
             raise ValueError(f"press {press} cannot be retracted: it was never given, or retracted before")
         self._log = kept
@@ -141,7 +141,7 @@ class _Ledger:
     """
 
     def __init__(self, config: CreditConfig, features: dict[int, Features]) -> None:
-        self.samples: list[Sample] = []
+        self.samples: list[FeedbackSample] = []
         self.account = MassAccount()
         self._config = config
         # One entry per interval on screen; all three ascend.
@@ -203,7 +203,7 @@ class _Ledger:
         self._n_before_gap, self._gap_ns = len(self._shown_ns), last_ns
         self._last_press = None
 
-    def press(self, press: int, time_ns: int, value: float) -> PressCredit:
+    def add_press(self, press: int, time_ns: int, value: float) -> PressCredit:
         self._check_open()
         if not math.isfinite(value):
             raise ValueError(f"press {press}: a value is > 0 (good), < 0 (bad) or 0 (neither), got {value}")
@@ -278,7 +278,9 @@ class _Ledger:
                 f"{FORGET_AFTER_NS // NS_PER_S} s ago"
             )
         if self._config.scheme == "individual":
-            self.samples.append(Sample(self._features[step], value, min(credit_share, 1.0), step, (press,)))
+            self.samples.append(
+                FeedbackSample(self._features[step], value, min(credit_share, 1.0), step, (press,))
+            )
         else:
             self._labels[step] = self._labels.get(step, 0.0) + value * credit_share
             self._presses.setdefault(step, []).append(press)
@@ -323,7 +325,7 @@ class _Ledger:
             presses = tuple(self._presses.get(step, ()))
             if presses or self._config.silence == "zero-label":
                 label = self._labels.get(step, 0.0)
-                self.samples.append(Sample(self._features[step], label, 1.0, step, presses))
+                self.samples.append(FeedbackSample(self._features[step], label, 1.0, step, presses))
             self._n_final += 1
 
     def _is_given_out(self, step: int) -> bool:

@@ -49,9 +49,9 @@ class TrainerConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     """By what they judge. Expert: a controller far beyond the learner's features; lay: what meets the eye;
     myopic: the immediate effect of the step alone (B-Pref's myopia, to the end)."""
     good_share: Annotated[float, number(ge=0, le=1)] = 0.25
-    """An action among this share of the best ones is good, any other is bad. (Our choice.)"""
+    """An action among this fraction of the best ones is good, any other is bad. (Our choice.)"""
     skip_margin: Annotated[float, number(ge=0, le=1)] = 0.0
-    """No judgement where the action's rank is within this share of the border between good and bad."""
+    """No judgement where the action's rank is within this fraction of the border between good and bad."""
     equal_margin: Annotated[float, number("standard deviations", ge=0, le=1e6, usual=(0, 10))] = 0.0
     """No judgement where the action's value is within this many sd of the values on offer from the border
     between good and bad (B-Pref's "equal": values too close to tell apart)."""
@@ -73,7 +73,7 @@ class TrainerConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     """Between the presses of a burst (TAMER's logs: medians of 0.18 to 0.20 s)."""
     fatigue_half_life_episodes: Annotated[float, number("watched episodes", gt=0)] | None = None
     """Watched episodes after which presses have become half as likely; None: never tired."""
-    stops_after_episodes: Annotated[int, number("watched episodes", ge=0)] | None = None
+    stops_after_episodes: Annotated[int, number("watched episodes", ge=0, le=1_000_000_000)] | None = None
     """Says nothing any more after this many watched episodes; None: stays."""
 
     def __post_init__(self) -> None:

@@ -7,7 +7,7 @@ opened it back.
 
 from collections.abc import Iterator
 from itertools import count
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 import msgspec
 
@@ -46,7 +46,10 @@ class KeyConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     repeat_delay_ms: tuple[RepeatDelay, RepeatDelay] = (200, 700)
     """A held key's first repeat comes this long after the press itself."""
     wrong_press_rate: Annotated[float, number(ge=0, le=1)] = 0.0
-    """Share of steps' feedback the participant is asked to give wrongly (paper, section 4: about 0.1)."""
+    """Fraction of steps' feedback the participant is asked to give wrongly (paper, section 4: about 0.1)."""
+
+    LATER: ClassVar[frozenset[str]] = frozenset({"graded"})
+    """Settings that came after version 0.2: at their defaults they are not written to recordings."""
 
     def __post_init__(self) -> None:
         for key in (self.good, self.bad, *self.letters):
@@ -56,7 +59,7 @@ class KeyConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
         if self.max_presses_per_episode < 0:
             raise ValueError(f"max_presses_per_episode is >= 0, got {self.max_presses_per_episode}")
         if not 0.0 <= self.wrong_press_rate <= 1.0:
-            raise ValueError(f"wrong_press_rate is a share in [0, 1], got {self.wrong_press_rate}")
+            raise ValueError(f"wrong_press_rate is a fraction in [0, 1], got {self.wrong_press_rate}")
 
     @property
     def meanings(self) -> dict[str, float]:
@@ -143,7 +146,7 @@ class PressGate:
         self.playing = True
         self._accepted.clear()
 
-    def press(
+    def judge(
         self, key: str, time_ns: int, *, source: Literal["participant", "simulated"] = "participant"
     ) -> Iterator[KeyPressed | PressRetracted]:
         """Yield the record of a press and, where it takes an earlier one back, that retraction."""
@@ -227,7 +230,7 @@ class WrongPressPlan:
         """Draw for the first press.
 
         Args:
-            rate: share of presses that are to be wrong, in [0, 1]; 0 draws nothing.
+            rate: fraction of presses that are to be wrong, in [0, 1]; 0 draws nothing.
             root_seed: of the session, >= 0.
         """
         self._rate = rate

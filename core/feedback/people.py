@@ -204,13 +204,13 @@ class PeopleGate:
         """Return how many presses of this episode's budget a person has left; 0 for `NOBODY`."""
         return self.of_each[person].presses_left if person >= 0 else 0
 
-    def press(
+    def judge(
         self, key: str, time_ns: int, *, source: Literal["participant", "simulated"] = "participant"
     ) -> Iterator[KeyPressed | PressRetracted]:
         """Yield the record of a press and, where it takes one of the same person back, that retraction."""
         reading = self.reader.read(key)  # reading a key twice reads it the same way
         letter = key if reading is None else reading.letter
-        return self._owners.get(letter, self._nobody).press(key, time_ns, source=source)
+        return self._owners.get(letter, self._nobody).judge(key, time_ns, source=source)
 
     @property
     def _all(self) -> tuple[PressGate, ...]:

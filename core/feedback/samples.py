@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from core.domain import Features
 from core.feedback.config import CreditConfig
 
-__all__ = ["CreditConfig", "MassAccount", "PressCredit", "Sample"]
+__all__ = ["CreditConfig", "FeedbackSample", "MassAccount", "PressCredit"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sample:
+class FeedbackSample:
     """One thing a person said about one step."""
 
     features: Features
@@ -34,7 +34,7 @@ class PressCredit:
     before_first: float = 0.0
     in_gaps: float = 0.0
     too_late: float = 0.0
-    """Share of steps whose sample had been given out already: the press was reported far too late."""
+    """Fraction of steps whose sample had been given out already: the press was reported far too late."""
     merged_into: int | None = None
     """The press that opened the burst; such a press has no mass of its own."""
 

@@ -12,11 +12,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.domain import Domain
-from core.events import EpisodeEnded, EpisodeStarted, FrameShown, Input, Output, StepTaken
+from core.events import (
+    EpisodeEnded,
+    EpisodeStarted,
+    FrameShown,
+    Input,
+    KeyPressed,
+    Output,
+    QuestionAnswered,
+    QuestionPosed,
+    Resumed,
+    ScreenCleared,
+    StepTaken,
+)
+from core.feedback.asking_config import AskingConfig
 from core.feedback.keys import PressGate
 from core.feedback.trainers import IntendedPress, SimulatedTrainer
 from core.feedback.viewing import Viewing
-from core.numerics.clock import ManualClock
+from core.numerics.clock import NS_PER_S, ManualClock
 
 State = TypeVar("State")
 
@@ -57,6 +70,7 @@ class SimulatedParticipant(Generic[State]):
         viewing: Viewing,
         *,
         others: Sequence[ParticipantParts[State]] = (),
+        asking: AskingConfig | None = None,
     ) -> None:
         """Sit down.
 
@@ -68,11 +82,13 @@ class SimulatedParticipant(Generic[State]):
             clock: the session's clock; it is moved on while steps are on screen.
             viewing: how long everything stays on screen.
             others: further people who watch and press.
+            asking: keys and limit of answers; None: the defaults. The first participant answers.
         """
         self._domain = domain
         self._participants = (ParticipantParts(oracle, trainer, gate), *others)
         self._clock = clock
         self._viewing = viewing
+        self._asking = asking or AskingConfig()
         self._state: State | None = None
         self._frame = -1
         self._arrived: list[Input] = []
@@ -92,7 +108,7 @@ class SimulatedParticipant(Generic[State]):
             case EpisodeStarted(episode=episode, episode_seed=episode_seed):
                 self._state = self._domain.initial(episode_seed)
                 for parts in self._participants:
-                    parts.trainer.begin_episode(episode)
+                    parts.trainer.watch_episode(episode)
                     parts.gate.episode_started()
                 opening_ns = self._viewing.opening_ns(self._state)
                 if opening_ns > 0:
@@ -101,6 +117,10 @@ class SimulatedParticipant(Generic[State]):
             case StepTaken(step=step, action=action):
                 self._show(step)
                 self._wait(self._plan(step, action))
+            case QuestionPosed():
+                self._show(-1)
+                self._wait(round(self._asking.settle_s * NS_PER_S))
+                self._answer(output)
             case EpisodeEnded():
                 self._show(-1)
                 self._wait(self._viewing.pause_ns)
@@ -143,6 +163,45 @@ class SimulatedParticipant(Generic[State]):
             self._clock.advance_to_ns(time_ns)
             key = gate.config.key_of(press.value)
             gate.wrong_asked = press.deliberate
-            self._arrived.extend(gate.press(key, self._clock.now_ns(), source="simulated"))
+            self._arrived.extend(gate.judge(key, self._clock.now_ns(), source="simulated"))
             gate.wrong_asked = False
         self._clock.advance_to_ns(until_ns)
+
+    def _answer(self, posed: QuestionPosed) -> None:
+        """Look at a question until it is over; presses that come due meanwhile do not count."""
+        assert self._state is not None, "an episode starts before its first question"
+        first = self._participants[0]
+        shown_ns = self._clock.now_ns()
+        for parts in self._participants:
+            parts.gate.covered, parts.gate.frame, parts.gate.step = True, -1, -1
+        self._arrived.append(ScreenCleared(time_ns=shown_ns, reason="question"))
+        chosen = first.trainer.answer(posed.step, first.oracle(self._state), posed.options)
+        limit_ns = round(self._asking.limit_s * NS_PER_S)
+        taken_ns = round(first.trainer.answer_delay_s(posed.step) * NS_PER_S)
+        self._wait(min(taken_ns, limit_ns))
+        now_ns = self._clock.now_ns()
+        if taken_ns > limit_ns:
+            self._arrived.append(
+                QuestionAnswered(
+                    question=posed.question, shown_ns=shown_ns, time_ns=now_ns, answer="time-limit"
+                )
+            )
+        else:
+            keys = self._asking.keys
+            key = self._asking.none_key if chosen is None else keys[posed.options.index(chosen)]
+            pressed = list(first.gate.judge(key, now_ns, source="simulated"))
+            self._arrived.extend(pressed)
+            press = next(item for item in pressed if isinstance(item, KeyPressed))
+            self._arrived.append(
+                QuestionAnswered(
+                    question=posed.question,
+                    shown_ns=shown_ns,
+                    time_ns=now_ns,
+                    answer="none" if chosen is None else "chosen",
+                    chosen=-1 if chosen is None else chosen,
+                    press=press.press,
+                )
+            )
+        for parts in self._participants:
+            parts.gate.covered = False
+        self._arrived.append(Resumed(time_ns=now_ns))

@@ -21,6 +21,8 @@ __all__ = ["IntendedPress", "SimulatedTrainer", "TrainerConfig", "draw_delay_s",
 _BLOCK = 64
 """Steps whose draws are made at once: setting up a stream takes longer than drawing from it."""
 _N_DRAWS = 6
+READING_S = 2.0
+"""A simulated participant reads a question for so long before anything else, seconds. (Our choice.)"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,8 +54,9 @@ def judgement(
     Args:
         oracle_values: the oracle's value of each action, shape (n,); -inf for a fatal one.
         action: the chosen one.
-        good_share: an action is good if fewer than this share of the n actions are better.
-        skip_margin: nothing is said if the share of better actions is less than this away from `good_share`.
+        good_share: an action is good if fewer than this fraction of the n actions are better.
+        skip_margin: nothing is said if the fraction of better actions is less than this away from
+            `good_share`.
         equal_margin: nothing is said of an action (not a fatal one) whose value is less than this many sd of
             the finite values away from the middle between the worst good and the best bad value; nor where
             all are alike.
@@ -130,7 +133,7 @@ class SimulatedTrainer:
         self._block = -1
         self._draws = np.empty((0, _N_DRAWS))
 
-    def begin_episode(self, episode: int) -> None:
+    def watch_episode(self, episode: int) -> None:
         """Note that a watched episode begins; `episode` is its number in the session."""
         self._watched_episodes += self._episode >= 0
         self._episode = episode
@@ -210,10 +213,10 @@ class SimulatedTrainer:
             action: what the agent chose.
             shown_ns: when the step came on screen.
             hidden_ns: when its outcome is seen: the end of its time on screen.
-            attention: chance to speak of this step as a share of `press_probability`, in [0, 1].
+            attention: chance to speak of this step as a fraction of `press_probability`, in [0, 1].
         """
         if self._episode < 0:
-            raise ValueError("begin_episode comes before the first step")
+            raise ValueError("watch_episode comes before the first step")
         config = self.config
         if self.judgements_left <= 0 or self.press_probability == 0:
             return ()
@@ -272,6 +275,15 @@ class SimulatedTrainer:
         if mistakes >= config.mistake_rate:
             return ranked[0]
         return ranked[1 + int(which * (len(ranked) - 1))]
+
+    def answer_delay_s(self, step: int) -> float:
+        """Return after how long on screen they answer a question about a step, seconds: they read it first
+        (`READING_S`), and then press as they do otherwise.
+        """
+        rng = stream(self._root_seed, "trainer answer delay", self._episode, step)
+        delay = rule_for(self.config.delay, 1.0)
+        assert isinstance(delay, GammaDelay | UniformDelay), "a participant's delay is a density"
+        return READING_S + draw_delay_s(delay, rng=rng)
 
 
 def draw_delay_s(delay: Density, *, rng: np.random.Generator) -> float:

@@ -1,1 +1,1 @@
-"""Other people's environments as games of this program."""
+"""Other people's environments as games of this program, and its games as environments for theirs."""

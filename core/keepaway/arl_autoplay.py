@@ -46,7 +46,7 @@ from core.keepaway.autoplay import keepaway_tiles
 from core.keepaway.participant import Judge, new_judge, watch_episode, with_more_draws
 from core.keepaway.participant_config import KeepawayPersonConfig
 from core.keepaway.pitch import CYCLE_NS, CYCLE_S, OUT, SESSION_CYCLE_LIMIT, KeepawayConfig
-from core.keepaway.presses import LOST, MADE, begin_episode, new_presses
+from core.keepaway.presses import LOST, MADE, new_presses, renew_budget
 from core.keepaway.simulator.match import CYCLE, END, new_match, open_streams
 from core.learners.human_config import TileModel
 from core.learners.human_sets import consistency, new_human_set
@@ -93,7 +93,7 @@ class ArlKeepawayConfig(msgspec.Struct, frozen=True, kw_only=True):
             )
         if self.agent.scheme.acts_on != "choice":
             raise ValueError(
-                f"compiled play lets the human act on choices, not on Sarsa's learning: got "
+                f"compiled play lets the participant act on choices, not on Sarsa's learning: got "
                 f"{self.agent.scheme}"
             )
         trust = self.agent.bootstrap.trust
@@ -158,9 +158,9 @@ class ArlEpisode:
     start_ns: int
     """When it started, in the session's time (pauses included)."""
     trust: float
-    """What the rule of trust said of the human before the episode: what the scheme was given."""
+    """What the rule of trust said of the participant before the episode: what the scheme was given."""
     weight: float
-    """Weight w_h of the human's values that the scheme used in this episode."""
+    """Weight w_h of the participant's values that the scheme used in this episode."""
     steps: int
     """Decisions of all keepers."""
     agreement: Agreement | None
@@ -217,7 +217,7 @@ class ArlAutoplay:
 
     @property
     def trust(self) -> float:
-        """What the rule of trust says of the human; 0 while the human model knows nothing."""
+        """What the rule of trust says of the participant; 0 while the human model knows nothing."""
         return self.bootstrap.w_h if self.human.samples[0] else 0.0
 
     @property
@@ -305,7 +305,7 @@ class ArlAutoplay:
     def _mix(self) -> Mix:
         scheme = self.config.agent.scheme
         if self.human.samples[0] or not waits_for_feedback(scheme):
-            weights = scheme.weights(self.trust, self._next.scheduled)
+            weights = scheme.episode_weights(self.trust, self._next.scheduled)
         else:
             weights = ENVIRONMENT_WEIGHTS
         seed = stream_seed(self._seed, "share", self._next.number) >> 1 if weights.handover else 0
@@ -325,10 +325,10 @@ class ArlAutoplay:
 
     def _watch(self) -> Judge:
         """Let the participant begin an episode."""
-        begin_episode(self._presses)
+        renew_budget(self._presses)
         if self.config.person is None:
             return self._judge
-        self._trainer.begin_episode(self._next.number)
+        self._trainer.watch_episode(self._next.number)
         return watch_episode(
             self._judge, self.config.person, self._trainer, root_seed=self._seed, episode=self._next.number
         )

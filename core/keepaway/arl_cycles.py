@@ -78,14 +78,14 @@ class Timeline(NamedTuple):
     """PRESSES, CREDITED, BEFORE_FIRST, IN_GAPS, shape (4,)."""
     shares: Floats
     """Scratch: share of each step of a press, by place, shape (n,)."""
-    heard: Floats
+    h_values: Floats
     """Scratch: H of each option, shape (a,)."""
     available: Bools
     """Scratch: which options are ruled out: none, shape (a,)."""
 
 
 class Mix(NamedTuple):
-    """How environment and human are combined during one episode
+    """How environment and participant are combined during one episode
     (`core.combination.config.EpisodeWeights`).
     """
 
@@ -115,7 +115,7 @@ def new_timeline(places: int, n_variables: int, n_options: int) -> Timeline:
         tally=new_tally(),
         masses=np.zeros(_MASSES),
         shares=np.zeros(places),
-        heard=np.zeros(n_options),
+        h_values=np.zeros(n_options),
         available=np.zeros(n_options, np.bool_),
     )
 
@@ -207,7 +207,9 @@ def _decide(
     i: int,
     rng: np.random.Generator,
 ) -> None:
-    """Choose keeper i's option by environment and human, and let Sarsa learn from the option that ended."""
+    """Choose keeper i's option by environment and participant, and let Sarsa learn from the option that
+    ended.
+    """
     windows = timeline.windows[timeline.counts[STEPS] % len(timeline.option)]
     find_windows(sarsa.coder, match.variables[i], windows)
     n_keepers = len(match.deciding)
@@ -218,7 +220,7 @@ def _decide(
         option = greedy_or_random(sarsa.values[k], sarsa.exploration, rng)
     else:
         explore, pick = rng.random() < sarsa.exploration, rng.random()
-        option = int(pick * len(timeline.heard)) if explore else preferred
+        option = int(pick * len(timeline.h_values)) if explore else preferred
     time = match.status[CYCLE]
     take_action(sarsa, k, windows, option, time, before)
     for looking_on in range(mix.sets):
@@ -227,9 +229,9 @@ def _decide(
             before = _value_before(sarsa, other, windows)
             own = choose(
                 sarsa.values[other],
-                timeline.heard,
+                timeline.h_values,
                 timeline.available,
-                len(timeline.heard),
+                len(timeline.h_values),
                 mix.form,
                 mix.w_r,
                 mix.w_h_of[looking_on],
@@ -252,17 +254,19 @@ def _value_before(sarsa: Sarsa, k: int, windows: Ints) -> float:
 
 @inner_kernel
 def _prefer(values: Floats, human: HumanSet, mix: Mix, timeline: Timeline, i: int, windows: Ints) -> int:
-    """Return the option that environment and human together prefer; -1 where the human has no say."""
-    heard, n = timeline.heard, len(timeline.heard)
-    heard[:] = 0.0
+    """Return the option that environment and participant together prefer; -1 where the participant has no
+    say.
+    """
+    h_values, n = timeline.h_values, len(timeline.h_values)
+    h_values[:] = 0.0
     if human.samples[0] > 0:
-        human_values(human, i, windows, heard)
-        liked = compare_choices(values, heard, timeline.available, n, timeline.tally)
+        human_values(human, i, windows, h_values)
+        liked = compare_choices(values, h_values, timeline.available, n, timeline.tally)
         if takes_control(mix.handover_seed, timeline.counts[EPISODE_STEPS], mix.handover):
             return liked
     if mix.w_h == 0.0:
         return -1
-    return choose(values, heard, timeline.available, n, mix.form, mix.w_r, mix.w_h)
+    return choose(values, h_values, timeline.available, n, mix.form, mix.w_r, mix.w_h)
 
 
 @inner_kernel

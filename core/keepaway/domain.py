@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.domain import Choices, Transition
+from core.keepaway.action import ChosenOption
 from core.keepaway.autoplay import keepaway_tiles
 from core.keepaway.decisions import DecisionPlay, Saved
 from core.keepaway.pitch import CYCLE_S, NO_PLAYER, KeepawayConfig
@@ -178,10 +179,10 @@ class Keepaway:
         """Return the cycles since the kick-off."""
         return state.cycle
 
-    def detail(self, state: KeepawayState, action: int) -> dict[str, int]:
+    def action_record(self, state: KeepawayState, action: int) -> ChosenOption:
         """Return who decides, when, and the keeper the ball is passed to (-1: it is held)."""
         target = int(state.match.order[state.keeper, action]) if action != HOLD else NO_PLAYER
-        return {"keeper": state.keeper, "cycle": state.cycle, "target": target}
+        return ChosenOption(state.keeper, state.cycle, target)
 
     def recorded_state(self, state: KeepawayState) -> list[float] | None:
         """Return the state variables as the deciding keeper sees them."""

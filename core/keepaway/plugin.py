@@ -5,11 +5,13 @@ from functools import cache
 from typing import TYPE_CHECKING, ClassVar
 
 from core.combination.config import AgentConfig
-from core.configuration.reading import Path, Problem
+from core.configuration.messages import Path
+from core.configuration.reading import Problem
 from core.feedback.config import CreditConfig
 from core.feedback.delays import GammaDelay
 from core.feedback.keys import KeyConfig
 from core.keepaway import REVISION
+from core.keepaway.action import ChosenOption
 from core.keepaway.participant_config import KeepawayPersonConfig
 from core.keepaway.pitch import CYCLE_S, KeepawayConfig
 from core.learners.human_config import TileModel
@@ -36,6 +38,7 @@ class KeepawayPlugin(GamePlugin):
     name = "keepaway"
     title = "Keepaway"
     config = KeepawayConfig
+    action = ChosenOption
     revision = REVISION
     learners = (SarsaConfig,)
     human_models = (TileModel,)
@@ -117,8 +120,7 @@ class KeepawayPlugin(GamePlugin):
         elif protocol.domain.see_phases is None:
             found.append(
                 "which two of three cycles each player sees in is drawn anew in every episode (the "
-                "reference: once per "
-                "match)"
+                "reference: once per match)"
             )
         return found
 

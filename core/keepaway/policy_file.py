@@ -92,8 +92,7 @@ class SavedPolicy:
         if self.weights.shape != expected:
             raise PolicyFileError(
                 f"the weights of {header.task.n_keepers} keepers against {header.task.n_takers} takers have "
-                f"shape "
-                f"{expected}, got {self.weights.shape}"
+                f"shape {expected}, got {self.weights.shape}"
             )
         if not np.isfinite(self.weights).all():
             raise PolicyFileError("some weights are not finite numbers")
@@ -158,8 +157,7 @@ def load_policy(path: Path) -> SavedPolicy:
     except (*_UNREADABLE, MemoryError) as error:
         raise PolicyFileError(
             f"{path}: not a policy of Keepaway ({type(error).__name__}: {error}); `arl train keepaway --save "
-            f"FILE` "
-            "makes one"
+            "FILE` makes one"
         ) from error
 
 

@@ -83,7 +83,7 @@ def new_presses(keys: KeyConfig, room: int) -> Presses:
 
 
 @kernel
-def begin_episode(presses: Presses) -> None:
+def renew_budget(presses: Presses) -> None:
     """Give a new budget; presses that are still to come stay."""
     presses.counts[JUDGED] = 0
     presses.counts[MADE] = 0

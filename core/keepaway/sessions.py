@@ -9,6 +9,7 @@ from core.domain import Choices, Domain, Features
 from core.events import EpisodeEnded, StepTaken
 from core.feedback.config import Knowledge
 from core.feedback.viewing import Watched
+from core.keepaway.action import ChosenOption
 from core.keepaway.domain import HOLD, Keepaway, KeepawayState
 from core.keepaway.pace import options_on_screen
 from core.keepaway.participant import lay_choice, noticed_per_cycle
@@ -98,7 +99,8 @@ class KeepawayGame(SarsaGame):
         """Return a decision as its keeper saw it."""
         assert isinstance(domain, Keepaway), "the domain of this game"
         seen = recorded_observation(domain, step)
-        choices = domain.choices_of(step.detail["keeper"], seen, step.detail["cycle"])
+        chosen = ChosenOption.of(step)
+        choices = domain.choices_of(chosen.keeper, seen, chosen.cycle)
         return choices, choices.feedback_features[step.action]
 
     def time_at_end(self, ended: EpisodeEnded) -> int:

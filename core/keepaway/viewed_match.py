@@ -52,8 +52,7 @@ class ViewedMatch:
             if policy.windows.shape != wanted:
                 raise ValueError(
                     f"{config.n_keepers} keepers against {config.n_takers} takers need {wanted[0]} learners "
-                    f"of "
-                    f"{wanted[1]} variables, got {policy.windows.shape[0]} of {policy.windows.shape[1]}"
+                    f"of {wanted[1]} variables, got {policy.windows.shape[0]} of {policy.windows.shape[1]}"
                 )
         self.config = config
         self._rules = config.rules()

@@ -62,7 +62,7 @@ class StepwiseLearner(Protocol):
 
         Args:
             values: from `values`, for the decision at hand.
-            preferred: what environment and human together prefer; -1 where the learner alone decides.
+            preferred: what environment and participant together prefer; -1 where the learner alone decides.
         """
         ...
 

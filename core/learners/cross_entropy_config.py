@@ -70,7 +70,7 @@ class CrossEntropyConfig(
     population: Annotated[int, number("policies", ge=1, le=100_000, usual=(2, 10_000))] = 100
     """Samples per iteration (Szita & Lorincz 2006; Thiery & Scherrer 2009)."""
     elite_fraction: Annotated[float, number(gt=0, le=1)] = 0.1
-    """Share of the population that makes the next distribution, in (0, 1] (the same)."""
+    """Fraction of the population that makes the next distribution, in (0, 1] (the same)."""
     initial_variance: Annotated[float, number(gt=0, le=1e12, usual=(1e-6, 1e9))] = 100.0
     """Variance of each weight at the start, > 0, around mean 0 (the same)."""
     noise: Noise = DecreasingNoise()

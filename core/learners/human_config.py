@@ -54,14 +54,14 @@ class TileModel(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="ti
     """
 
     step_size: Annotated[float, number(gt=0, le=1)] = 0.125
-    """Share of a sample's error that is taken out, in (0, 1]: divided by the number of active tiles in every
-    update, as the Sarsa of the released keepaway players does with its own. (Our choice.)"""
+    """Fraction of a sample's error that is taken out, in (0, 1]: divided by the number of active tiles in
+    every update, as the Sarsa of the released keepaway players does with its own. (Our choice.)"""
     shared: bool = False
     """One model for all keepers; otherwise each keeper has its own, as it has its own values."""
 
     def __post_init__(self) -> None:
         if not 0 < self.step_size <= 1:
-            raise ValueError(f"step_size is a share in (0, 1], got {self.step_size}")
+            raise ValueError(f"step_size is a fraction in (0, 1], got {self.step_size}")
 
 
 FeatureModelConfig = SgdModel | RidgeModel

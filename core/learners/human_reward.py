@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.domain import Features
-from core.feedback.samples import Sample
+from core.feedback.samples import FeedbackSample
 from core.learners.human_config import FeatureModelConfig, RidgeModel, SgdModel
 from core.learners.linear import action_values, add_to_moments, gradient_step, solve_ridge, standardised
 
@@ -44,7 +44,7 @@ class HumanRewardModel:
         """The constant part of H; it is the same for all actions."""
         return float(self._exported()[-1])
 
-    def add(self, sample: Sample) -> None:
+    def add(self, sample: FeedbackSample) -> None:
         """Learn from one more sample."""
         if sample.features.shape != (self.n_features,):
             raise ValueError(
@@ -73,7 +73,7 @@ class HumanRewardModel:
         self._n_samples += 1
         self._export = None
 
-    def fit(self, samples: Iterable[Sample]) -> None:
+    def fit(self, samples: Iterable[FeedbackSample]) -> None:
         """Forget everything and learn from `samples` in order."""
         self._reset()
         for sample in samples:

@@ -28,7 +28,7 @@ class HumanSet(NamedTuple):
     prediction, sum of squares of predictions, drift, variation; shape (6,)."""
     n_tilings: int
     step_size: float
-    """Share of its error that a sample of weight 1 takes out."""
+    """Fraction of its error that a sample of weight 1 takes out."""
 
 
 def new_human_set(config: TileModel, coder: TileCoder, n_learners: int, n_options: int) -> HumanSet:

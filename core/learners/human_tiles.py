@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.domain import Features
-from core.feedback.samples import Sample
+from core.feedback.samples import FeedbackSample
 from core.learners.human_config import HumanModelConfig, TileModel
 from core.learners.human_reward import HumanRewardModel
 from core.numerics.arrays import Floats
@@ -61,7 +61,7 @@ class HumanTileModel:
             self._export.flags.writeable = False
         return self._export
 
-    def add(self, sample: Sample) -> None:
+    def add(self, sample: FeedbackSample) -> None:
         """Learn from one more sample."""
         windows = sample.features.astype(np.int64)
         last = self.tiling.n_weights - self.tiling.n_tilings
@@ -75,7 +75,7 @@ class HumanTileModel:
         self._n_samples += 1
         self._export = None
 
-    def fit(self, samples: Iterable[Sample]) -> None:
+    def fit(self, samples: Iterable[FeedbackSample]) -> None:
         """Forget everything and learn from `samples` in order."""
         self._weights[:] = 0.0
         self._n_samples = 0

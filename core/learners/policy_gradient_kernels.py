@@ -56,10 +56,10 @@ def fill_score(
         out[i] = 0.0
     for other in range(n):
         if probabilities[other] > 0.0:
-            share = probabilities[other] * gains[other]
+            factor = probabilities[other] * gains[other]
             for i in range(n_weights):
                 origin = rows[reference, i] if reference >= 0 else 0.0
-                out[i] += share * (rows[other, i] - origin)
+                out[i] += factor * (rows[other, i] - origin)
     for i in range(n_weights):
         origin = rows[reference, i] if reference >= 0 else 0.0
         out[i] = gains[action] * (rows[action, i] - origin) - out[i]

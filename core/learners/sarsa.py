@@ -135,7 +135,7 @@ def greedy_or_random(values: Floats, exploration: float, rng: np.random.Generato
 
 @inner_kernel
 def best_or_tied(values: Floats, pick: float) -> int:
-    """Return the best action; of equally good ones that at the share `pick`, in [0, 1), of them."""
+    """Return the best action; of equally good ones that at the fraction `pick`, in [0, 1), of them."""
     n = len(values)
     best = values[0]
     for a in range(1, n):

@@ -20,7 +20,7 @@ class SarsaConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     trace_decay: Annotated[float, number("per decision", ge=0, le=1)] = 0.0
     """lambda per decision, in [0, 1]."""
     exploration: Annotated[float, number(ge=0, le=1)] = 0.01
-    """epsilon: share of decisions taken at random."""
+    """epsilon: fraction of decisions taken at random."""
     replacing_traces: bool = True
     """True: a visited tile's trace becomes 1, those of the other actions there 0. False: traces
     accumulate."""
@@ -34,8 +34,8 @@ class SarsaConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     def __post_init__(self) -> None:
         if not (self.step_size >= 0 and 0 < self.discount <= 1 and 0 <= self.trace_decay <= 1):
             raise ValueError(
-                "need step_size >= 0, discount in (0, 1] and trace_decay in [0, 1], got "
-                f"{self.step_size}, {self.discount}, {self.trace_decay}"
+                f"need step_size >= 0, discount in (0, 1] and trace_decay in [0, 1], got {self.step_size}, "
+                f"{self.discount}, {self.trace_decay}"
             )
         if not 0 <= self.exploration <= 1:
-            raise ValueError(f"exploration is a share of decisions in [0, 1], got {self.exploration}")
+            raise ValueError(f"exploration is a fraction of decisions in [0, 1], got {self.exploration}")

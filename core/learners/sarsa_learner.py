@@ -1,5 +1,7 @@
 """Sarsa as an agent's learner: one step at a time, whoever chooses the action (`core.learners.contract`)."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from core.domain import Choices
@@ -14,7 +16,7 @@ from core.learners.sarsa import (
     new_sarsa,
     observe_action,
 )
-from core.numerics.arrays import Floats
+from core.numerics.arrays import Floats, Ints
 from core.numerics.streams import stream
 from core.numerics.tile_coding import TileCoder, runs
 
@@ -36,21 +38,29 @@ class SarsaLearner:
         n_learners: int,
         n_actions: int,
         reward_is_time: bool = False,
+        tiled: Callable[[Floats], Floats] | None = None,
     ) -> None:
         """Begin without having learned.
 
         Args:
             config: of all learners.
-            coder: of the observation.
+            coder: of the observation, or of what `tiled` makes of it.
             n_learners: >= 1.
             n_actions: of each decision, >= 1.
             reward_is_time: the reward of the domain is its own time, unit for unit (Keepaway: each cycle). It
                 is then counted in whole units, and the rewards that `took` is told of are not needed.
+            tiled: what is tiled, made of an observation (tiles over several variables together); the
+                observation itself where None.
         """
         self._coder = coder
+        self._tiled = tiled
         self.sarsa = new_sarsa(config, coder, n_learners, n_actions, reward_is_time=reward_is_time)
         """Weights, traces and last decisions; kernels change them in place."""
         self._rng = stream(0, "no episode yet")
+
+    def _windows(self, choices: Choices) -> Ints:
+        seen = choices.observation
+        return active_tiles(self._coder, seen if self._tiled is None else self._tiled(seen))
 
     def begin_episode(self, *, rng: np.random.Generator) -> None:
         """Take the stream of the episode's exploration: two draws per decision."""
@@ -60,7 +70,7 @@ class SarsaLearner:
     def values(self, choices: Choices) -> Floats:
         """Return Q(s, a) of the one who decides, in reward still to come, shape (n,)."""
         out = np.empty(len(choices.ruled_out))
-        action_values(self.sarsa, choices.actor, active_tiles(self._coder, choices.observation), out)
+        action_values(self.sarsa, choices.actor, self._windows(choices), out)
         return out
 
     def act(self, values: Floats, preferred: int) -> int:
@@ -88,7 +98,7 @@ class SarsaLearner:
         if sarsa.last_time[k] != NOT_YET:
             passed = float(sarsa.discount) ** int(choices.time - sarsa.last_time[k])
             sarsa.extra[k] += passed * augmentation
-        observe_action(sarsa, k, active_tiles(self._coder, choices.observation), action, choices.time)
+        observe_action(sarsa, k, self._windows(choices), action, choices.time)
         sarsa.extra[k] = shaping - augmentation
         if not sarsa.reward_is_time:
             self._earn(reward, choices.time)

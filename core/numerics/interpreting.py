@@ -24,7 +24,7 @@ if not JIT_DISABLED:
 CAN_INTERPRET = sys.platform == "linux" and not JIT_DISABLED
 """Whether plain Python is known to give the bits of compiled code here."""
 OPTIMISED = 0.35
-"""What optimising a piece of code takes, as a share of what writing its parts took (measured)."""
+"""What optimising a piece of code takes, as a fraction of what writing its parts took (measured)."""
 
 _twins: dict[str, Callable[..., Any]] = {}
 _globals: dict[int, dict[str, Any]] = {}
@@ -41,9 +41,9 @@ class Progress:
     """Kernels of which there is compiled code."""
     needed: int
     """Kernels that are needed, >= compiled."""
-    share: float
-    """Share of the work that is done, in [0, 1]: kernels weighted by their length, and whole pieces by their
-    parts."""
+    fraction: float
+    """Fraction of the work that is done, in [0, 1]: kernels weighted by their length, and whole pieces by
+    their parts."""
 
 
 def twin(kernel: "Kernel") -> Callable[..., Any]:

@@ -82,7 +82,7 @@ def _divide(values: Floats, n: int, divisor: float) -> None:
 
 @kernel
 def drawn(probabilities: Floats, n: int, point: float) -> int:
-    """Return the action in whose share of [0, 1) `point` lies; the shares are in the order of the actions."""
+    """Return the action in whose part of [0, 1) `point` lies; the parts are in the order of the actions."""
     cumulative = 0.0
     last = 0
     for action in range(n):

@@ -50,8 +50,8 @@ class Anonymising:
     """Secret, kept apart from the copies: new codes follow from it and from the old ones."""
     removed: frozenset[Removal] = frozenset(REMOVALS)
     keyed_hash: bool = False
-    """Name the old file by HMAC-SHA256 under the key; False: by SHA-256, which anybody can compute of the old
-    file."""
+    """Name the old file by HMAC-SHA256 under the key; False: by SHA-256, which any reader can compute of the
+    old file."""
 
     def code(self, old: str) -> str:
         """Return the new code of a participant: `A` and 10 of the letters A-Z and digits 2-7.

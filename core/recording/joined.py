@@ -207,7 +207,7 @@ def _times(event: Event) -> dict[str, int]:
     """Return an event's points in time by field; durations are none."""
     if isinstance(event, CreditGiven):
         return {}
-    names = ("time_ns", "flushed_ns", "last_ns")
+    names = ("time_ns", "flushed_ns", "last_ns", "shown_ns")
     return {name: getattr(event, name) for name in names if hasattr(event, name)}
 
 

@@ -10,13 +10,22 @@ from typing import Any
 import msgspec
 
 from core.configuration.catalogue import field_docs
-from core.events import FocusLost, FocusRegained, Input, KeyPressed, Output, TimeGap
+from core.events import (
+    FocusLost,
+    FocusRegained,
+    Input,
+    KeyPressed,
+    Output,
+    QuestionAnswered,
+    QuestionPosed,
+    TimeGap,
+)
 from core.recording import version_1
 from core.recording.recorder import CHAIN_DIGITS
 from core.recording.schema import VERSION, End, Header
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
-_LATER = (TimeGap, FocusLost, FocusRegained)
+_LATER = (TimeGap, FocusLost, FocusRegained, QuestionAnswered, QuestionPosed)
 """Events that version 1 does not have."""
 _LATER_FIELDS: dict[type[msgspec.Struct], tuple[str, ...]] = {KeyPressed: ("read_as", "layout")}
 _CHAIN = {

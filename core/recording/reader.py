@@ -82,6 +82,16 @@ class Recording:
         """What the domain and the agent did, in order."""
         return tuple(event for event in self.events if isinstance(event, Output))
 
+    @property
+    def n_outputs(self) -> int:
+        """How many outputs there are."""
+        return sum(isinstance(event, Output) for event in self.events)
+
+    @property
+    def last_output(self) -> Output | None:
+        """The last output; None where there is none."""
+        return next((event for event in reversed(self.events) if isinstance(event, Output)), None)
+
 
 def read_recording(path: Path, *, allow_truncated: bool = True) -> Recording:
     """Read and check a recording.
@@ -236,8 +246,7 @@ class _Reading:
         raise self._wrong(
             number,
             "a second header: two recordings were joined. Split them before this line: `head -n "
-            f"{number - 1}` and "
-            f"`tail -n +{number}` give one each",
+            f"{number - 1}` and `tail -n +{number}` give one each",
         )
 
     def _header(self, line: bytes) -> Header:
@@ -260,10 +269,9 @@ class _Reading:
         if missing:
             raise self._wrong(
                 1,
-                f"the header was changed after it was recorded: {' and '.join(missing)} was taken out, "
-                "and the chain "
-                f"cannot be checked any more. {TAKE_THE_ORIGINAL}; `arl recordings --publish DIR` makes "
-                "copies without dates",
+                f"the header was changed after it was recorded: {' and '.join(missing)} was taken out, and "
+                f"the chain cannot be checked any more. {TAKE_THE_ORIGINAL}; `arl recordings --publish DIR` "
+                "makes copies without dates",
             )
         header = self._decode(1, line, VERSION)
         assert isinstance(header, Header), "its type was looked at"
@@ -299,11 +307,7 @@ class _Reading:
                 self._n_line_ends + 1,
                 f"behind the end line stands {tail[:40]!r}; was something appended? Take it away",
             )
-        self._notes.append(
-            f"the file ends within a line, {len(tail):,} bytes behind the last whole one: a power cut, "
-            "or a copy that is not whole. "
-            "Compare its size with the original's"
-        )
+        self._notes.append(cut_note(tail))
         return tail
 
     def _check_end(self, number: int, events: list[Event], end: End | None, *, allow_truncated: bool) -> None:
@@ -342,6 +346,14 @@ def record_of(payload: bytes, version: int) -> Line:
     return record
 
 
+def cut_note(tail: bytes) -> str:
+    """Say that a file ends within a line, of which `tail` is there."""
+    return (
+        f"the file ends within a line, {len(tail):,} bytes behind the last whole one: a power cut, "
+        "or a copy that is not whole. Compare its size with the original's"
+    )
+
+
 def line_of_file(line: bytes, version: int) -> Line:
     """Return what one sealed line of a recording says, without a check of its chain.
 
@@ -369,9 +381,8 @@ def _broken(number: int, payload: bytes, digits: bytes) -> str:
                     f"{TAKE_THE_ORIGINAL}"
                 )
         return (
-            "the line's chain does not follow from it: the header was changed after it was recorded (a "
-            "date, a code, a "
-            f"version?). {TAKE_THE_ORIGINAL}"
+            "the line's chain does not follow from it: the header was changed after it was recorded (a date, "
+            f"a code, a version?). {TAKE_THE_ORIGINAL}"
         )
     return (
         "the line's chain does not follow from the lines before it: this line was changed, or one before "

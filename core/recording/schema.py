@@ -5,7 +5,6 @@ hex digits of the running SHA-256 over all lines so far (without their chains): 
 line is noticed, and where. The format is described for readers of other languages in `recordings/README.md`.
 """
 
-from collections.abc import Mapping
 from typing import Any, Literal
 
 import msgspec
@@ -109,6 +108,7 @@ DURABLE = frozenset(
     {
         "KeyPressed",
         "PressRetracted",
+        "QuestionAnswered",
         "TimeGap",
         "EpisodeEnded",
         "UnseenPlayed",
@@ -120,27 +120,30 @@ DURABLE = frozenset(
 """Records that are forced to the disk at once; the others are on their way to it."""
 
 
-LATER = frozenset({"people", "graded"})
-"""Settings that came after version 2 of the format: left out of a header where they are empty, so that a
-session that does not use them is recorded as it was before there were any."""
-
-
 def encode(line: Line) -> bytes:
     """Return a line as JSON, without chain and newline."""
     return msgspec.json.encode(line)
 
 
 def to_plain(value: object) -> dict[str, Any]:
-    """Return a configuration as plain JSON types, for `Header.protocol`."""
+    """Return a configuration as plain JSON types, for `Header.protocol`.
+
+    A setting that a table names in `LATER` is left out at its default, so that a session without it is
+    recorded as before there was such a setting.
+    """
     plain = msgspec.to_builtins(value)
-    assert isinstance(plain, Mapping)
-    return _without_unused(plain)
+    assert isinstance(plain, dict)
+    _leave_out_later(value, plain)
+    return plain
 
 
-def _without_unused(table: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a table without the settings of `LATER` that are empty."""
-    return {
-        key: _without_unused(value) if isinstance(value, Mapping) else value
-        for key, value in table.items()
-        if value or key not in LATER
-    }
+def _leave_out_later(value: object, plain: object) -> None:
+    if not (isinstance(value, msgspec.Struct) and isinstance(plain, dict)):
+        return
+    later: frozenset[str] = getattr(value, "LATER", frozenset())
+    for field in msgspec.structs.fields(value):
+        held = getattr(value, field.name)
+        if field.name in later and held == field.default:
+            plain.pop(field.encode_name, None)
+        else:
+            _leave_out_later(held, plain.get(field.encode_name))

@@ -5,21 +5,18 @@ and credits are counted and not decoded; `core.recording.reader` does that, and 
 is wrong.
 """
 
-import hashlib
 from pathlib import Path
 
 import msgspec
 
-from core.recording.reader import CHAIN_MARK, Recording, read_recording, record_of
-from core.recording.recorder import CHAIN_DIGITS
+from core.recording.reader import Recording, read_recording, record_of
 from core.recording.schema import End, Header
+from core.recording.sealed import SealedFile, UnusualFileError
 
 WORTH_SKIMMING = 1 << 22
 """Bytes from which on a file is skimmed: 4 MB."""
-_BEGIN = b'{"type":"'
 _STEP = b'{"type":"step-taken"'
 _COUNTED = (b'{"type":"frame-shown"', _STEP, b'{"type":"credit-given"')
-_TAIL = len(CHAIN_MARK) + CHAIN_DIGITS + 2
 
 
 def skim_recording(path: Path) -> Recording:
@@ -33,33 +30,31 @@ def skim_recording(path: Path) -> Recording:
         OSError: the file cannot be read.
     """
     if path.is_file() and path.stat().st_size >= WORTH_SKIMMING:
-        skimmed = _skimmed(path, path.read_bytes())
+        skimmed = _skimmed(path)
         if skimmed is not None:
             return skimmed
     return read_recording(path)
 
 
-def _skimmed(path: Path, content: bytes) -> Recording | None:
+def _skimmed(path: Path) -> Recording | None:
     """Return what a listing needs; None where anything is not as this program writes it: the reader tells."""
-    if not content.startswith(_BEGIN) or not content.endswith(b'"}\n') or b"\r" in content:
+    file = SealedFile(path)
+    kept: list[bytes] = []
+    n_lines = steps = 0
+    try:
+        for piece in file.pieces(every_line=False):
+            n_lines += len(piece.payloads)
+            steps += sum([payload.startswith(_STEP) for payload in piece.payloads])
+            kept += [payload for payload in piece.payloads if not payload.startswith(_COUNTED)]
+    except UnusualFileError:
         return None
-    lines = content.split(b"\n")
-    lines.pop()
-    if content.count(CHAIN_MARK) != len(lines) or content.count(b"\n" + _BEGIN) != len(lines) - 1:
-        return None
-    del content
-    digest = hashlib.sha256(b"}".join([line[:-_TAIL] for line in lines]) + b"}").hexdigest()
-    if digest[:CHAIN_DIGITS].encode() != lines[-1][-CHAIN_DIGITS - 2 : -2]:
-        return None
-    steps = sum([line.startswith(_STEP) for line in lines])
-    kept = [line for line in lines if not line.startswith(_COUNTED)]
-    return _decoded(path, kept, len(lines), steps)
+    return None if file.tail else _decoded(path, kept, n_lines, steps)
 
 
 def _decoded(path: Path, kept: list[bytes], n_lines: int, steps: int) -> Recording | None:
     try:
-        header = msgspec.json.decode(kept[0][:-_TAIL] + b"}", type=Header)
-        records = [record_of(line[:-_TAIL] + b"}", header.version) for line in kept[1:]]
+        header = msgspec.json.decode(kept[0] + b"}", type=Header)
+        records = [record_of(payload + b"}", header.version) for payload in kept[1:]]
     except (msgspec.DecodeError, ValueError, RecursionError):
         return None
     last = records[-1] if records else None

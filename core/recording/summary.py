@@ -8,8 +8,10 @@ from typing import Any, Literal, cast
 from core.events import (
     EpisodeEnded,
     EpisodeStarted,
+    Event,
     FocusLost,
     KeyPressed,
+    Output,
     PressRetracted,
     SessionEnded,
     StepTaken,
@@ -51,33 +53,12 @@ class Ending:
 
 def ending_of(recording: Recording) -> Ending:
     """Return how the session of a recording ended, from its events alone."""
-    if recording.header.origin == "imported":
-        return Ending("imported", "imported")
-    stop = next((event for event in reversed(recording.inputs) if isinstance(event, StopAsked)), None)
-    outputs = recording.outputs
-    last_word = bool(outputs) and isinstance(outputs[-1], SessionEnded)
-    if stop is not None:
-        return Ending(stop.reason, _stop_words(recording, stop, last_word=last_word))
-    if last_word:
-        whole = "" if recording.complete else ", but the end of the file is missing"
-        return Ending("finished", f"finished{whole}")
-    if recording.complete:
-        return Ending("closed", "closed before its end, without a reason")
-    when = "" if outputs else " before the first game"
-    if recording.lost_tail:
-        return Ending("cut", f"killed{when}, or the copy is not whole: the file ends within a line")
-    return Ending("killed", f"killed{when}, or the copy is not whole: the file has no end line")
-
-
-def _stop_words(recording: Recording, stop: StopAsked, *, last_word: bool) -> str:
-    words = _STOPS[stop.reason]
-    if stop.reason == "participant" and recorded_version(recording.header) < HAS_REASONS:
-        words += _V1_STOP
-    if not last_word and stop.reason != "worker-died":
-        words += ", and the worker gave no answer"
-    if not recording.complete:
-        words += "; the end of the file is missing"
-    return words
+    summarising = Summarising()
+    for event in recording.events:
+        summarising.take(event)
+    return summarising.ending(
+        recording.header, complete=recording.complete, lost_tail=bool(recording.lost_tail)
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -137,32 +118,109 @@ def _counted(n: int, one: str, many: str | None = None) -> str:
 
 def summarise_recording(recording: Recording) -> RecordingSummary:
     """Return a recording's summary. It asks for no game and runs nothing."""
-    protocol = recording.header.protocol
-    imported = recording.header.origin == "imported"
-    presses = {
-        event.press: event
-        for event in recording.events
-        if isinstance(event, KeyPressed) and event.verdict == "accepted"
-    }
-    taken_back = {event.press for event in recording.events if isinstance(event, PressRetracted)}
-    counted = [press for number, press in presses.items() if number not in taken_back]
-    return RecordingSummary(
-        game=_game(protocol),
-        protocol=str(protocol.get("name", "default")),
-        condition=condition_of(recording.header),
-        games_finished=_finished(recording),
-        games_begun=_count(recording, EpisodeStarted),
-        games_planned=None if imported else _planned(protocol),
-        steps=_count(recording, StepTaken) + recording.steps_left_out,
-        presses_counted=len(counted),
-        presses_simulated=sum(press.source == "simulated" for press in counted),
-        presses_of_people=_of_people(recording.header, counted),
-        presses_by_value=_by_value(protocol, counted),
-        presses_taken_back=len(taken_back & presses.keys()),
-        gaps=sum(isinstance(event, TimeGap) and not event.joint for event in recording.events),
-        focus_lost=_count(recording, FocusLost),
-        ending=ending_of(recording),
+    summarising = Summarising(steps=recording.steps_left_out)
+    for event in recording.events:
+        summarising.take(event)
+    return summarising.summary(
+        recording.header, complete=recording.complete, lost_tail=bool(recording.lost_tail)
     )
+
+
+class Summarising:
+    """Takes events in, one by one, and counts: it keeps no event but the last ones."""
+
+    def __init__(self, *, steps: int = 0) -> None:
+        """Begin with so many steps that are not among the events."""
+        self._steps = steps
+        self._begun = self._finished = self._gaps = self._focus_lost = 0
+        self._accepted: dict[int, KeyPressed] = {}  # by the number of the press
+        self._taken_back: set[int] = set()
+        self._stop: StopAsked | None = None
+        self._last_output: Output | None = None
+
+    def take(self, event: Event) -> None:
+        """Take in the next event."""
+        if isinstance(event, Output):
+            self._last_output = event
+        match event:
+            case StepTaken():
+                self._steps += 1
+            case KeyPressed(verdict="accepted"):
+                self._accepted[event.press] = event
+            case PressRetracted():
+                self._taken_back.add(event.press)
+            case EpisodeStarted():
+                self._begun += 1
+            case EpisodeEnded():
+                # Over before the session was asked to stop, or by itself.
+                self._finished += self._stop is None or event.ended == "termination"
+            case StopAsked():
+                self._stop = event
+            case TimeGap():
+                self._gaps += not event.joint
+            case FocusLost():
+                self._focus_lost += 1
+            case _:
+                pass
+
+    def ending(self, header: Header, *, complete: bool, lost_tail: bool) -> Ending:
+        """Return how the session ended.
+
+        Args:
+            header: of the recording.
+            complete: it has its end line.
+            lost_tail: it ends within a line.
+        """
+        if header.origin == "imported":
+            return Ending("imported", "imported")
+        last_word = isinstance(self._last_output, SessionEnded)
+        if self._stop is not None:
+            words = _stop_words(header, self._stop, complete=complete, last_word=last_word)
+            return Ending(self._stop.reason, words)
+        if last_word:
+            whole = "" if complete else ", but the end of the file is missing"
+            return Ending("finished", f"finished{whole}")
+        if complete:
+            return Ending("closed", "closed before its end, without a reason")
+        when = "" if self._last_output is not None else " before the first game"
+        if lost_tail:
+            return Ending("cut", f"killed{when}, or the copy is not whole: the file ends within a line")
+        return Ending("killed", f"killed{when}, or the copy is not whole: the file has no end line")
+
+    def summary(self, header: Header, *, complete: bool, lost_tail: bool) -> RecordingSummary:
+        """Return what was counted; arguments as for `ending`."""
+        protocol = header.protocol
+        imported = header.origin == "imported"
+        taken_back = self._taken_back & self._accepted.keys()
+        counted = [press for number, press in self._accepted.items() if number not in taken_back]
+        return RecordingSummary(
+            game=_game(protocol),
+            protocol=str(protocol.get("name", "default")),
+            condition=condition_of(header),
+            games_finished=self._finished,
+            games_begun=self._begun,
+            games_planned=None if imported else _planned(protocol),
+            steps=self._steps,
+            presses_counted=len(counted),
+            presses_simulated=sum(press.source == "simulated" for press in counted),
+            presses_of_people=_of_people(header, counted),
+            presses_by_value=_by_value(protocol, counted),
+            presses_taken_back=len(taken_back),
+            gaps=self._gaps,
+            focus_lost=self._focus_lost,
+            ending=self.ending(header, complete=complete, lost_tail=lost_tail),
+        )
+
+
+def _stop_words(header: Header, stop: StopAsked, *, complete: bool, last_word: bool) -> str:
+    words = _STOPS[stop.reason]
+    if stop.reason == "participant" and recorded_version(header) < HAS_REASONS:
+        words += _V1_STOP
+    if not last_word and stop.reason != "worker-died":
+        words += ", and the worker gave no answer"
+    if not complete:
+        words += "; the end of the file is missing"
+    return words
 
 
 def _of_people(header: Header, counted: Sequence[KeyPressed]) -> tuple[tuple[str, int], ...]:
@@ -189,10 +247,6 @@ def condition_of(header: Header) -> str:
     return ""
 
 
-def _count(recording: Recording, kind: type) -> int:
-    return sum(isinstance(event, kind) for event in recording.events)
-
-
 def _game(protocol: Mapping[str, Any]) -> str:
     domain = protocol.get("domain")
     # Recordings made before there was a second game do not name theirs.
@@ -203,14 +257,3 @@ def _planned(protocol: Mapping[str, Any]) -> int | None:
     session = protocol.get("session")
     episodes = session.get("episodes") if isinstance(session, Mapping) else None
     return cast("int | None", episodes)
-
-
-def _finished(recording: Recording) -> int:
-    """Count the games that were over before the session was asked to stop, or by themselves."""
-    finished, stopped = 0, False
-    for event in recording.events:
-        if isinstance(event, StopAsked):
-            stopped = True
-        elif isinstance(event, EpisodeEnded):
-            finished += not stopped or event.ended == "termination"
-    return finished

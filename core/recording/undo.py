@@ -113,14 +113,12 @@ def _unpack(
     if len(unpacked) > MOST_UNPACKED:
         raise RecordingError(
             f"{path}: the file is compressed ({name}) and holds more than {MOST_UNPACKED:,} bytes, more than "
-            f"any "
-            "session records. If it is one, unpack it, and name the unpacked file"
+            "any session records. If it is one, unpack it, and name the unpacked file"
         )
     if unpacker.eof and unpacker.unused_data.strip(b"\0"):
         raise RecordingError(
-            f"{path}: behind the compressed recording ({name}) stand {len(unpacker.unused_data)} more "
-            "bytes; was something "
-            "appended? Take the original again"
+            f"{path}: behind the compressed recording ({name}) stand {len(unpacker.unused_data)} more bytes; "
+            "was something appended? Take the original again"
         )
     if not unpacked:
         raise RecordingError(
@@ -142,9 +140,8 @@ def _in_utf8(path: Path, content: bytes, notes: list[str]) -> bytes:
             content = content.decode(wide).encode()
         except UnicodeDecodeError as error:
             raise RecordingError(
-                f"{path}: the file was rewritten as UTF-16 text and is damaged at byte {error.start}. "
-                "Take the original "
-                "again"
+                f"{path}: the file was rewritten as UTF-16 text and is damaged at byte {error.start}. Take "
+                "the original again"
             ) from error
         notes.append("the file was rewritten as UTF-16 text (as PowerShell's > does); it was read as UTF-8")
     for mark in (codecs.BOM_UTF8, _MANGLED_BOM):

@@ -13,7 +13,7 @@ import msgspec
 from core.events import EpisodeEnded, EpisodeStarted, Output, Record, SessionEnded, UnseenPlayed
 
 
-class EpisodeStarted1(Record, frozen=True, kw_only=True, tag="episode-started"):
+class EpisodeStarted1(Record, frozen=True, kw_only=True, tag="episode-started", rename={"handover": "share"}):
     """`EpisodeStarted` as version 1 wrote it."""
 
     episode: int
@@ -25,7 +25,7 @@ class EpisodeStarted1(Record, frozen=True, kw_only=True, tag="episode-started"):
     w_r: float
     w_h: float
     """The weight in use."""
-    share: float
+    handover: float
 
     def upgraded(self) -> EpisodeStarted:
         """Return today's event; what trust said then is not known."""

@@ -20,13 +20,15 @@ from core.combination.config import (
     Linear,
 )
 from core.configuration.catalogue import settings_of
-from core.configuration.reading import Path, Problem, shown_path
+from core.configuration.messages import Path, shown_path
+from core.configuration.reading import Problem
 from core.feedback.delays import Delay, GammaDelay, PerValueDelay, UniformDelay
 from core.learners.cross_entropy_config import CrossEntropyConfig
 from core.learners.human_config import SgdModel
 from core.learners.policy_gradient_config import PolicyGradientConfig
 from core.learners.sarsa_config import SarsaConfig
 from core.plugins import GamePlugin, plugin_of, plugins
+from core.session.answer_keys import keys_used_twice
 from core.session.protocol import Protocol
 
 Mode = Literal["live", "simulated", "what-if"]
@@ -152,7 +154,18 @@ _IN_ANY_GAME: tuple[Use, ...] = (
         "where trainer.burst_rate is > 0",
         lambda p, m: p.trainer.burst_rate > 0,
     ),
-    Use(("agent.asking",), "in no session yet, because no screen poses questions", lambda p, m: False),
+    Use(
+        ("agent.asking",),
+        "where agent.asking.per_episode is > 0",
+        lambda p, m: p.agent.asking.per_episode > 0,
+    ),
+    Use(
+        ("agent.asking",),
+        "in live and simulated sessions, with every scheme but coach: a what-if learns from the questions "
+        "that were recorded, and with coach answers teach a human model that has no say",
+        lambda p, m: _on_screen(p, m) and not isinstance(p.agent.scheme, Coach),
+        refused=False,
+    ),
     Use(
         ("delay_of", "delay_if_missing"),
         "in live sessions and what-ifs: a simulated participant's delay is not measured",
@@ -377,6 +390,7 @@ def contradictions(protocol: Protocol) -> Iterator[Problem]:
             model.step_size,
         )
     yield from plugin_of(protocol).contradictions(protocol)
+    yield from keys_used_twice(protocol)
     low_ms, high_ms = protocol.keys.repeat_delay_ms
     if low_ms > high_ms:
         yield Problem(

@@ -12,7 +12,6 @@ What no file can tell is listed in `SECURITY.md`.
 from collections import deque
 from collections.abc import Sequence
 from itertools import count
-from typing import NoReturn
 
 import msgspec
 
@@ -20,13 +19,13 @@ from core.events import (
     CreditGiven,
     EpisodeStarted,
     Event,
-    FocusLost,
-    FocusRegained,
     FrameShown,
     Input,
     KeyPressed,
     Output,
     PressRetracted,
+    QuestionAnswered,
+    QuestionPosed,
     Resumed,
     ScreenCleared,
     StepTaken,
@@ -34,12 +33,15 @@ from core.events import (
     TimeGap,
     WrongPressAsked,
 )
+from core.feedback.asking_config import AskingConfig
 from core.feedback.frames import FrameLedger
 from core.feedback.keys import KeyConfig, PressGate, WrongPressPlan
 from core.feedback.layouts import KeyReader, Reading, possible_readings
 from core.feedback.people import PeopleGate
-from core.recording.reader import Recording, RecordingError
+from core.recording.reader import RecordingError
 from core.recording.schema import Header
+from core.recording.stored import AnyRecording
+from core.session.answers import Impossible, QuestionsFollowed, refuse
 
 CLOCKS_AGREE_NS = (1_000_000, 50_000_000)
 """Times that two processes read from one clock may differ by its resolution in the wrong order: at least and
@@ -48,16 +50,15 @@ LONGEST_NS = 1 << 62
 """No time of a session is beyond this, or below 0: 146 years."""
 
 
-class _Impossible(ValueError):
-    """An event cannot have happened where it stands."""
-
-
-def check_inputs(recording: Recording, keys: KeyConfig | Sequence[KeyConfig]) -> None:
+def check_inputs(
+    recording: AnyRecording, keys: KeyConfig | Sequence[KeyConfig], asking: AskingConfig | None = None
+) -> None:
     """Check that every input of a recording can have happened where it stands.
 
     Args:
         recording: live or simulated. Imported recordings have no gate: nothing is checked.
         keys: of the recording's own protocol; of several people at one keyboard those of each.
+        asking: of it, too: keys and limit of answers. None: the defaults.
 
     Raises:
         RecordingError: one cannot; with its line and the reason.
@@ -65,12 +66,16 @@ def check_inputs(recording: Recording, keys: KeyConfig | Sequence[KeyConfig]) ->
     if recording.header.origin == "imported":
         return
     # An older part may have been shifted to times before zero (`core.recording.joined`).
-    of_each = (keys,) if isinstance(keys, KeyConfig) else tuple(keys)
-    screen = _Screen(recording.header, of_each, earliest_ns=-LONGEST_NS if recording.older else 0)
+    screen = _Screen(
+        recording.header,
+        (keys,) if isinstance(keys, KeyConfig) else tuple(keys),
+        QuestionsFollowed(asking or AskingConfig()),
+        earliest_ns=-LONGEST_NS if recording.older else 0,
+    )
     for index, event in enumerate(recording.events):
         try:
             screen.take(event)
-        except _Impossible as error:
+        except Impossible as error:
             raise RecordingError(
                 f"{recording.path}:{recording.line_of(index)}: {error}. No session records this: the file "
                 f"was "
@@ -94,9 +99,18 @@ class _RecordedReader(KeyReader):
 class _Screen:
     """The screen's side of a session: takes in events in the order of the file, as the live screen did."""
 
-    def __init__(self, header: Header, keys: Sequence[KeyConfig], *, earliest_ns: int = 0) -> None:
+    def __init__(
+        self,
+        header: Header,
+        keys: Sequence[KeyConfig],
+        questions: QuestionsFollowed,
+        *,
+        earliest_ns: int = 0,
+    ) -> None:
+        self._questions = questions
         self._earliest_ns = earliest_ns
-        self._live = header.origin == "live"
+        # Simulated sessions are drawn on the real screens, too: these have a terminal.
+        self._live = header.origin == "live" or bool(header.terminal)
         least_ns, most_ns = CLOCKS_AGREE_NS
         self._clocks_agree_ns = min(max(least_ns, header.clock_resolution_ns), most_ns)
         # Version 1 was written by programs whose covers could follow each other.
@@ -127,7 +141,7 @@ class _Screen:
         """Take in the next event.
 
         Raises:
-            _Impossible: it cannot have happened here.
+            Impossible: it cannot have happened here.
         """
         if isinstance(event, TimeGap) and event.joint:
             self._go_on()
@@ -136,7 +150,7 @@ class _Screen:
         elif self._due:
             expected = self._due.popleft()
             if event != expected:
-                _refuse(
+                refuse(
                     f"expected {_told(expected)}, which follows from the press before, found {_told(event)}"
                 )
             self._note_time(expected)
@@ -150,6 +164,7 @@ class _Screen:
         asked = any(gate.wrong_asked for gate in self._gates.values() if isinstance(gate, PressGate))
         self._due.clear()  # what would have come next belongs to the game that was cut short
         self._playing = self._covered = False
+        self._questions.forget()
         self._gates.clear()
         if asked:
             self._gate_of_first().wrong_asked = True
@@ -158,7 +173,7 @@ class _Screen:
 
     def _take_input(self, event: Input) -> None:
         if self._stopped and self._strict_covers:
-            _refuse(f"{_told(event)} behind the request to stop, after which the screen takes nothing in")
+            refuse(f"{_told(event)} behind the request to stop, after which the screen takes nothing in")
         self._note_time(event)
         match event:
             case FrameShown():
@@ -167,44 +182,44 @@ class _Screen:
                 self._take_press(event)
             case ScreenCleared(time_ns=time_ns):
                 if self._covered and self._strict_covers:
-                    _refuse("the screen is covered, and was covered before")
+                    refuse("the screen is covered, and was covered before")
                 self._covered = True
                 self._frames.cleared(time_ns)
             case Resumed():
                 if not self._covered and self._strict_covers:
-                    _refuse("the screen is uncovered, and was not covered before")
+                    refuse("the screen is uncovered, and was not covered before")
                 self._covered = False
             case TimeGap(last_ns=last_ns, time_ns=time_ns):
                 if last_ns > time_ns:
-                    _refuse(f"a gap ends at {time_ns} ns, before it begins at {last_ns} ns")
+                    refuse(f"a gap ends at {time_ns} ns, before it begins at {last_ns} ns")
                 self._frames.cleared(last_ns)
             case PressRetracted(press=press):
-                _refuse(f"press {press} is taken back, and nothing that was pressed before does so")
+                refuse(f"press {press} is taken back, and nothing that was pressed before does so")
             case WrongPressAsked():
-                _refuse(
+                refuse(
                     "the participant is asked for a wrong press, where the protocol and the seed ask for none"
                 )
             case StopAsked():
                 self._stopped = True
-            case FocusLost() | FocusRegained():
-                pass
+            case QuestionAnswered():
+                self._questions.answered(event, self._clocks_agree_ns, covered=self._covered)
+            case _:
+                pass  # the window's focus: nothing follows from it
 
     def _take_frame(self, shown: FrameShown) -> None:
         frame, step, flushed_ns = shown.frame, shown.step, shown.flushed_ns
         if frame <= self._last_frame:
-            _refuse(f"frame {frame} is shown after frame {self._last_frame}")
+            refuse(f"frame {frame} is shown after frame {self._last_frame}")
         if flushed_ns < self._last_flush_ns:
-            _refuse(
-                f"frame {frame} is shown at {flushed_ns} ns, the frame before at {self._last_flush_ns} ns"
-            )
+            refuse(f"frame {frame} is shown at {flushed_ns} ns, the frame before at {self._last_flush_ns} ns")
         if self._covered and self._strict_covers:
-            _refuse(f"frame {frame} is shown while something else covers the screen")
+            refuse(f"frame {frame} is shown while something else covers the screen")
         if step < -1 or (step >= 0 and step not in self._step_times):
-            _refuse(f"frame {frame} shows step {step}, which is none of the last two steps taken")
+            refuse(f"frame {frame} shows step {step}, which is none of the last two steps taken")
         if 0 <= step < self._last_shown:
-            _refuse(f"frame {frame} shows step {step} after step {self._last_shown}")
+            refuse(f"frame {frame} shows step {step} after step {self._last_shown}")
         if step >= 0 and flushed_ns < self._step_times[step] - self._clocks_agree_ns:
-            _refuse(
+            refuse(
                 f"frame {frame} shows step {step} at {flushed_ns} ns, before the step was taken at "
                 f"{self._step_times[step]} ns"
             )
@@ -216,7 +231,7 @@ class _Screen:
         gate = self._gate(pressed.person)
         by = (pressed.source, pressed.person)
         if pressed.time_ns < self._last_press_ns.get(by, self._earliest_ns):
-            _refuse(
+            refuse(
                 f"press {pressed.press} is at {pressed.time_ns} ns, the one before at "
                 f"{self._last_press_ns[by]} ns"
             )
@@ -226,10 +241,11 @@ class _Screen:
         gate.covered = self._covered
         if not self._live and isinstance(gate, PressGate):
             gate.wrong_asked = pressed.asked_wrong  # a simulated participant knows by itself
-        came, *taken_back = gate.press(pressed.key, pressed.time_ns, source=pressed.source)
+        came, *taken_back = gate.judge(pressed.key, pressed.time_ns, source=pressed.source)
         if came != pressed:
-            _refuse(f"press {pressed.press}: {_difference(pressed, came)}")
+            refuse(f"press {pressed.press}: {_difference(pressed, came)}")
         self._due.extend(taken_back)
+        self._questions.pressed(pressed)
         if pressed.verdict == "accepted":
             self._wrong_presses.accepted()
 
@@ -239,7 +255,7 @@ class _Screen:
         if pressed.read_as or pressed.layout:
             self._reader.reading = Reading(pressed.read_as, pressed.layout)
             if self._reader.reading not in possible_readings(pressed.key):
-                _refuse(
+                refuse(
                     f"press {pressed.press}: the key {pressed.key!r} does not stand for {pressed.read_as!r} "
                     f"in the "
                     f"layout {pressed.layout!r}"
@@ -271,7 +287,7 @@ class _Screen:
         expected = self._due.popleft()
         assert isinstance(expected, WrongPressAsked), "looked at before"
         if not isinstance(event, WrongPressAsked) or event.step != expected.step:
-            _refuse(
+            refuse(
                 f"expected the request for a wrong press at step {expected.step}, which follows from the "
                 f"seed, found "
                 f"{_told(event)}"
@@ -281,7 +297,7 @@ class _Screen:
     def _note_time(self, event: Input) -> None:
         time_ns = _time_of(event)
         if not self._earliest_ns <= time_ns <= LONGEST_NS:
-            _refuse(f"{_told(event)} at {time_ns} ns: no clock of a session says so")
+            refuse(f"{_told(event)} at {time_ns} ns: no clock of a session says so")
         self._waiting.append(time_ns)
 
     # --- outputs --------------------------------------------------------------------------------------------
@@ -301,15 +317,17 @@ class _Screen:
                 } | {step: time_ns}
                 if self._wrong_presses.due(self._gate_of_first()):
                     self._due.append(WrongPressAsked(time_ns=time_ns, step=step))
+            case QuestionPosed():
+                self._questions.posed(output)
             case _:
                 pass
 
     def _check_counted(self, inputs: int, time_ns: int) -> None:
         """Check that the inputs an output has taken in are there, and came before it."""
         if not self._output_ns <= time_ns <= LONGEST_NS:
-            _refuse(f"an output at {time_ns} ns follows one at {self._output_ns} ns")
+            refuse(f"an output at {time_ns} ns follows one at {self._output_ns} ns")
         if not self._counted <= inputs <= self._counted + len(self._waiting):
-            _refuse(
+            refuse(
                 f"an output has taken in {inputs} inputs; there are {self._counted + len(self._waiting)} "
                 f"before it, "
                 f"and the one before had taken in {self._counted}"
@@ -318,15 +336,11 @@ class _Screen:
             at_ns = self._waiting.popleft()
             self._counted += 1
             if at_ns > time_ns + self._clocks_agree_ns:
-                _refuse(
+                refuse(
                     f"an output at {time_ns} ns has taken in input {self._counted - 1}, which came at "
                     f"{at_ns} ns: later"
                 )
         self._output_ns = time_ns
-
-
-def _refuse(reason: str) -> NoReturn:
-    raise _Impossible(reason)
 
 
 def _time_of(event: Input) -> int:

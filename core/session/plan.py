@@ -8,7 +8,9 @@ from core.session.protocol import Protocol
 
 SHOWN_GAMES = 5
 FADED = 0.01
-"""A weight below this share of the first game's is as good as none."""
+"""A weight below this fraction of the first game's is as good as none."""
+ANSWER_S = 4.0
+"""What an answer is taken to need, seconds: two or three options are read and compared. (Our choice.)"""
 MEASURED = {
     "feedback-lag": "own measured delay of judging this game (task feedback lag)",
     "simple": "own measured delay of a simple reaction (task simple)",
@@ -23,6 +25,7 @@ def plan(protocol: Protocol) -> dict[str, str]:
         "Game": f"{protocol.game}; learner {_tag(protocol.learner)}",
         "Games": _games(protocol),
         "Presses": _presses(protocol),
+        **_questions(protocol),
         "Time": _time(protocol),
         "Weight": weight_in_words(protocol),
         "Credit": credit_in_words(protocol),
@@ -40,7 +43,25 @@ def expected_minutes(protocol: Protocol) -> float:
     game_s = plugin_of(protocol).expected_game_s(protocol)
     screen = protocol.screen
     between_s = screen.count_down_s + screen.pause_between_episodes_s
-    return protocol.session.episodes * (game_s + between_s) / 60
+    return protocol.session.episodes * (game_s + between_s) / 60 + question_minutes(protocol)
+
+
+def expected_questions(protocol: Protocol) -> float:
+    """Return how many questions a whole session may be expected to pose, at most.
+
+    Games are taken to be of all their steps. Of these, `share` are unsure enough to be asked about.
+    """
+    asking, session = protocol.agent.asking, protocol.session
+    first = max(0, session.watched_steps - asking.minimum_decisions)
+    steps = (min(first, session.watched_steps), *[session.watched_steps] * (session.episodes - 1))
+    return sum(min(float(asking.per_episode), asking.share * step) for step in steps)
+
+
+def question_minutes(protocol: Protocol) -> float:
+    """Return how long these questions take, in minutes: `ANSWER_S` each, and the game stands still before."""
+    asking = protocol.agent.asking
+    each_s = asking.settle_s + min(ANSWER_S, asking.limit_s)
+    return expected_questions(protocol) * each_s / 60 if asking.per_episode else 0.0
 
 
 def weights_of_games(protocol: Protocol) -> list[EpisodeWeights]:
@@ -50,7 +71,7 @@ def weights_of_games(protocol: Protocol) -> list[EpisodeWeights]:
     for game in range(session.episodes):
         episode = session.unseen_before + game * (session.unseen_between + 1)
         number = game if getattr(scheme, "per", "episode") == "watched-game" else episode
-        found.append(scheme.weights(1.0, number))
+        found.append(scheme.episode_weights(1.0, number))
     return found
 
 
@@ -140,6 +161,19 @@ def _presses(protocol: Protocol) -> str:
     if keys.wrong_press_rate:
         text += f"; asked to press wrongly at {keys.wrong_press_rate:.0%} of the steps"
     return text
+
+
+def _questions(protocol: Protocol) -> dict[str, str]:
+    """Return what the agent asks; nothing where it asks nothing."""
+    asking, games = protocol.agent.asking, protocol.session.episodes
+    if asking.per_episode == 0:
+        return {}
+    return {
+        "Asking": f"at most {asking.per_episode} in a game, {asking.per_episode * games} in all; about "
+        f"{expected_questions(protocol):.0f} expected, {question_minutes(protocol):.1f} minutes; options "
+        f"{', '.join(asking.keys[: asking.options])}, none of them {asking.none_key}, {asking.limit_s:g} "
+        "seconds each"
+    }
 
 
 def _presses_of(keys: KeyConfig, games: int, in_all: str) -> str:

@@ -6,7 +6,7 @@ The whole protocol is written to each recording's header, and a session is built
 """
 
 from collections.abc import Iterator, Mapping
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 import msgspec
 
@@ -142,6 +142,9 @@ class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     """Several people at one keyboard, each with keys of their own. The agent has a human model and a weight
     for each (section 3.1: "one or more sources"; the paper's sessions have one). []: one, with [keys]."""
 
+    LATER: ClassVar[frozenset[str]] = frozenset({"people"})
+    """Settings that came after version 0.2: at their defaults they are not written to recordings."""
+
     def __post_init__(self) -> None:
         plugin = plugin_of(self)
         known = [tag_of(kind) for kind in plugin.learners]
@@ -224,7 +227,7 @@ class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
             found.append(f"a press is credited by the rule {describe(credit.delay)}")
         else:
             found.append("gamma(2.5, 0.3) is read as shape and scale: mean 0.75 s, mode 0.45 s, not 0.5 s")
-        found.append(f"trust in the human follows the rule {type(trust).__name__}")
+        found.append(f"trust in the participant follows the rule {type(trust).__name__}")
         return found + plugin_of(self).departures(self)
 
 

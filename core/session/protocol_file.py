@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from core.configuration.reading import Problem, printable
+from core.configuration.messages import printable
+from core.configuration.reading import Problem
 from core.configuration.toml_places import line_of, places
 
 LARGEST_BYTES = 1_000_000

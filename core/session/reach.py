@@ -3,13 +3,13 @@
 Model. Step i is on screen from a_i to b_i, and the next step follows at once (b_i = a_{i+1}). A participant
 who judges step i makes up their mind from j_i = a_i + `judged_after_ns` on (Tetris: the piece has landed, j_i
 = b_i; Keepaway: the first cycle of the option is over) and presses at j_i + d, where d has the distribution
-function F. The credit rule gives step i this share of the press, on average over d:
+function F. The credit rule gives step i this fraction of the press, on average over d:
 
 * previous step: F(b_{i+1} - j_i) - F(b_i - j_i), the chance that step i + 1 is on screen at the press.
 * step on screen: F(b_i - j_i).
 * a density with distribution function G: E[G(j_i + d - a_i) - G(j_i + d - b_i)] (section 3.3, Fig. 4).
 
-The share of a session is the mean over its steps, each weighted by how often it is judged
+The fraction of a session is the mean over its steps, each weighted by how often it is judged
 (`Watched.attention`). The last step of an episode counts as if another one followed. A press that is never
 made is not counted.
 """
@@ -38,7 +38,7 @@ from core.numerics.clock import NS_PER_S
 from core.session.protocol import Protocol
 
 ENOUGH = 0.70
-"""Below this share a session says so before it starts (docs/decisions/pace-of-a-session.md)."""
+"""Below this fraction a session says so before it starts (docs/decisions/pace-of-a-session.md)."""
 DELAY_STEP_S = 0.002
 """Resolution of the average over delays."""
 
@@ -62,7 +62,7 @@ class DelayDistribution(Interface):
 class Reach:
     """How well a session's pace suits a participant."""
 
-    share: float
+    fraction: float
     """Share of a press that reaches the step it was meant for, in [0, 1]."""
     step_s: float
     """Mean time on screen of a step, in seconds, weighted by how often it is judged."""
@@ -71,12 +71,12 @@ class Reach:
 
     @property
     def enough(self) -> bool:
-        """Whether the share is at least `ENOUGH`."""
-        return self.share >= ENOUGH
+        """Whether the fraction is at least `ENOUGH`."""
+        return self.fraction >= ENOUGH
 
 
 def reach_of(protocol: Protocol, delay: DelayDistribution | None = None) -> Reach:
-    """Return the share of a press that reaches its step in sessions of a protocol.
+    """Return the fraction of a press that reaches its step in sessions of a protocol.
 
     The steps are those of some episodes of the protocol's game (`core.registry.Game.steps_on_screen`), at the
     protocol's pace. The first call for Keepaway may compile kernels.
@@ -93,7 +93,7 @@ def reach_of(protocol: Protocol, delay: DelayDistribution | None = None) -> Reac
     steps = game_of(protocol).steps_on_screen(protocol)
     rules = dict.fromkeys(credit.delay for credit in protocol.credit_of_participants)
     found = [_reach(steps, rule, assumed_delay(rule) if delay is None else delay) for rule in rules]
-    return min(found, key=lambda reach: reach.share)
+    return min(found, key=lambda reach: reach.fraction)
 
 
 def _reach(steps: Sequence[Watched], rule: Delay, delay: DelayDistribution | PerValueDelay) -> Reach:
@@ -101,14 +101,14 @@ def _reach(steps: Sequence[Watched], rule: Delay, delay: DelayDistribution | Per
     each: list[PressRule] = [rule] if not isinstance(rule, PerValueDelay) else list(rule.densities)
     if isinstance(rule, PerValueDelay) and rule.values:
         each.pop()  # the density of values that are not listed
-    shares = []
+    fractions = []
     for one in each:
         if isinstance(delay, PerValueDelay):
             assert isinstance(one, GammaDelay | UniformDelay), "a delay per value is that of such a rule"
-            shares.append(share_reached(steps, one, one))
+            fractions.append(fraction_reached(steps, one, one))
         else:
-            shares.append(share_reached(steps, one, delay))
-    return Reach(float(np.mean(shares)), mean_time_s(steps), delay)
+            fractions.append(fraction_reached(steps, one, delay))
+    return Reach(float(np.mean(fractions)), mean_time_s(steps), delay)
 
 
 def delay_in_force(protocol: Protocol) -> Density | PerValueDelay:
@@ -121,8 +121,9 @@ def assumed_delay(rule: Delay) -> Density | PerValueDelay:
     return GammaDelay() if isinstance(rule, PreviousStep | CurrentStep) else rule
 
 
-def share_reached(steps: Sequence[Watched], rule: PressRule, delay: DelayDistribution) -> float:
-    """Return the share of a press that reaches the step it was meant for, in [0, 1] (model: see the module).
+def fraction_reached(steps: Sequence[Watched], rule: PressRule, delay: DelayDistribution) -> float:
+    """Return the fraction of a press that reaches the step it was meant for, in [0, 1] (model: see the
+    module).
 
     Args:
         steps: of episodes, in order; those with no time on screen are left out.
@@ -138,14 +139,14 @@ def share_reached(steps: Sequence[Watched], rule: PressRule, delay: DelayDistrib
     following_s = np.append(duration_s[1:], duration_s.mean())
     match rule:
         case CurrentStep():
-            shares = _probability(delay, left_s)
+            fractions = _probability(delay, left_s)
         case PreviousStep():
-            shares = _probability(delay, left_s + following_s) - _probability(delay, left_s)
+            fractions = _probability(delay, left_s + following_s) - _probability(delay, left_s)
         case GammaDelay() | UniformDelay():
-            shares = _by_density(duration_s, judged_s, rule, delay)
+            fractions = _by_density(duration_s, judged_s, rule, delay)
         case _:
             assert_never(rule)
-    return float(np.average(shares, weights=weights))
+    return float(np.average(fractions, weights=weights))
 
 
 def mean_time_s(steps: Sequence[Watched]) -> float:
@@ -176,12 +177,14 @@ def _probability(delay: DelayDistribution, delay_s: NDArray[np.float64]) -> NDAr
 def _by_density(
     duration_s: NDArray[np.float64], judged_s: NDArray[np.float64], density: Density, delay: DelayDistribution
 ) -> NDArray[np.float64]:
-    """Return each step's share under a credit density, shape (n,); the delays are averaged in cells of 2
+    """Return each step's fraction under a credit density, shape (n,); the delays are averaged in cells of 2
     ms.
     """
     edges_s = np.linspace(0.0, delay.horizon_s, math.ceil(delay.horizon_s / DELAY_STEP_S) + 1)
     masses = np.diff(delay.cdf(edges_s))
     delays_s = (edges_s[:-1] + edges_s[1:]) / 2
     since_shown_s = judged_s[:, None] + delays_s
-    shares = _probability(density, since_shown_s) - _probability(density, since_shown_s - duration_s[:, None])
-    return np.asarray(shares @ masses / masses.sum(), dtype=np.float64)
+    fractions = _probability(density, since_shown_s) - _probability(
+        density, since_shown_s - duration_s[:, None]
+    )
+    return np.asarray(fractions @ masses / masses.sum(), dtype=np.float64)

@@ -1,7 +1,8 @@
 """Replay: run a session again from its recording alone, and compare every output."""
 
 import itertools
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -9,10 +10,12 @@ from typing import Any
 import msgspec
 
 from core.events import CreditGiven, Input, Output, SessionEnded
+from core.feedback.asking_config import AskingConfig
 from core.feedback.keys import KeyConfig
 from core.feedback.people import PersonConfig, keys_of_person
 from core.numerics.clock import ManualClock
-from core.recording.reader import Recording, RecordingError
+from core.recording.reader import RecordingError
+from core.recording.stored import AnyRecording
 from core.recording.version_1 import as_far_as_recorded
 from core.session.inputs import check_inputs
 from core.session.session import Session
@@ -52,22 +55,26 @@ class ReplayResult:
 class Recorded:
     """The recording as a source of feedback: gives each input out at the point where it was taken in."""
 
-    def __init__(self, inputs: Sequence[Input]) -> None:
-        self._inputs = inputs
+    def __init__(self, inputs: Iterable[Input] = ()) -> None:
+        self._waiting = deque(inputs)
         self.given = 0
         """How many inputs have been given out: the last of them is being acted on."""
         self.taken_before_next_output = 0
         """How many inputs had been taken in before the next output: set by whoever drives the replay."""
 
+    def add(self, event: Input) -> None:
+        """Append the recording's next input."""
+        self._waiting.append(event)
+
     def during(self, step: int) -> Iterator[Input]:
         """Yield the inputs that were taken in at this point of the session."""
-        while self.given < min(self.taken_before_next_output, len(self._inputs)):
+        while self._waiting and self.given < self.taken_before_next_output:
             self.given += 1
-            yield self._inputs[self.given - 1]
+            yield self._waiting.popleft()
 
 
 @contextmanager
-def naming_the_input(recording: Recording, source: Recorded) -> Iterator[None]:
+def naming_the_input(recording: AnyRecording, source: Recorded) -> Iterator[None]:
     """Turn what stops a session into the error of a recording, with the line of the input that was acted on.
 
     Raises:
@@ -86,13 +93,13 @@ def naming_the_input(recording: Recording, source: Recorded) -> Iterator[None]:
 
 
 def replay_exactly(
-    recording: Recording, session: Session, *, on_progress: Callable[[int], None] = lambda events: None
+    recording: AnyRecording, session: Session, *, on_progress: Callable[[int], None] = lambda events: None
 ) -> ReplayResult:
     """Run `session` with the recording as clock and participant, and compare.
 
     Args:
         recording: a live or simulated session. One that was cut off, or whose agent died, is replayed up to
-            there.
+            there. Its events are gone over twice, in their order, and not kept.
         session: a new session built from the recording's own protocol and root seed.
         on_progress: called with how many outputs were compared since the last call, about `TOLD_EVERY`.
 
@@ -106,7 +113,9 @@ def replay_exactly(
             f"agent cannot be "
             "run again. Ask what other credit rules and schemes would have learned from it: --credit RULE"
         )
-    check_inputs(recording, _keys_of(recording.header.protocol))
+    protocol = recording.header.protocol
+    asking = protocol.get("agent", {}).get("asking", {})
+    check_inputs(recording, _keys_of(protocol), msgspec.convert(asking, AskingConfig, strict=False))
     compared = 0
     for recorded, replayed in _run_both(recording, session):
         if recorded is None and replayed is None:
@@ -128,7 +137,7 @@ def _keys_of(protocol: Mapping[str, Any]) -> list[KeyConfig]:
     return [keys_of_person(person, shared) for person in people] or [shared]
 
 
-def _run_both(recording: Recording, session: Session) -> Iterator[tuple[Output | None, Output | None]]:
+def _run_both(recording: AnyRecording, session: Session) -> Iterator[tuple[Output | None, Output | None]]:
     """Yield recorded and replayed outputs side by side; None where one of the two has ended.
 
     Where the file ends while presses were being credited, it is not known what had been taken in: those are
@@ -137,13 +146,14 @@ def _run_both(recording: Recording, session: Session) -> Iterator[tuple[Output |
     # A resumed session's older part may have been shifted to times before zero.
     outputs = (event for event in recording.events if isinstance(event, Output))
     first_ns = next((output.time_ns for output in outputs if not isinstance(output, CreditGiven)), 0)
-    source, clock = Recorded(recording.inputs), ManualClock(first_ns)
+    source, clock = Recorded(), ManualClock(first_ns)
     run = session.run(source, clock)
     credited: list[CreditGiven] = []
     last: Output | None = None
     with naming_the_input(recording, source):
         for event in recording.events:
             if not isinstance(event, Output):
+                source.add(event)
                 continue
             last = event
             if isinstance(event, CreditGiven):

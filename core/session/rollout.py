@@ -1,12 +1,12 @@
 """The one loop in which an agent meets a domain: live, simulated and replayed sessions all run it."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, Literal, Protocol
+from typing import Any
 
-from core.combination.agreement import Agreement
+from core.combination.asking import Question
 from core.combination.sides import EpisodePolicy
-from core.combination.tally import AGREED, AGREED_WORST, Compared, EpisodeTally
+from core.combination.tally import AGREED, AGREED_WORST, EpisodeTally
 from core.domain import Choices, Domain, Features
 from core.events import (
     CreditGiven,
@@ -17,121 +17,27 @@ from core.events import (
     KeyPressed,
     Output,
     PressRetracted,
+    QuestionAnswered,
+    QuestionPosed,
     ScreenCleared,
     StepTaken,
     StopAsked,
     TimeGap,
 )
 from core.numerics.clock import Clock
+from core.session.contracts import Agent, Decision, FeedbackSource, Listener, Played
 
-
-class Decision(Compared, Protocol):
-    """What an agent decided, and what each of its two sources would have."""
-
-    @property
-    def action(self) -> int:
-        """Index of the chosen action."""
-        ...
-
-
-@dataclass(frozen=True, slots=True)
-class Played:
-    """What came of one episode: the agent learns from this, whether it was watched or not."""
-
-    performance: float
-    """The domain's performance measure (`Domain.performance`)."""
-    steps: int
-    agreed: int
-    """Steps at which environment and human policy chose the same action."""
-    agreed_worst: int
-    """Steps at which the environment policy chose the human policy's worst action."""
-    ended: Literal["termination", "truncation"]
-    time: int = 0
-    """The domain's own time at the end (`Domain.time`)."""
-    agreement: Agreement | None = None
-    """Agreement over the decisions at which there was a human policy; None where there was none. (`agreed`
-    and `agreed_worst` are recorded, and compiled games count them without a human policy, too.)"""
-    with_each: tuple[Agreement | None, ...] = ()
-    """Agreement with each participant's own model; empty where the player did not count it."""
-
-
-class FeedbackSource(Protocol):
-    """Where inputs come from: a live screen, a recording, or a simulated participant."""
-
-    def during(self, step: int) -> Iterable[Input]:
-        """Return, in order, the inputs that have arrived since the last call.
-
-        Called when a watched step's time on screen is over; `step` is -1 between episodes.
-        """
-        ...
-
-
-class Listener(Protocol):
-    """What hears a participant: the part of an agent that inputs reach."""
-
-    def step_shown(self, step: int, features: Features, time_ns: int) -> None:
-        """Note that a watched step with these feedback features, shape (G,), came on screen."""
-        ...
-
-    def step_hidden(self, time_ns: int) -> None:
-        """Note that the step on screen went off it."""
-        ...
-
-    def interrupted(self, last_ns: int) -> None:
-        """Note that the program stood still from `last_ns` on: no later press speaks of what was on screen
-        before.
-        """
-        ...
-
-    def learn_from_press(self, press: int, time_ns: int, value: float, participant: int = 0) -> CreditGiven:
-        """Learn from an accepted press of a participant; return how it was shared out."""
-        ...
-
-    def retract(self, press: int) -> None:
-        """Forget a press as if it had never been made."""
-        ...
-
-    def finish(self, time_ns: int) -> None:
-        """Learn from the steps that still waited for presses: the session is over."""
-        ...
-
-
-class Agent(Listener, Protocol):
-    """What a session asks of an agent."""
-
-    @property
-    def trust(self) -> float:
-        """What the rule of trust says of the human now."""
-        ...
-
-    def begin_episode(self, *, exploring: bool, watched: bool) -> EpisodePolicy:
-        """Begin the next episode; return its policy: a new one to evaluate, or one of the best so far."""
-        ...
-
-    def choose(self, choices: Choices, policy: EpisodePolicy, *, step: int) -> Decision:
-        """Decide step number `step` of the episode."""
-        ...
-
-    def learn_from_step(
-        self, choices: Choices, action: int, reward: float, *, watched_step: int = -1
-    ) -> None:
-        """Take in what was done in the decision last made, and the reward of its step.
-
-        `watched_step` is the step's number among all watched ones of the session; -1 where nobody watches.
-        """
-        ...
-
-    def learn_from_domain(self, policy: EpisodePolicy, played: Played) -> None:
-        """Take in how an episode with `policy` went."""
-        ...
-
-    def export(self) -> dict[str, list[float]]:
-        """Return all weight vectors by name."""
-        ...
-
-    def digest(self) -> str:
-        """Return a fingerprint of everything learned, hex."""
-        ...
+__all__ = [
+    "Agent",
+    "Decision",
+    "EpisodePlan",
+    "FeedbackIntake",
+    "FeedbackSource",
+    "Listener",
+    "Played",
+    "play_episode",
+    "play_unseen",
+]
 
 
 class FeedbackIntake:
@@ -149,6 +55,17 @@ class FeedbackIntake:
         self._feedback = feedback
         self._features: dict[int, Features] = {}
         self._on_screen = -1
+        self._posed = 0
+        self._question: Question | None = None
+
+    def pose(self, question: Question | None) -> int:
+        """Announce a question whose answer may come; return its number in the session.
+
+        None is one of which a recording does not tell what it was about: nothing is learned from its answer.
+        """
+        self._question = question
+        self._posed += 1
+        return self._posed - 1
 
     def expect(self, step: int, features: Features) -> None:
         """Announce a watched step whose frames may come; earlier ones than the last two are forgotten."""
@@ -166,8 +83,12 @@ class FeedbackIntake:
         match item:
             case FrameShown(step=step, flushed_ns=time_ns):
                 self._screen_shows(step, time_ns)
-            case ScreenCleared(time_ns=time_ns):
+            case ScreenCleared(time_ns=time_ns, reason=reason):
                 self._screen_shows(-1, time_ns)
+                if reason == "question":  # whoever has thought about it speaks of what was before no more
+                    self._listener.interrupted(time_ns)
+            case QuestionAnswered(question=number, chosen=chosen, person=person):
+                self._take_answer(number, chosen, person)
             case TimeGap(last_ns=last_ns):
                 self._listener.interrupted(last_ns)
                 self._on_screen = -1
@@ -182,6 +103,13 @@ class FeedbackIntake:
             case _:
                 # a refused press, a cue, the end of a pause, the window's focus: recorded, nothing to learn
                 pass
+
+    def _take_answer(self, number: int, chosen: int, person: int) -> None:
+        if number != self._posed - 1:
+            raise ValueError(f"question {number} is answered; the last one posed is {self._posed - 1}")
+        question, self._question = self._question, None
+        if question is not None and chosen >= 0:
+            self._listener.learn_from_answer(question, chosen, person)
 
     def _screen_shows(self, step: int, time_ns: int) -> None:
         if step == self._on_screen:
@@ -219,7 +147,7 @@ def play_episode(
     When a `StepTaken` has been yielded, whoever consumes this shows the step, and asks for the next output
     when the step's time on screen is over: then what the participant did meanwhile is taken in.
     """
-    weights = plan.policy.weights
+    weights = plan.policy.episode_weights
     yield EpisodeStarted(
         episode=plan.policy.episode,
         time_ns=clock.now_ns(),
@@ -230,14 +158,19 @@ def play_episode(
         w_r=weights.w_r,
         trust=plan.policy.trust,
         weight=weights.w_h,
-        share=weights.handover,
+        handover=weights.handover,
         shaping=weights.shaping,
         augmentation=weights.augmentation,
     )
     state = domain.initial(plan.episode_seed)
     count = _Count()
     for step in _steps(domain, agent, plan.policy, state, first_watched=plan.first_step):
-        number, decision = plan.first_step + count.steps, step.decision
+        number = plan.first_step + count.steps
+        if isinstance(step, _Posed):
+            yield _posed(domain, intake, clock, plan, step, number)
+            yield from intake.attend(-1)
+            continue
+        decision = step.decision
         intake.expect(number, step.choices.feedback_features[decision.action])
         count.add(decision)
         yield StepTaken(
@@ -248,7 +181,7 @@ def play_episode(
             action=decision.action,
             environment_action=decision.environment_action,
             human_action=decision.human_action,
-            detail=domain.detail(step.state, decision.action),
+            detail=domain.action_record(step.state, decision.action).plain(),
             reward=step.reward,
             state=domain.recorded_state(step.state),
         )
@@ -275,6 +208,28 @@ def play_episode(
     yield from intake.attend(-1)
 
 
+def _posed(
+    domain: Domain[Any],
+    intake: FeedbackIntake,
+    clock: Clock,
+    plan: EpisodePlan,
+    posed: "_Posed",
+    step: int,
+) -> QuestionPosed:
+    """Return the record of a question about the decision that comes next, step number `step`."""
+    options = posed.question.options
+    return QuestionPosed(
+        question=intake.pose(posed.question),
+        episode=plan.policy.episode,
+        step=step,
+        time_ns=clock.now_ns(),
+        inputs=intake.inputs,
+        options=list(options),
+        details=[domain.action_record(posed.state, option).plain() for option in options],
+        disagreement=posed.question.disagreement,
+    )
+
+
 def play_unseen(
     domain: Domain[Any],
     agent: Agent,
@@ -297,6 +252,7 @@ def play_unseen(
     state = domain.initial(episode_seed)
     count = _Count()
     for step in _steps(domain, agent, policy, state, learning=learning):
+        assert isinstance(step, _Step), "questions are posed where somebody watches"
         count.add(step.decision)
         state = step.following
         if count.steps == max_steps:
@@ -313,6 +269,14 @@ class _Step:
     following: Any
 
 
+@dataclass(frozen=True, slots=True)
+class _Posed:
+    """A question about the decision that comes next; what is learned from its answer counts there."""
+
+    state: Any
+    question: Question
+
+
 def _steps(
     domain: Domain[Any],
     agent: Agent,
@@ -321,7 +285,7 @@ def _steps(
     *,
     learning: bool = True,
     first_watched: int = -1,
-) -> Iterator[_Step]:
+) -> Iterator[_Step | _Posed]:
     """Let the agent play from `state` to the end of the episode: the one loop of agent and domain.
 
     `first_watched` is the number of the first step among the session's watched ones; -1 where nobody watches.
@@ -329,6 +293,9 @@ def _steps(
     number = 0
     while not domain.terminal(state):
         choices = domain.choices(state)
+        question = None if first_watched < 0 else agent.question(choices)
+        if question is not None:
+            yield _Posed(state, question)
         decision = agent.choose(choices, policy, step=number)
         transition = domain.transition(state, decision.action)
         if learning:

@@ -3,7 +3,7 @@ state.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 from typing import Protocol as Interface
 
@@ -22,18 +22,23 @@ from core.registry import Oracle, Player
 from core.session.protocol import Protocol
 from core.session.rollout import Played, play_unseen
 
+Tiled = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+"""Makes of an observation the numbers that a learner tiles."""
+
 
 class ObservedDomain(Domain[Any], Interface):
     """A domain that describes the state by an observation (`Choices.observation`)."""
 
     @property
     def coder(self) -> TileCoder:
-        """Tiling of the observation."""
+        """Tiling of the observation, or of what `SarsaGame.tiled` makes of it."""
         ...
 
     @property
-    def feedback_tiles(self) -> Tiling:
-        """What the rows of `Choices.feedback_features` index (`core.learners.encoding.ActionTiles`)."""
+    def feedback_tiles(self) -> Tiling | None:
+        """What the rows of `Choices.feedback_features` index (`core.learners.encoding.ActionTiles`); None
+        where they are plain features.
+        """
         ...
 
     @property
@@ -79,6 +84,10 @@ class SarsaGame(ABC):
     def time_at_end(self, ended: EpisodeEnded) -> int:
         """Return the domain's own time when an episode ended whose recording does not say it."""
 
+    def tiled(self, domain: ObservedDomain) -> Tiled | None:
+        """Return what makes of an observation the numbers that are tiled; None: the observation itself is."""
+        return None
+
     def agent(self, protocol: Protocol, root_seed: int) -> ArlAgent:
         """Return an agent over Sarsa, one learner per actor."""
         domain, config = self.domain(protocol), protocol.learner
@@ -89,6 +98,7 @@ class SarsaGame(ABC):
             n_learners=domain.n_actors,
             n_actions=domain.n_actions,
             reward_is_time=domain.reward_is_time,
+            tiled=self.tiled(domain),
         )
         return ArlAgent(
             learner,

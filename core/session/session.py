@@ -93,7 +93,7 @@ class Session:
             agreed=[played.agreed for played in outcomes],
             agreed_worst=[played.agreed_worst for played in outcomes],
             trust=self.agent.trust,
-            weights=[policy.weights.w_h for policy in policies],
+            weights=[policy.episode_weights.w_h for policy in policies],
             digest=self.agent.digest(),
         )
 
@@ -111,8 +111,7 @@ def build_session(protocol: Protocol, root_seed: int) -> Session:
     if protocol.delay_of != "rule":
         raise ValueError(
             f"delay_of is {protocol.delay_of!r}: put the participant's delay into agent.credit.delay and set "
-            f"delay_of to "
-            "'rule' (`arl play` does both)"
+            "delay_of to 'rule' (`arl play` does both)"
         )
     game = game_of(protocol)
     agent = game.agent(protocol, root_seed)

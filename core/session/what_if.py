@@ -13,6 +13,7 @@ from typing import Any
 import msgspec
 
 from core.combination.agent import ArlAgent, Decision, EpisodePolicy
+from core.combination.asking import Question
 from core.combination.human_learner import HumanLearner
 from core.combination.tally import AGREED, AGREED_WORST, EpisodeTally
 from core.domain import Choices, Domain, Features
@@ -23,6 +24,7 @@ from core.events import (
     Input,
     KeyPressed,
     PressRetracted,
+    QuestionPosed,
     Resumed,
     SessionEnded,
     StepTaken,
@@ -84,7 +86,7 @@ def watched_steps(recording: Recording, protocol: Protocol) -> dict[int, Watched
         own = protocol_from(recording.header.protocol)
     except ValueError as error:
         raise RecordingError(f"{recording.path}:1: the protocol cannot be used: {error}") from error
-    check_inputs(recording, own.keys_of_people)
+    check_inputs(recording, own.keys_of_people, own.agent.asking)
     recorded = own.game
     if recorded != protocol.game:
         raise RecordingError(
@@ -99,7 +101,7 @@ def watched_steps(recording: Recording, protocol: Protocol) -> dict[int, Watched
             case EpisodeStarted():
                 seed, state = output.episode_seed, None
             case StepTaken(state=None, observed=None):
-                state = domain.initial(seed) if state is None else state
+                state = _begun(recording, domain, seed) if state is None else state
                 choices = None if domain.terminal(state) else domain.choices(state)
                 if choices is None or not _could_be(output, choices, domain, state):
                     raise RecordingError(
@@ -124,9 +126,34 @@ def watched_steps(recording: Recording, protocol: Protocol) -> dict[int, Watched
     return steps
 
 
+def _begun(recording: Recording, domain: Domain[Any], seed: int) -> Any:
+    """Return the state in which a recorded episode begins."""
+    try:
+        return domain.initial(seed)
+    except (ValueError, ArithmeticError) as error:
+        raise RecordingError(
+            f"{recording.path}: no game can begin as recorded: {error}. The file was changed after it was "
+            f"recorded, or another program wrote it"
+        ) from error
+
+
 def _could_be(taken: StepTaken, choices: Choices, domain: Domain[Any], state: Any) -> bool:
     """Return whether a recorded step can be one of these choices in this state."""
-    return 0 <= taken.action < len(choices.ruled_out) and domain.detail(state, taken.action) == taken.detail
+    if not 0 <= taken.action < len(choices.ruled_out):
+        return False
+    return domain.action_record(state, taken.action).plain() == taken.detail
+
+
+def recorded_question(posed: QuestionPosed, steps: dict[int, WatchedStep]) -> Question | None:
+    """Return a recorded question with the features that `steps` have; None where its step was never taken.
+
+    What was asked stays as it was recorded, as steps and presses do: an agent that learns again poses no
+    questions of its own.
+    """
+    if posed.step not in steps:
+        return None
+    features = steps[posed.step].choices.feedback_features
+    return Question(tuple(posed.options), features[posed.options], posed.disagreement)
 
 
 def relearn(
@@ -170,6 +197,8 @@ def relearn(
                     watched.begin(agent.begin_episode(exploring=session.watched == "proposed", watched=True))
                 case StepTaken():
                     watched.take(agent, intake, output)
+                case QuestionPosed():
+                    intake.pose(recorded_question(output, steps))
                 case EpisodeEnded():
                     agent.learn_from_domain(watched.policy, watched.played(output))
                     relearned.trust.append(agent.trust)
@@ -204,6 +233,8 @@ def replay_human_model(
                 credits.extend(intake.attend(-1))
             if isinstance(output, StepTaken):
                 intake.expect(output.step, steps[output.step].taken)
+            elif isinstance(output, QuestionPosed):
+                intake.pose(recorded_question(output, steps))
             elif isinstance(output, SessionEnded):
                 human.finish(output.time_ns)
         credits.extend(_attend_rest(intake, source, recording))

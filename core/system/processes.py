@@ -12,7 +12,7 @@ LOOK_S = 1.0
 _PR_SET_PDEATHSIG = 1
 
 
-def leave_with(parent: int, *, started_by_main_thread: bool = False) -> None:
+def leave_with(parent: int, *, started_by_main_thread: bool = False, longest_s: float | None = None) -> None:
     """End this process when its parent has gone, however the parent ended: a killed parent leaves no
     processes behind.
 
@@ -23,7 +23,10 @@ def leave_with(parent: int, *, started_by_main_thread: bool = False) -> None:
         parent: process id of the parent, taken before this process was started.
         started_by_main_thread: the parent's main thread has started this process. Only then is the kernel
             asked (Linux): it counts the end of the thread that started a process as the end of the parent.
+        longest_s: seconds after which this process is ended in any case, rounded up (POSIX); None: never.
     """
+    if longest_s is not None:
+        signal.alarm(int(longest_s) + 1)
     if started_by_main_thread and sys.platform == "linux":
         ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
 
@@ -31,5 +34,8 @@ def leave_with(parent: int, *, started_by_main_thread: bool = False) -> None:
         while os.getppid() == parent:
             time.sleep(LOOK_S)
         os._exit(1)
+
+    if os.getppid() != parent:
+        os._exit(1)  # it had gone before the kernel was asked
 
     threading.Thread(target=watch, name="leave-with-parent", daemon=True).start()

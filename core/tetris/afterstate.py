@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from core.domain import Choices, Transition
 from core.numerics.arrays import Ints
 from core.numerics.compiled import kernel
+from core.tetris.action import PlacedPiece
 from core.tetris.board import (
     AFTER,
     COLUMNS,
@@ -214,14 +215,10 @@ class Tetris:
         """Return nothing: rules, seed and actions are enough."""
         return None
 
-    def detail(self, state: TetrisState, action: int) -> dict[str, int]:
+    def action_record(self, state: TetrisState, action: int) -> PlacedPiece:
         """Return piece, orientation and column of an action, for recordings."""
         placement = self.placement(state, action)
-        return {
-            "piece": placement.piece,
-            "orientation": placement.orientation,
-            "column": placement.column,
-        }
+        return PlacedPiece(placement.piece, placement.orientation, placement.column)
 
     def transition(self, state: TetrisState, action: int) -> Transition[TetrisState]:
         """Return the state after a placement and the lines it cleared."""

@@ -1,4 +1,4 @@
-"""Whole games in which environment and human decide together, in compiled code; they can be stopped and
+"""Whole games in which environment and participant decide together, in compiled code; they can be stopped and
 continued.
 
 A game between two changes of the human model is one call.

@@ -20,7 +20,7 @@ PIECES, LINES, FINISHED = range(3)
 
 
 class KeptGame(ABC):
-    """A game in which environment and human decide; `advance` is the compiled player's.
+    """A game in which environment and participant decide; `advance` is the compiled player's.
 
     All placements are open, also those that primitive actions could not reach (`TetrisConfig.placements`).
     """

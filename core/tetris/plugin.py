@@ -11,6 +11,7 @@ from core.plugins import GamePlugin
 from core.session.effects import Mode, Use, learner_counts
 from core.session.protocol import Protocol
 from core.tetris import REVISION
+from core.tetris.action import PlacedPiece
 from core.tetris.config import TetrisConfig
 
 if TYPE_CHECKING:
@@ -31,6 +32,7 @@ class TetrisPlugin(GamePlugin):
     name = "tetris"
     title = "Tetris"
     config = TetrisConfig
+    action = PlacedPiece
     revision = REVISION
     learners = (CrossEntropyConfig, PolicyGradientConfig)
     human_models = (SgdModel, RidgeModel)
@@ -77,8 +79,7 @@ class TetrisPlugin(GamePlugin):
         if isinstance(protocol.domain, TetrisConfig) and protocol.domain.lines_in_value:
             raise ValueError(
                 "lines_in_value is for given policies in compiled play only: a session's learner sees "
-                "features "
-                "alone. Set [domain] lines_in_value = false"
+                "features alone. Set [domain] lines_in_value = false"
             )
 
     def departures(self, protocol: Protocol) -> list[str]:

@@ -23,6 +23,7 @@ from core.numerics.clock import NS_PER_S
 from core.registry import Oracle, Player
 from core.session.protocol import Protocol
 from core.session.rollout import Played
+from core.tetris.action import PlacedPiece
 from core.tetris.afterstate import Tetris, TetrisState
 from core.tetris.combined import CombinedGame
 from core.tetris.config import TetrisConfig
@@ -94,7 +95,7 @@ class TetrisGame:
         assert isinstance(domain, Tetris), "the domain of this game"
         assert step.observed is not None, "an imported step says what was seen"
         before = tuple(step.observed["before"])
-        choices = domain.choices_on(before, step.detail["piece"])
+        choices = domain.choices_on(before, PlacedPiece.of(step).piece)
         after = step.observed.get("after")
         if after is None:
             return choices, np.full(choices.feedback_features.shape[1], np.nan)
@@ -145,7 +146,7 @@ def open_game(
             policy.human_weights,
             seed,
             config,
-            policy.weights,
+            policy.episode_weights,
             handover_seed=policy.handover_seed,
             window=window,
         )
@@ -155,7 +156,7 @@ def open_game(
         policy.human_weights,
         seed,
         config,
-        policy.weights,
+        policy.episode_weights,
         chance_seed=policy.chance_seed,
         handover_seed=policy.handover_seed,
         window=window,

@@ -38,7 +38,7 @@ class WatchedEpisode:
     presses: int
     """Accepted presses during the episode and the pause after it."""
     weight: float
-    """Weight w_h of the human's values that the scheme used in this episode."""
+    """Weight w_h of the participant's values that the scheme used in this episode."""
 
 
 @dataclass(slots=True, eq=False)
@@ -116,7 +116,7 @@ class WatchedTetris:
         seed = stream_seed(self._root_seed, "episode", policy.episode)
         game = open_game(self.agent, policy, seed, self._rules, window=self._reach + 1)
         showing = _Showing(game, seed, self._first_step, self._now_ns)
-        self._trainer.begin_episode(policy.episode)
+        self._trainer.watch_episode(policy.episode)
         self._gate.episode_started()
         self._play_out(showing)
         self.agent.learn_from_domain(
@@ -132,7 +132,7 @@ class WatchedTetris:
         )
         self._pause(showing)
         self._first_step += game.pieces
-        return WatchedEpisode(float(game.lines), game.pieces, showing.presses, policy.weights.w_h)
+        return WatchedEpisode(float(game.lines), game.pieces, showing.presses, policy.episode_weights.w_h)
 
     def finish(self) -> None:
         """End the session."""
@@ -194,7 +194,7 @@ class WatchedTetris:
             time_ns, _, press = heapq.heappop(self._due)
             key = self._gate.config.good if press.value > 0 else self._gate.config.bad
             self._gate.wrong_asked = press.deliberate
-            for item in self._gate.press(key, time_ns, source="simulated"):
+            for item in self._gate.judge(key, time_ns, source="simulated"):
                 if not isinstance(item, KeyPressed):
                     self.agent.retract(item.press)
                     showing.presses -= 1
@@ -245,6 +245,7 @@ def _check(protocol: Protocol) -> None:
             "a scheme whose presses teach the human model, not the learner itself",
         ),
         (protocol.n_participants == 1, "one participant: no others, no people"),
+        (protocol.agent.asking.per_episode == 0, "no questions: agent.asking.per_episode = 0"),
         (
             not protocol.agent.bootstrap.trust.needs.window,
             "a trust rule that needs no window of decisions (give it its chance level)",

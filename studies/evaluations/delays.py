@@ -193,7 +193,7 @@ def by_value(delays: Delays) -> list[OfValue]:
     return found
 
 
-def shares_of_variance(delays: Delays) -> dict[str, float]:
+def fractions_of_variance(delays: Delays) -> dict[str, float]:
     """Return which part of the variance of log delays people explain, and which values explain beyond them.
 
     Sequential sums of squares: person first, then the value within people.
@@ -202,13 +202,13 @@ def shares_of_variance(delays: Delays) -> dict[str, float]:
     together = np.concatenate(list(logs.values()))
     total = float(((together - together.mean()) ** 2).sum())
     between = sum(x.size * (x.mean() - together.mean()) ** 2 for x in logs.values())
-    shares = {"person": float(between / total)}
+    fractions = {"person": float(between / total)}
     if delays.values:
         within = np.concatenate([x - x.mean() for x in logs.values()])
         values = np.concatenate(list(delays.values.values()))
         explained = sum(within[values == v].size * within[values == v].mean() ** 2 for v in np.unique(values))
-        shares["value"] = float(explained / total)
-    return shares
+        fractions["value"] = float(explained / total)
+    return fractions
 
 
 # --- credit -------------------------------------------------------------------------------------------------

@@ -27,8 +27,8 @@ from studies.evaluations.delays import (
     credit_on_target,
     evaluations,
     fit_of,
+    fractions_of_variance,
     reactions,
-    shares_of_variance,
 )
 from studies.reaction_time.families import GAMMA, SHIFTED_GAMMA
 from studies.statistics import Interval, paired_difference
@@ -95,12 +95,10 @@ def _answer(judged: Delays, sets: Sequence[Delays]) -> str:
     quick = " and ".join(f"{np.median(one.together):.2f} s ({one.name})" for one in sets if one is not judged)
     return (
         f"**In short.** Judging takes longer than reacting: {np.median(judged.together):.2f} s in the "
-        f"median, against {quick}. "
-        f"A gamma of all evaluations has shape {gamma['shape']:.2f} and scale {gamma['scale_s']:.2f} s; the "
-        f"paper's are 2.5 and "
-        f"0.3 s. The person explains {shares_of_variance(judged)['person']:.0%} of the variance of log "
-        f"delays; most of it is "
-        "from press to press."
+        f"median, against {quick}. A gamma of all evaluations has shape {gamma['shape']:.2f} and scale "
+        f"{gamma['scale_s']:.2f} s; the paper's are 2.5 and 0.3 s. The person explains "
+        f"{fractions_of_variance(judged)['person']:.0%} of the variance of log delays; most of it is from "
+        "press to press."
     )
 
 
@@ -111,7 +109,7 @@ def _in_short(
     sizes = sorted({abs(one.value) for one in values})
     strong, weak = _of_size(values, sizes[-1]), _of_size(values, sizes[0])
     gamma = fit_of(judged.fits_together, GAMMA.name).parameters
-    shares = shares_of_variance(judged)
+    fractions = fractions_of_variance(judged)
     own_others = _difference(credit, OWN, OTHERS)
     own_paper = _difference(credit, OWN, PAPER)
     times = " and ".join(f"{np.median(one.together):.2f} s ({one.name})" for one in quick)
@@ -122,24 +120,24 @@ def _in_short(
                 " Simple reactions do not tell the delay of evaluations."
             ),
             (
-                f"- A gamma of all evaluations has shape {gamma['shape']:.2f} and scale"
-                f" {gamma['scale_s']:.2f} s: the paper's shape of 2.5 is right in kind, its scale of 0.3 s is"
-                " too short here."
+                f"- A gamma of all evaluations has shape {gamma['shape']:.2f} and scale "
+                f"{gamma['scale_s']:.2f} s: the paper's shape of 2.5 is right in kind, its scale of 0.3 s is "
+                "too short here."
             ),
             (
-                f"- People differ: their medians go from {judged.medians.min():.2f} to"
-                f" {judged.medians.max():.2f} s. Still the person explains only {shares['person']:.0%} of the"
-                f" variance of log delays, and the value {shares['value']:.0%} more; the rest is from press"
-                " to press."
+                f"- People differ: their medians go from {judged.medians.min():.2f} to "
+                f"{judged.medians.max():.2f} s. Still the person explains only {fractions['person']:.0%} of "
+                f"the variance of log delays, and the value {fractions['value']:.0%} more; the rest is from "
+                "press to press."
             ),
             (
                 f"- Strong evaluations are quick: {strong:.2f} of a person's usual delay for values of"
                 f" {sizes[-1]:g}, {weak:.2f} for {sizes[0]:g}."
             ),
             (
-                f"- With steps of {MIDDLE_STEP_S:g} s, a gamma fitted to the person gives the judged step"
-                f" {_words(own_others)} more of the credit than one fitted to all others, and"
-                f" {_words(own_paper)} more than the paper's density."
+                f"- With steps of {MIDDLE_STEP_S:g} s, a gamma fitted to the person gives the judged step "
+                f"{_words(own_others)} more of the credit than one fitted to all others, and "
+                f"{_words(own_paper)} more than the paper's density."
             ),
         ]
     )
@@ -185,7 +183,7 @@ def _people_table(sets: Sequence[Delays]) -> str:
                 f"{low:.2f}, {middle:.2f}, {high:.2f}",
                 f"{one.medians.max():.2f}",
                 f"{last / first:.2f}",
-                f"{shares_of_variance(one)['person']:.0%}",
+                f"{fractions_of_variance(one)['person']:.0%}",
                 _quartiles(one.shapes(GAMMA.name)),
                 _quartiles(one.shapes(SHIFTED_GAMMA.name)),
             ]
@@ -231,7 +229,7 @@ def _value_table(values: Sequence[OfValue]) -> str:
 
 
 def _value_words(judged: Delays, values: Sequence[OfValue]) -> str:
-    shares = shares_of_variance(judged)
+    fractions = fractions_of_variance(judged)
     plus = [one for one in values if one.value > 0]
     minus = [one for one in values if one.value < 0]
     pairs = "; ".join(
@@ -241,10 +239,10 @@ def _value_words(judged: Delays, values: Sequence[OfValue]) -> str:
         if m.value == -p.value
     )
     return (
-        "*By the person's usual delay*: geometric mean over people of the person's delay at this value by"
-        " that at all values, with a 95 % interval over people. The size of the value matters, its sign does"
-        f" not ({pairs}). Within people the value explains {shares['value'] / (1.0 - shares['person']):.0%}"
-        " of the variance of log delays."
+        "*By the person's usual delay*: geometric mean over people of the person's delay at this value by "
+        "that at all values, with a 95 % interval over people. The size of the value matters, its sign does "
+        f"not ({pairs}). Within people the value explains "
+        f"{fractions['value'] / (1.0 - fractions['person']):.0%} of the variance of log delays."
     )
 
 
@@ -328,8 +326,8 @@ def figure(sets: Sequence[Delays], judged: Delays) -> "Figure":
     left.set(xlabel="delay (s)", ylabel="density (per second)", title="all delays, shifted gammas")
     left.legend(frameon=False)
     for i, one in enumerate(sets):
-        share = (np.arange(one.medians.size) + 0.5) / one.medians.size
-        middle.step(np.sort(one.medians), share, color=COLORS[i], linestyle=LINES[i], label=one.name)
+        fraction = (np.arange(one.medians.size) + 0.5) / one.medians.size
+        middle.step(np.sort(one.medians), fraction, color=COLORS[i], linestyle=LINES[i], label=one.name)
     middle.set(xlabel="a person's median delay (s)", ylabel="share of people", title="from person to person")
     middle.legend(frameon=False)
     values = by_value(judged)

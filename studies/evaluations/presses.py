@@ -104,7 +104,7 @@ def report_lines(presses: Sequence[Press], *, delays_of_what: str) -> list[str]:
         f"{len(presses)} presses in {len(bursts)} bursts ({(sizes > 1).sum()} of more than one press"
         + (f", {np.median(gaps):.2f} s between their presses)" if gaps.size else ")"),
         (
-            f"{'value':>7}{'presses':>9}{'share':>7}   delay {delays_of_what} (s): 5 %   25 %   50 %   75 %  "
+            f"{'value':>7}{'presses':>9}{'part':>7}   delay {delays_of_what} (s): 5 %   25 %   50 %   75 %  "
             " 95 %"
         ),
     ]

@@ -1,4 +1,6 @@
-"""Figure 5: cross-entropy alone, ARL over it, the annealed combination, and the human alone (section 4)."""
+"""Figure 5: cross-entropy alone, ARL over it, the annealed combination, and the participant alone (section
+4).
+"""
 
 from core.combination.config import Annealed, EnvironmentOnly, HumanOnly
 from studies.experiments import page

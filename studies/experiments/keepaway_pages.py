@@ -77,7 +77,7 @@ def _used(scheme: Scheme, trust: Floats) -> Floats:
     scheduled = [
         next_episode(scheme, EpisodesSoFar(k, k)).scheduled for k in range(len(trust))
     ]  # all are watched
-    return np.array([scheme.weights(float(t), k).w_h for t, k in zip(trust, scheduled, strict=True)])
+    return np.array([scheme.episode_weights(float(t), k).w_h for t, k in zip(trust, scheduled, strict=True)])
 
 
 def scores(results: Results) -> dict[str, Floats]:

@@ -21,7 +21,7 @@ from core.learners.human_config import TileModel
 from studies.experiments.keepaway_trial import KeepawayTrial
 
 HUMAN_STEP = 0.3
-"""Share of a sample's error that the human model takes out."""
+"""Fraction of a sample's error that the human model takes out."""
 HUMAN_SHARED = True
 """One human model for all keepers: a press teaches three keepers at once."""
 BELIEVED = FixedWeight(1.0)

@@ -1,5 +1,5 @@
 """Rules of trust against rates of wrong presses, as tables and as a figure: what both games' pages of
-robustness share.
+robustness have in common.
 """
 
 from __future__ import annotations

@@ -161,8 +161,7 @@ def _sound_rows(
     if unknown:
         raise SweepError(
             f"{folder}: {SWEEP_FILE} does not say with what settings {', '.join(unknown)} was played: `arl "
-            f"experiment "
-            f"run {shlex.quote(experiment.source or experiment.name)}` plays it"
+            f"experiment run {shlex.quote(experiment.source or experiment.name)}` plays it"
         )
     rows: dict[str, dict[int, dict[str, Floats]]] = {name: {} for name in files}
     damaged: dict[Path, str] = {}
@@ -176,7 +175,7 @@ def _sound_rows(
         raise DamagedSweep(
             f"{len(damaged)} files of {folder} are damaged, and nothing is averaged over the rest:\n{named}\n"
             f"Play them again: `arl experiment run{quick} "
-            f"{shlex.quote(experiment.source or experiment.name)}`; a file "
-            "that is no trial's has to be removed"
+            f"{shlex.quote(experiment.source or experiment.name)}`; a file that is no trial's has to be "
+            "removed"
         )
     return rows

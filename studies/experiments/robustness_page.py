@@ -53,14 +53,14 @@ DRAWN = (MARGIN, "tried", "eq4", "annealed", "constant")
 WHY = """\
 ## The rule
 
-    b_i, c_i   share of the decisions in episode i at which the environment's policy chose the human model's best, or worst, action
+    b_i, c_i   fraction of the decisions in episode i at which the environment's policy chose the human model's best, or worst, action
     a_i        = b_i - c_i, the signed agreement, in [-1, 1]
     w          = sum(pm_i a_i) / sum(pm_i) over the last 200 episodes (Eq. 4 with a_i; pm_i: lines cleared)
     se         = sd(a) sqrt(sum pm_i^2) / sum pm_i
     w_h        = 2 sign(w) max(0, |w| - 2 se - 0.1)
 
-**Why it works.** What an agent can know of a person without asking anybody is whether policies that do well do what the person praises, or what the
-person blames. Of two unrelated policies, one chooses the other's best action as often as its worst, whatever their quality: the difference is 0 for somebody useless, where the
+**Why it works.** What an agent can know of a person without any question is whether policies that do well do what the person praises, or what the
+person blames. Of two unrelated policies, one chooses the other's best action as often as its worst, whatever their quality: the difference is 0 for a useless participant, where the
 rate of equal choices (Eq. 4) is 0.15 to 0.2. An adversary's is negative, so what they say can be turned round and used. The margin is for
 what no error bar over episodes shows: a human model learned from noise is *one* random policy, the same in all episodes, and agrees with good policies by a fixed
 number of 0.05 to 0.16 either way. Below margin and error w_h is exactly 0, and the session is the environment's own, decision by decision.
@@ -68,7 +68,7 @@ number of 0.05 to 0.16 either way. Below margin and error w_h is exactly 0, and 
 **When it fails.** (1) It is late: until the search has found something, its policies agree with nobody, and w_h stays 0 in the first two iterations or so. Eq. 4, which believes
 everybody a little at first, does better where people are good, and worse where they are not. (2) Where good policies do not do what good people praise, agreement
 misleads: early Sarsa in Keepaway is such a case ([there](robustness-keepaway.md), with the rule that does better). (3) The margin belongs to the number of actions and of features: where unrelated
-policies agree by more, it must be larger. (4) Somebody who changes sides is found out only as fast as the human model forgets, which it does not. (5) Agreement is not use: somebody
+policies agree by more, it must be larger. (4) A participant who changes sides is found out only as fast as the human model forgets, which it does not. (5) Agreement is not use: a participant
 who judges the immediate effect alone (*myopic*, below) is listened to and gives nothing, and over the policy gradient 30 % wrong are believed without a gain that 20 trials would show.
 
 Another rule, *trust by trial*, tries a person's word out in some episodes and goes by lines cleared ([why, and how](../decisions/tried-trust.md)).
@@ -110,7 +110,7 @@ fixed.)
 
 {ratios_table(by_rule, RATES)}
 {summary(by_rule)}
-Mean weight of the human over the last 100 episodes:
+Mean weight of the participant over the last 100 episodes:
 
 {weights_table(by_rule, RATES)}
 Mean scores (arithmetic), {SCORE}:

@@ -90,6 +90,7 @@ MODULES: dict[str, str] = {
     "robustness": "studies.experiments.robustness",
     "robustness-keepaway": "studies.experiments.keepaway_robustness",
     "credit": "studies.experiments.credit",
+    "mountain-car": "studies.experiments.mountain_car",
 }
 """Where each experiment is: a module with `EXPERIMENT` and `report(results) -> Page`. Imported when asked
 for."""

@@ -41,7 +41,7 @@ next ones better (found on pilot seeds)."""
 def tetris_agent(
     scheme: Scheme | None = None, trust: TrustRule | None = None, delay: Delay | None = None
 ) -> AgentConfig:
-    """Return how environment and human are combined.
+    """Return how environment and participant are combined.
 
     Args:
         scheme: f(R, H); linear by default (Eq. 3).
@@ -62,7 +62,7 @@ def session(
     """Return the protocol of one trial: 15 iterations of 100 watched games.
 
     Args:
-        agent: how environment and human are combined.
+        agent: how environment and participant are combined.
         person: the simulated participant.
         features: of the environment's learner.
     """

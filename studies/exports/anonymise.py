@@ -62,8 +62,7 @@ def read_or_make_key(path: Path, *, apart_from: Iterable[Path]) -> bytes:
         if path.resolve().is_relative_to(folder.resolve()):
             raise AnonymiseError(
                 f"{path}: the key would lie in {folder}, beside the data: with it everybody's old code can "
-                f"be found "
-                "again. Keep it elsewhere, under lock"
+                "be found again. Keep it elsewhere, under lock"
             )
     if not path.exists():
         key = secrets.token_bytes(KEY_BYTES)
@@ -78,8 +77,7 @@ def read_or_make_key(path: Path, *, apart_from: Iterable[Path]) -> bytes:
     if len(key) != KEY_BYTES:
         raise AnonymiseError(
             f"{path}: expected a key, a line of {2 * KEY_BYTES} hex digits, found something else. Name the "
-            f"file that "
-            "`arl anonymise` made, or a new one"
+            "file that `arl anonymise` made, or a new one"
         )
     return key
 
@@ -157,8 +155,7 @@ def _read(source: Source) -> _Found:
         case _:
             raise _Other(
                 f"{source.path}: {source.format or 'no format of ours'}: no copy is made; it is no "
-                f"recording, no reaction "
-                "trials and no sitting"
+                "recording, no reaction trials and no sitting"
             )
 
 

@@ -1,4 +1,4 @@
-"""Rows of one session that come in great numbers: steps, presses, credit, frames, interruptions."""
+"""Rows of one session that come in great numbers: steps, presses, credit, frames, questions."""
 
 import json
 from collections.abc import Iterator
@@ -10,6 +10,8 @@ from core.events import (
     FocusRegained,
     FrameShown,
     KeyPressed,
+    QuestionAnswered,
+    QuestionPosed,
     Resumed,
     ScreenCleared,
     StepTaken,
@@ -19,6 +21,7 @@ from core.events import (
 )
 from studies.exports.columns import Row
 from studies.exports.session_rows import OnScreen, SessionRows, between, step_actor, time_of
+from studies.exports.words import action_of
 
 _NEVER = OnScreen()
 _INTERRUPTIONS = (ScreenCleared, Resumed, TimeGap, FocusLost, FocusRegained, WrongPressAsked, StopAsked)
@@ -204,6 +207,45 @@ def interruption_rows(session: SessionRows) -> Iterator[Row]:
                 "stood_still_s": None if gap is None else between(gap.last_ns, gap.time_ns),
                 "suspended_s": None if gap is None else between(0, gap.suspended_ns),
             }
+
+
+def question_rows(session: SessionRows) -> Iterator[Row]:
+    """Yield the rows of `questions`."""
+    events = session.recording.events
+    answers = {event.question: event for event in events if isinstance(event, QuestionAnswered)}
+    for posed in (event for event in events if isinstance(event, QuestionPosed)):
+        answer, place = answers.get(posed.question), session.places.get(posed.step)
+        words = [action_of(session.game, detail) for detail in posed.details]
+        taken = session.steps.get(posed.step)
+        chosen = None if answer is None else _index(answer.chosen)
+        yield {
+            **session.keys,
+            "game": None if place is None else place.game,
+            "step": None if place is None else place.step,
+            "question_index": posed.question,
+            "step_index": posed.step,
+            "options": len(posed.options),
+            "options_json": json.dumps(posed.options),
+            **{f"option_{n + 1}": words[n] if n < len(words) else None for n in range(3)},
+            "disagreement": posed.disagreement,
+            "answer": None if answer is None else answer.answer,
+            "chosen_index": chosen,
+            "chosen_option": None if chosen is None else posed.options.index(chosen) + 1,
+            "followed": None if chosen is None or taken is None else taken.action == chosen,
+            "posed_s": session.seconds(posed.time_ns),
+            **_answered(session, answer),
+        }
+
+
+def _answered(session: SessionRows, answer: QuestionAnswered | None) -> Row:
+    if answer is None:
+        return dict.fromkeys(("press_index", "shown_s", "answered_s", "latency_s"))
+    return {
+        "press_index": _index(answer.press),
+        "shown_s": session.seconds(answer.shown_ns),
+        "answered_s": session.seconds(answer.time_ns),
+        "latency_s": between(answer.shown_ns, answer.time_ns) if answer.press >= 0 else None,
+    }
 
 
 def _index(number: int) -> int | None:

@@ -1,4 +1,4 @@
-"""The tidy tables of what happened in sessions: steps, presses, credit, frames, interruptions."""
+"""The tidy tables of what happened in sessions: steps, presses, credit, frames, interruptions, questions."""
 
 from studies.exports.columns import Column, Table
 from studies.exports.shared_columns import (
@@ -225,5 +225,37 @@ INTERRUPTIONS = Table(
             "empty.",
         ),
         seconds("suspended_s", "Of a time-gap: how long the machine slept; else empty."),
+    ),
+)
+QUESTIONS = Table(
+    "questions",
+    "a question that the agent posed, and its answer.",
+    (
+        *KEYS,
+        GAME,
+        STEP,
+        integer("question_index", "Number of the question in the session, from 0, as in the recording."),
+        integer("step_index", "The step that was asked about, from 0; it is decided after the answer."),
+        integer("options", "How many actions were offered.", "actions"),
+        text("options_json", "The actions offered, from 0, in the order of their keys."),
+        text("option_1", "The first option in words; empty where the game has none."),
+        text("option_2", "The second one."),
+        text("option_3", "The third one; empty where two were offered."),
+        number("disagreement", "How unsure the agent was, in [0, 1]."),
+        text(
+            "answer",
+            "What came of it; empty where the session ended before.",
+            chosen="an option was chosen",
+            none="the key for none of them was pressed",
+            time_limit="nobody answered in time",
+        ),
+        integer("chosen_index", "The action that was chosen, from 0; empty where none was."),
+        integer("chosen_option", "Which option that is, from 1; empty where none was.", "options"),
+        boolean("followed", "Whether the agent then did what was chosen; empty where nothing was."),
+        integer("press_index", "The press that gave the answer; empty without one."),
+        seconds("posed_s", "When the agent posed it; the game stood still from then on."),
+        seconds("shown_s", "When its options were handed to the terminal; empty without an answer."),
+        seconds("answered_s", "When the key was pressed, or the time was up."),
+        seconds("latency_s", "From the options on screen to the key; empty where no key was pressed."),
     ),
 )

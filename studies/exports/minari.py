@@ -8,6 +8,7 @@ they say the credited feedback; the presses themselves lie beside the data as a 
 import json
 import math
 import os
+import re
 import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
@@ -19,12 +20,14 @@ import numpy as np
 
 from core.domain import Domain
 from core.events import EpisodeStarted, StepTaken
+from core.interop.gymnasium.config import GymnasiumConfig
 from core.keepaway.pitch import KeepawayConfig
 from core.recording.reader import Recording, RecordingError, read_recording
 from core.registry import game_of
 from core.session.protocol import Protocol
 from core.session.protocol_reading import protocol_from
 from core.system.private_files import make_private_folder
+from core.tetris.action import PlacedPiece
 from core.tetris.config import TetrisConfig
 from studies.exports.columns import codebook
 from studies.exports.event_rows import press_rows, step_rows
@@ -35,8 +38,6 @@ from studies.exports.tidy import CsvFile, ExportError, TableFile
 
 NAMESPACE = "arl"
 SIDECAR = "presses.csv"
-N_PIECES = 7
-N_ORIENTATIONS = 4
 FOLDER_VARIABLE = "MINARI_DATASETS_PATH"
 """Environment variable that tells Minari where data sets lie."""
 
@@ -235,7 +236,7 @@ def _played(
     state = domain.initial(started.episode_seed)
     states, features = [state], []
     for taken in steps:
-        if domain.detail(state, taken.action) != taken.detail:
+        if domain.action_record(state, taken.action).plain() != taken.detail:
             raise NotReplayedError(
                 f"step {taken.step} comes out otherwise than recorded: the game has changed since. Export it "
                 f"with the version "
@@ -266,7 +267,7 @@ def _played(
             name: context.session.keys[name] or ""
             for name in ("participant", "session", "condition", "origin")
         }
-        | {"game": context.number},
+        | {"game": context.number, "episode_seed": started.episode_seed},
     )
 
 
@@ -277,41 +278,46 @@ def _variant(protocol: Protocol) -> str:
             return f"tetris-{rows}x{columns}"
         case KeepawayConfig(n_keepers=keepers, n_takers=takers):
             return f"keepaway-{keepers}v{takers}"
+        case GymnasiumConfig(env=env):
+            # An id of Minari has one namespace and letters, digits, "-" and "_"; the version follows.
+            return "gymnasium-" + re.sub(r"[^0-9A-Za-z_-]+", "-", env).strip("-")
         case _:
             raise NotReplayedError(f"there is no Minari data set of the game {protocol.game}")
 
 
 def _spaces(protocol: Protocol) -> tuple[Any, Any]:
     """Return the spaces of observations and actions, Gymnasium's."""
-    from gymnasium import spaces
+    from core.interop import spaces
 
     match protocol.domain:
-        case TetrisConfig(rows=rows, columns=columns):
-            board = spaces.Box(0, 1, (rows, columns), np.int8)
-            observation = spaces.Dict({"board": board, "piece": spaces.Discrete(N_PIECES)})
-            return observation, spaces.MultiDiscrete([N_ORIENTATIONS, columns])
-        case KeepawayConfig() as config:
-            n_variables = len(game_of(protocol).domain(protocol).initial(0).variables)
-            return spaces.Box(-np.inf, np.inf, (n_variables,), np.float64), spaces.Discrete(config.n_actions)
+        case TetrisConfig() as board:
+            return spaces.tetris_observations(board), spaces.tetris_placements(board)
+        case KeepawayConfig() as pitch:
+            return spaces.keepaway_observations(pitch), spaces.keepaway_actions(pitch)
+        case GymnasiumConfig():
+            domain: Any = game_of(protocol).domain(protocol)
+            return domain.env.observation_space, domain.env.action_space
         case _:
             raise NotReplayedError(f"there is no Minari data set of the game {protocol.game}")
 
 
 def _observations(protocol: Protocol, states: list[Any], domain: Any) -> Any:
-    """Return what is seen in each state: a board (row 0 is the lowest), or the deciding keeper's
-    variables.
+    """Return what is seen in each state: a board and its piece, the deciding keeper's variables, or what the
+    environment gave.
     """
     if isinstance(protocol.domain, TetrisConfig):
-        rows = protocol.domain.rows
-        boards = [
-            np.array([[column >> row & 1 for column in state.columns] for row in range(rows)], dtype=np.int8)
-            for state in states
-        ]
-        return {"board": boards, "piece": [int(domain.piece(state)) for state in states]}
+        from core.interop.spaces import tetris_observation
+
+        seen = [tetris_observation(domain, state) for state in states]
+        return {part: [one[part] for one in seen] for part in ("board", "piece")}
+    if isinstance(protocol.domain, GymnasiumConfig):
+        return [state.given for state in states]
     return [np.asarray(state.variables, dtype=np.float64) for state in states]
 
 
 def _actions(protocol: Protocol, steps: list[StepTaken]) -> list[Any]:
     if isinstance(protocol.domain, TetrisConfig):
-        return [np.array([taken.detail["orientation"], taken.detail["column"]]) for taken in steps]
+        return [np.array(PlacedPiece.of(taken).place) for taken in steps]
+    if isinstance(protocol.domain, GymnasiumConfig):
+        return [taken.detail["action"] for taken in steps]
     return [taken.action for taken in steps]

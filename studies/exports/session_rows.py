@@ -266,7 +266,7 @@ class SessionRows:
             "trust_after": None if ended is None else ended.trust,
             "weight": started.weight,
             "environment_weight": started.w_r,
-            "share": started.share,
+            "handover": started.handover,
             "shaping": started.shaping,
             "augmentation": started.augmentation,
             "agreed": None if ended is None else ended.agreed,
@@ -279,7 +279,7 @@ class SessionRows:
 
     def _unseen_rows(self, event: UnseenPlayed) -> Iterator[Row]:
         watched_only = (
-            "game ended started_s ended_s duration_s trust_before environment_weight share shaping "
+            "game ended started_s ended_s duration_s trust_before environment_weight handover shaping "
             "augmentation "
             "presses_counted presses_good presses_bad presses_neither"
         )

@@ -1,7 +1,7 @@
 """The tidy tables: every column with its unit, its levels and its meaning. The codebook is made from them."""
 
 from studies.exports.columns import Column, Table
-from studies.exports.event_tables import CREDIT, FRAMES, INTERRUPTIONS, PRESSES, STEPS
+from studies.exports.event_tables import CREDIT, FRAMES, INTERRUPTIONS, PRESSES, QUESTIONS, STEPS
 from studies.exports.shared_columns import (
     KEYS,
     ORIGINS,
@@ -97,11 +97,12 @@ PLAYED = Table(
         ),
         number(
             "weight",
-            "Weight w_h of the human's values that the scheme used; empty where version 1 did not record it.",
+            "Weight w_h of the participant's values that the scheme used; empty where version 1 did not "
+            "record it.",
         ),
         number("environment_weight", "Weight w_r of the environment's values; empty for unseen games."),
         number(
-            "share",
+            "handover",
             "Probability of handing the choice to the human policy (control sharing), else 0; empty for "
             "unseen games.",
         ),
@@ -204,6 +205,6 @@ TRIALS = Table(
     ),
 )
 TABLES = (
-    SESSIONS, SETTINGS, PLAYED, STEPS, PRESSES, CREDIT, FRAMES, INTERRUPTIONS, ANSWERS, TRIALS,
+    SESSIONS, SETTINGS, PLAYED, STEPS, PRESSES, CREDIT, FRAMES, INTERRUPTIONS, QUESTIONS, ANSWERS, TRIALS,
 )  # fmt: skip
 """All tables, in the order of the codebook."""

@@ -16,8 +16,15 @@ from typing import Any, Literal, Self
 from core.recording.reader import RecordingError, read_recording
 from core.system.private_files import make_private_folder
 from studies.exports.columns import Cell, Column, Row, Table, codebook, codebook_page
-from studies.exports.event_rows import credit_rows, frame_rows, interruption_rows, press_rows, step_rows
-from studies.exports.event_tables import CREDIT, FRAMES, INTERRUPTIONS, PRESSES, STEPS
+from studies.exports.event_rows import (
+    credit_rows,
+    frame_rows,
+    interruption_rows,
+    press_rows,
+    question_rows,
+    step_rows,
+)
+from studies.exports.event_tables import CREDIT, FRAMES, INTERRUPTIONS, PRESSES, QUESTIONS, STEPS
 from studies.exports.other_rows import answer_rows, trial_rows
 from studies.exports.session_rows import SessionRows
 from studies.exports.sources import Source, Trouble, find_sources
@@ -229,3 +236,4 @@ def _of_session(session: SessionRows) -> Iterator[tuple[Table, Row]]:
     yield from ((CREDIT, row) for row in credit_rows(session))
     yield from ((FRAMES, row) for row in frame_rows(session))
     yield from ((INTERRUPTIONS, row) for row in interruption_rows(session))
+    yield from ((QUESTIONS, row) for row in question_rows(session))

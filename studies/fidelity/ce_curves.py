@@ -136,7 +136,7 @@ def lines_at(points: Iterable[CurvePoint], rules: str, noise: str, iteration: in
 
 
 @dataclass(frozen=True, slots=True)
-class Comparison:
+class CurveComparison:
     """Our median beside the published runs, after one iteration."""
 
     rules: str
@@ -158,7 +158,7 @@ def compare(
     ours: Sequence[CurvePoint],
     published: Sequence[CurvePoint],
     iterations: Sequence[int] = COMPARED_ITERATIONS,
-) -> list[Comparison]:
+) -> list[CurveComparison]:
     """Compare every rule set and noise schedule in `ours` with the published runs of that schedule."""
     kinds = dict.fromkeys((point.rules, point.noise) for point in ours)
     rows = []
@@ -166,7 +166,7 @@ def compare(
         for iteration in iterations:
             theirs = lines_at(published, "published", noise, iteration)
             rows.append(
-                Comparison(
+                CurveComparison(
                     rules,
                     noise,
                     iteration,

@@ -37,7 +37,7 @@ TABLE_HEAD = (
     "difference",
     "in s.e.",
     "K-S",
-    "share out",
+    "fraction out",
 )
 
 
@@ -105,7 +105,7 @@ class Trace:
 
 
 @dataclass(frozen=True, slots=True)
-class Comparison:
+class DurationComparison:
     """Ours against the reference for one setting."""
 
     setting: Setting
@@ -137,7 +137,7 @@ class Comparison:
 
     @property
     def out_difference(self) -> float:
-        """Return our share of episodes that end outside minus the reference's."""
+        """Return our fraction of episodes that end outside minus the reference's."""
         return float(self.ours.out.mean() - self.reference.out.mean())
 
 
@@ -244,10 +244,10 @@ def play_durations(setting: Setting, n_episodes: int, root_seed: int) -> Duratio
     return Durations(episodes.duration_s, episodes.out)
 
 
-def compare(setting: Setting, folder: Path, n_episodes: int, root_seed: int) -> Comparison:
+def compare(setting: Setting, folder: Path, n_episodes: int, root_seed: int) -> DurationComparison:
     """Play a setting and put it beside the reference's episodes in `folder`."""
     reference = read_durations(folder / f"{setting.label}_episodes.csv")
-    return Comparison(setting, play_durations(setting, n_episodes, root_seed), reference)
+    return DurationComparison(setting, play_durations(setting, n_episodes, root_seed), reference)
 
 
 def compare_fine(
@@ -261,7 +261,7 @@ def compare_fine(
     return ours, fine_statistics(read_traces(path))
 
 
-def table_row(comparison: Comparison) -> tuple[str, ...]:
+def table_row(comparison: DurationComparison) -> tuple[str, ...]:
     """Return one row under TABLE_HEAD; bold where a target is missed."""
     ours, reference = comparison.ours, comparison.reference
     relative = comparison.relative_difference
@@ -295,7 +295,7 @@ def _bold_if(missed: bool, text: str) -> str:
     return f"**{text}**" if missed else text
 
 
-def write_figure(comparison: Comparison, path: Path) -> None:
+def write_figure(comparison: DurationComparison, path: Path) -> None:
     """Draw both distributions of durations as step functions."""
     from matplotlib.figure import Figure
 

@@ -42,8 +42,8 @@ def prediction_band(table: Floats, coverage: float = 0.95) -> tuple[Floats, Floa
 
 
 def chance_of(curve: Floats, table: Floats) -> float:
-    """Return the p-value of "this curve is one of those": the share of curves that stand out as far, itself
-    included.
+    """Return the p-value of "this curve is one of those": the fraction of curves that stand out as far,
+    itself included.
 
     How far a curve stands out is its largest distance from the others' mean in any block, in their standard
     deviations.

@@ -184,23 +184,23 @@ def roll_out(
             later = [row + cycles for cycles in horizons]
             known = holders[number]
             logged = one_hot([known[at] if at < len(known) else ENDED for at in later])
-            shares = _shares(match, horizons, copies, play)
+            fractions = _fractions(match, horizons, copies, play)
             for kind in rows[number][row]:
-                found[kind].append((number, logged, shares))
+                found[kind].append((number, logged, fractions))
     return [rollout for kind in sorted(found) for rollout in _compare(kind, found[kind], horizons)]
 
 
-def _shares(match: Match, horizons: tuple[int, ...], copies: int, play: Callable[[], bool]) -> Floats:
-    """Return the share of copies of the present state in which each has the ball, shape (horizons,
+def _fractions(match: Match, horizons: tuple[int, ...], copies: int, play: Callable[[], bool]) -> Floats:
+    """Return the fraction of copies of the present state in which each has the ball, shape (horizons,
     holders).
     """
     saved = [part.copy() for part in match]
-    shares = np.zeros((len(horizons), len(HOLDERS)))
+    fractions = np.zeros((len(horizons), len(HOLDERS)))
     for _ in range(copies):
         _put_back(match, saved)
-        shares += one_hot(_went_on(match, horizons, play))
+        fractions += one_hot(_went_on(match, horizons, play))
     _put_back(match, saved)
-    return shares / copies
+    return fractions / copies
 
 
 def _put_back(match: Match, saved: list[NDArray[Any]]) -> None:
@@ -229,13 +229,13 @@ def _compare(
     kind: Start, found: list[tuple[int, Floats, Floats]], horizons: tuple[int, ...]
 ) -> Iterator[Rollout]:
     episodes = np.array([number for number, _, _ in found])
-    logged, shares = np.array([one for _, one, _ in found]), np.array([one for _, _, one in found])
+    logged, fractions = np.array([one for _, one, _ in found]), np.array([one for _, _, one in found])
     for h, cycles in enumerate(horizons):
         for k, name in enumerate(HOLDERS):
-            expected = float(shares[:, h, k].sum())
+            expected = float(fractions[:, h, k].sum())
             if not LEAST_EXPECTED <= expected <= len(found) - LEAST_EXPECTED:
                 continue
-            difference = logged[:, h, k] - shares[:, h, k]
+            difference = logged[:, h, k] - fractions[:, h, k]
             by_episode = np.bincount(episodes, difference)
             error = float(np.sqrt((by_episode**2).sum()))
             yield Rollout(

@@ -6,12 +6,13 @@ The page is prose around tables. A table is known by the line of its head; only 
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from studies.fidelity import ce_curves, curves_page, learning_table, regions
 from studies.fidelity.keepaway_fidelity import (
     DRAWN_PHASES,
     FINE_NAMES,
     SETTINGS,
     TABLE_HEAD,
-    Comparison,
+    DurationComparison,
     compare,
     compare_fine,
     fine_row,
@@ -42,7 +43,7 @@ class PageError(ValueError):
     """The page has no such table, or the reference's files are not there."""
 
 
-def comparisons(data: Path, note: Note) -> Iterator[tuple[Comparison, bool]]:
+def comparisons(data: Path, note: Note) -> Iterator[tuple[DurationComparison, bool]]:
     """Play every setting beside the reference; yield it with whether phases are drawn anew in each episode.
 
     Args:
@@ -116,7 +117,7 @@ def _line(cells: Row) -> str:
 def renewed(page: str, data: Path, figures: Path | None, note: Note) -> str:
     """Return the page with tables from the reference's files; draw the figures of durations.
 
-    The tables of learning are not among them: their 160 runs of 12 hours take most of an hour of computing.
+    The table of learning is not among them (`with_learning`): its runs take most of an hour of computing.
 
     Args:
         page: Markdown.
@@ -140,3 +141,38 @@ def renewed(page: str, data: Path, figures: Path | None, note: Note) -> str:
     note(f"{ROLLED_OUT.name} {ROLLED_OUT.policy}, on from logged states")
     logged = read_episodes(data / f"{ROLLED_OUT.label}_traj.csv.gz")
     return with_rows(page, ROLLOUT_HEAD, rollout_rows(roll_out(ROLLED_OUT, logged)))
+
+
+def with_learning(page: str, data: Path, workers: int) -> str:
+    """Return the page with its table of learning, played anew by so many processes (one: most of an hour)."""
+    seeds, runs = learning_table.learn_all(workers)
+    rows = learning_table.learning_rows(seeds, runs, learning_table.read_reference(data))
+    return with_rows(page, learning_table.HEAD, rows)
+
+
+def with_regions(page: str, note: Note) -> str:
+    """Return the page with its table of other regions and numbers, played anew."""
+    rows = []
+    for task in regions.TASKS:
+        note(task)
+        rows.append(regions.region_row(task))
+    return with_rows(page, regions.HEAD, rows)
+
+
+def with_curves(page: str, played: Path, published: Path, figures: Path | None) -> str:
+    """Return the page of cross-entropy with its table, from runs that were kept; draw its figure.
+
+    Args:
+        page: Markdown.
+        played: our runs, as `ce_curves.write_csv` writes them.
+        published: the published runs.
+        figures: where the figure goes; None draws none.
+    """
+    ours, theirs = ce_curves.read_csv(played), ce_curves.read_published(published)
+    if figures is not None:
+        ce_curves.draw(
+            [point for point in ours if point.rules in curves_page.SHOWN_RULES],
+            theirs,
+            figures / "ce_curves.png",
+        )
+    return with_rows(page, curves_page.HEAD, curves_page.curve_rows(ours, theirs))

@@ -128,8 +128,8 @@ def _duration(
             return len(loaded.questionnaires[name].questions) * SECONDS_PER_QUESTION / 60, ""
         case Block(condition=condition, games=games):
             block = longest if condition == ASSIGNED else blocks[condition]
-            share = 1.0 if games is None else games / block.games
-            return block.minutes * share, "longest condition" if condition == ASSIGNED else ""
+            fraction = 1.0 if games is None else games / block.games
+            return block.minutes * fraction, "longest condition" if condition == ASSIGNED else ""
         case other:
             assert_never(other)
 
@@ -149,8 +149,8 @@ def _missing(loaded: LoadedStudy) -> Iterator[str]:
             if own and (calibrated is None or calibrated > where):
                 yield (
                     f"step {where[1] + 1} of sitting {where[0] + 1} credits presses by the participant's own "
-                    f"delay "
-                    f"({', '.join(own)}), and no calibration comes before it: add a step of type calibration"
+                    f"delay ({', '.join(own)}), and no calibration comes before it: add a step of type "
+                    "calibration"
                 )
     if not any(isinstance(step, Debriefing) for _, step in kinds):
         yield "no step of type debriefing: participants never learn what the study is about"

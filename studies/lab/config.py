@@ -189,7 +189,7 @@ Assignment = LatinSquare | PermutedBlocks | Listed
 
 
 class Dropouts(Table, frozen=True, kw_only=True):
-    """When a participant counts as dropped out, and whether somebody else gets their place."""
+    """When a participant counts as dropped out, and whether another participant gets their place."""
 
     after_hours: Hours = 24.0 * 14
     """Unfinished, and without a sign of life for so long."""
@@ -285,8 +285,7 @@ class Study(Table, frozen=True, kw_only=True):
             ):
                 raise ValueError(
                     f"step {place + 1} of sitting {sitting + 1}: the condition {step.condition!r} is not "
-                    f"among "
-                    f"{known}; write one of them, or {ASSIGNED!r}"
+                    f"among {known}; write one of them, or {ASSIGNED!r}"
                 )
         for order in self.assignment.orders if isinstance(self.assignment, Listed) else ():
             for name in order:
@@ -315,6 +314,5 @@ class Study(Table, frozen=True, kw_only=True):
         if blocks == 0 or not fits:
             raise ValueError(
                 f"the timeline has {blocks} blocks with an assigned condition; this assignment needs "
-                f"{wanted} "
-                "(an order of one condition serves any number of blocks)"
+                f"{wanted} (an order of one condition serves any number of blocks)"
             )

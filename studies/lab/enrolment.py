@@ -174,9 +174,8 @@ def _check_interval(study: Study, person: Participant, number: int, now: datetim
     if sitting.within_hours is not None and now > ended + timedelta(hours=sitting.within_hours):
         raise NotNow(
             f"{person.code} comes too late: the sitting {sitting.name!r} had to begin within "
-            f"{sitting.within_hours:g} h, by "
-            f"{_when(ended + timedelta(hours=sitting.within_hours))}. `arl study drop {person.code}` gives "
-            f"the place to another participant"
+            f"{sitting.within_hours:g} h, by {_when(ended + timedelta(hours=sitting.within_hours))}. `arl "
+            f"study drop {person.code}` gives the place to another participant"
         )
 
 

@@ -17,9 +17,24 @@ def data_folder(home: Path, study: str, *, simulated: bool = False) -> Path:
     return home / "studies" / (study + (SIMULATED if simulated else ""))
 
 
+PARTICIPANTS = "participants"
+"""Of the participants' folders in the folder of a study's data."""
+
+
 def participant_folder(data: Path, code: str) -> Path:
     """Return the folder of one participant's files."""
-    return data / "participants" / code
+    return data / PARTICIPANTS / code
+
+
+def group_folders(folder: Path) -> list[Path]:
+    """Return the folders with the files of a participant's group: those of all participants of their study.
+
+    Args:
+        folder: of one participant of a study, or any other folder, which is its own group.
+    """
+    if folder.parent.name != PARTICIPANTS:
+        return [folder]
+    return sorted(path for path in folder.parent.iterdir() if path.is_dir())
 
 
 def sitting_path(data: Path, code: str, sitting: int, attempt: int) -> Path:

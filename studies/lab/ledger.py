@@ -232,7 +232,7 @@ class Ledger:
 
     @contextmanager
     def _locked(self) -> Iterator[tuple[Line, ...]]:
-        # A lock of its own: the ledger may be replaced by another file while somebody waits.
+        # A lock of its own: the ledger may be replaced by another file while a program waits.
         with exclusive(self.folder / "ledger.lock"):
             self._handle = os.open(self.path, os.O_CREAT | os.O_RDWR, 0o600)
             try:

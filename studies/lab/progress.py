@@ -60,7 +60,7 @@ class Participant:
         """Return whether the participant has finished, is still expected, or is gone.
 
         Args:
-            study: whose rule says when somebody counts as dropped out.
+            study: whose rule says when a participant counts as dropped out.
             now: with a time zone.
         """
         if self.withdrawn:

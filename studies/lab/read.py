@@ -11,6 +11,7 @@ import msgspec
 from core.configuration.reading import ConfigurationError, Problem, read_whole
 from core.configuration.toml_places import places
 from core.feedback.delays import GammaDelay
+from core.session.practice import practice_of
 from core.session.protocol import Protocol
 from core.session.protocol_file import ProtocolError, located, read_toml
 from core.session.protocol_reading import protocol_from
@@ -18,8 +19,6 @@ from studies.lab.config import Block, Break, Consent, Debriefing, Practice, Ques
 from studies.lab.questions import QuestionList, QuestionsError, read_questions
 
 HELP = "docs/study.md (`arl study settings`) has every key with what it means."
-PRACTICE_SLOWER = 1.5
-"""A practice game is so many times slower than a block's."""
 
 
 class StudyError(ValueError):
@@ -56,22 +55,7 @@ class LoadedStudy:
         condition.
         """
         protocol = next(iter(self.protocols.values()))
-        session, screen = protocol.session, protocol.screen
-        session = msgspec.structs.replace(session, episodes=step.games, unseen_before=0, unseen_between=0)
-        screen = msgspec.structs.replace(
-            screen,
-            tick_ms=min(2000, round(screen.tick_ms * PRACTICE_SLOWER)),
-            speed=max(0.05, screen.speed / PRACTICE_SLOWER),
-            mark_presses=True,
-        )
-        keys = msgspec.structs.replace(protocol.keys, wrong_press_rate=0.0)
-        if protocol.delay_of != "rule":  # nobody is calibrated yet
-            credit = msgspec.structs.replace(protocol.agent.credit, delay=GammaDelay())
-            agent = msgspec.structs.replace(protocol.agent, credit=credit)
-            protocol = msgspec.structs.replace(protocol, agent=agent, delay_of="rule")
-        return msgspec.structs.replace(
-            protocol, name=self.study.name, session=session, screen=screen, keys=keys
-        )
+        return practice_of(protocol, games=step.games, name=self.study.name)
 
     def simulated_protocol(self, condition: str, step: Block) -> Protocol:
         """Return the protocol of a block for a simulated participant, whose own delay is known without a

@@ -22,7 +22,7 @@ from studies.lab.sitting_log import FileRecorded, QuestionAnswered, read_sitting
 FEW_PRESSES_PER_GAME = 0.5
 """Fewer accepted presses per game than this are pointed out."""
 ALWAYS_THE_SAME = 0.98
-"""A share of one key among at least `ENOUGH_PRESSES` above this is pointed out."""
+"""A fraction of one key among at least `ENOUGH_PRESSES` above this is pointed out."""
 ENOUGH_PRESSES = 20
 
 

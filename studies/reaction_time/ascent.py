@@ -96,8 +96,8 @@ def _solve(matrix: list[list[float]], right: list[float]) -> list[float] | None:
         if not rows[i][i] > 0.0:
             return None
         for k in range(i + 1, n):
-            share = rows[k][i] / rows[i][i]
-            rows[k] = [a - share * b for a, b in zip(rows[k], rows[i], strict=True)]
+            factor = rows[k][i] / rows[i][i]
+            rows[k] = [a - factor * b for a, b in zip(rows[k], rows[i], strict=True)]
     solution = [0.0] * n
     for i in reversed(range(n)):
         solution[i] = (rows[i][n] - sum(rows[i][j] * solution[j] for j in range(i + 1, n))) / rows[i][i]

@@ -74,7 +74,7 @@ def resample(fit: FamilyFit, sample: Sample, n_resamples: int, *, rng: np.random
 
 
 def percentile_intervals(resamples: Resamples, *, level: float = 0.95) -> dict[str, Interval]:
-    """Return the central `level` share of each refitted quantity."""
+    """Return the central `level` part of each refitted quantity."""
     tail = 0.5 * (1.0 - level)
     ends = {name: np.quantile(values, [tail, 1.0 - tail]) for name, values in resamples.quantities.items()}
     return {

@@ -164,8 +164,8 @@ def _fit_ex_gaussian(sample: Sample) -> tuple[Floats, float]:
         return float(total + (counts * log_survival(None, mu, sigma, waited, tau)).sum())
 
     tops = []
-    for share in (0.05, 0.5, 0.95):
-        tau, sigma = sd * math.sqrt(share), sd * math.sqrt(1.0 - share)
+    for fraction in (0.05, 0.5, 0.95):
+        tau, sigma = sd * math.sqrt(fraction), sd * math.sqrt(1.0 - fraction)
         start = [(mean - tau) / sd, math.log(sigma), math.log(tau)]
         tops.append(climb(height, start, [-math.inf, least, least], [math.inf, most, most]))
     theta, total = max(tops, key=lambda top: top[1])

@@ -198,7 +198,7 @@ def _at_bound(family: Family, values: Floats, low: float) -> tuple[str, ...]:
 
 
 def _fit_ex_gaussian(x: Floats) -> tuple[Floats, float]:
-    """Climb from several shares of the variance in tau; keep the highest top. Unknowns: mu / sd, logs of
+    """Climb from several fractions of the variance in tau; keep the highest top. Unknowns: mu / sd, logs of
     widths.
     """
     mean, sd = float(x.mean()), float(x.std())
@@ -209,8 +209,8 @@ def _fit_ex_gaussian(x: Floats) -> tuple[Floats, float]:
         return float(kernels.ex_gaussian(x, sd * theta[0], math.exp(theta[1]), math.exp(theta[2])))
 
     tops = []
-    for share in (0.05, 0.5, 0.95):
-        tau, sigma = sd * math.sqrt(share), sd * math.sqrt(1.0 - share)
+    for fraction in (0.05, 0.5, 0.95):
+        tau, sigma = sd * math.sqrt(fraction), sd * math.sqrt(1.0 - fraction)
         tops.append(climb(height, [(mean - tau) / sd, math.log(sigma), math.log(tau)], low, high))
     theta, total = max(tops, key=lambda top: top[1])
     return np.array([sd * theta[0], math.exp(theta[1]), math.exp(theta[2])]), total

@@ -103,7 +103,7 @@ def _best_and_gammas(fits: Sequence[FamilyFit]) -> list[FamilyFit]:
 
 def _draw_densities(axes: Axes, sample: Sample, fits: Sequence[FamilyFit]) -> None:
     x = sample.observed_s
-    # Heights are shares of all trials, so that time-outs leave the densities above the bars where they
+    # Heights are fractions of all trials, so that time-outs leave the densities above the bars where they
     # belong.
     edges = np.histogram_bin_edges(x, bins="fd" if x.size >= 30 else 8)
     counts, edges = np.histogram(x, bins=edges)

@@ -38,11 +38,11 @@ class HeldOutScore(msgspec.Struct, frozen=True, kw_only=True):
     log_density: float
     """Mean over people of the mean log density per held-out trial (per second); -inf if one person's is."""
     impossible: float
-    """Share of people with a held-out response that the fit calls impossible."""
+    """Fraction of people with a held-out response that the fit calls impossible."""
     pinball_ms: float
     """Mean pinball loss, milliseconds: lower is better."""
     better_than_alone: float
-    """Share of people whose pinball loss is lower than with a gamma of their own."""
+    """Fraction of people whose pinball loss is lower than with a gamma of their own."""
     pinball_gain_ms: float
     """Mean over people of (gamma alone - this method), milliseconds."""
     pinball_gain_se_ms: float

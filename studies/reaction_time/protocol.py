@@ -37,8 +37,7 @@ class Foreperiod(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
         if not 0.0 < self.least_s < self.most_s or not self.mean_extra_s > 0.0:
             raise ValueError(
                 f"foreperiod: need 0 < least_s < most_s and mean_extra_s > 0, got {self.least_s}, "
-                f"{self.most_s} "
-                f"and {self.mean_extra_s} s"
+                f"{self.most_s} and {self.mean_extra_s} s"
             )
 
 
@@ -54,7 +53,7 @@ class TaskConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     """A break is offered after each block."""
     foreperiod: Foreperiod = Foreperiod()
     catch_rate: float = 0.1
-    """Share of trials without a stimulus: whoever presses there does not react but guesses. Not in
+    """Fraction of trials without a stimulus: whoever presses there does not react but guesses. Not in
     go/no-go."""
     time_out_s: float = 2.0
     """Longest wait for a response, seconds; the trial is then right-censored."""
@@ -63,12 +62,12 @@ class TaskConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     set_sizes: tuple[int, ...] = ()
     """Items to remember (memory search) or to look through (visual search); () takes the task's own."""
     go_rate: float = 0.75
-    """Share of go stimuli in go/no-go."""
+    """Fraction of go stimuli in go/no-go."""
     n_studied: int = 16
     """Words studied before a recognition block."""
     study_item_s: float = 1.0
     """Time each studied word or remembered item is shown, seconds."""
-    game: Literal["tetris", "keepaway"] = "tetris"
+    game: str = "tetris"
     """Game watched in the feedback-lag task."""
     picture_ms: float | None = None
     """How long a picture of the watched game is on screen, milliseconds: a tick of Tetris, a cycle of

@@ -187,23 +187,17 @@ def pooling_page(scores: Mapping[tuple[int, str], tuple[HeldOutScore, ...]]) -> 
         ),
         (
             "Of each person some trials, drawn at random, are fitted; the score is on all others. Means over "
-            "people and "
-            f"{N_SPLITS} random splits (root seed {ROOT_SEED}).\nPinball loss: mean over 19 quantiles, lower "
-            f"is better; gain: "
-            "per person against a two-parameter gamma of one's own, with its standard error over\npeople. "
-            "Made by "
-            "`python -m studies.reaction_time.results DATA docs`."
+            f"people and {N_SPLITS} random splits (root seed {ROOT_SEED}).\nPinball loss: mean over 19 "
+            "quantiles, lower is better; gain: per person against a two-parameter gamma of one's own, with "
+            "its standard error over\npeople. Made by `python -m studies.reaction_time.results DATA docs`."
         ),
         *tables,
         "## How to read this",
         (
             "A shifted gamma of one's own ends its offset just below the fastest of few responses, and so "
-            "calls many a later "
-            "response impossible (log density -inf): pooling the\noffset cures this. *Everybody alike* is "
-            "one gamma for "
-            "all. A gain is small beside the trial-to-trial noise, which no estimate removes; whether it is "
-            "more than "
-            "chance tells its\nstandard error."
+            "calls many a later response impossible (log density -inf): pooling the\noffset cures this. "
+            "*Everybody alike* is one gamma for all. A gain is small beside the trial-to-trial noise, which "
+            "no estimate removes; whether it is more than chance tells its\nstandard error."
         ),
     ]
     return "\n\n".join(parts) + "\n"
@@ -216,10 +210,8 @@ def _families_answer(sets: Sequence[Fitted]) -> str:
     close = " and ".join(f"{_close(one)} of {len(one.samples)}" for one in sets)
     return (
         f"**In short.** Of nine families these fit pooled times best: {best}. The paper's two-parameter "
-        f"gamma comes "
-        f"{' and '.join(f'{place}th' for place in places)}. Single people hardly differ so: in {close} "
-        f"people no family beats "
-        "the shifted gamma by 2 AIC."
+        f"gamma comes {' and '.join(f'{place}th' for place in places)}. Single people hardly differ so: in "
+        f"{close} people no family beats the shifted gamma by 2 AIC."
     )
 
 
@@ -229,10 +221,9 @@ def _pooling_answer(pooled: Sequence[HeldOutScore]) -> str:
     most = max(pooled, key=lambda one: one.pinball_gain_ms)
     return (
         f"**In short.** Pooling with others foretells held-out trials better in {len(clear)} of "
-        f"{len(pooled)} comparisons by "
-        f"more than two standard errors. The gain is small: at most {most.pinball_gain_ms:.2f} ms of "
-        f"{most.pinball_ms:.0f} ms. "
-        "Without pooling a shifted gamma calls later trials of many people impossible; with it, of "
+        f"{len(pooled)} comparisons by more than two standard errors. The gain is small: at most "
+        f"{most.pinball_gain_ms:.2f} ms of {most.pinball_ms:.0f} ms. Without pooling a shifted gamma calls "
+        "later trials of many people impossible; with it, of "
         f"{'nobody' if not any(one.impossible for one in pooled) else 'some'}."
     )
 

@@ -10,8 +10,8 @@ MIN_RESPONSES = 5
 
 
 LEAST_SPREAD = 2e-3
-"""Least sd of the responses as a share of their mean. People have 0.1 to 0.5; shapes above its square cannot
-be told."""
+"""Least sd of the responses as a fraction of their mean. People have 0.1 to 0.5; shapes above its square
+cannot be told."""
 
 
 class FitError(ValueError):
@@ -58,8 +58,7 @@ class Sample:
         if sd < LEAST_SPREAD * mean:
             raise FitError(
                 f"all {self.observed_s.size} times are {mean:.6g} s, sd {sd:.2g} s: nobody reacts so evenly, "
-                f"and a density "
-                "needs some spread; is this the column of reaction times?"
+                "and a density needs some spread; is this the column of reaction times?"
             )
 
     @property

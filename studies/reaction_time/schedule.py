@@ -45,8 +45,8 @@ def draw_foreperiods(foreperiod: Foreperiod, n: int, *, rng: np.random.Generator
     distribution).
     """
     room = (foreperiod.most_s - foreperiod.least_s) / foreperiod.mean_extra_s
-    share = rng.random(n) * -np.expm1(-room)
-    return np.asarray(foreperiod.least_s - foreperiod.mean_extra_s * np.log1p(-share))
+    fraction = rng.random(n) * -np.expm1(-room)
+    return np.asarray(foreperiod.least_s - foreperiod.mean_extra_s * np.log1p(-fraction))
 
 
 def describe(schedule: Schedule) -> str:

@@ -88,8 +88,7 @@ class TrialWriter:
         if age_h > LONGEST_PAUSE_H and not despite_age:
             raise TrialFileError(
                 f"{path}: this session began {age_h:.0f} hours ago (trial {session.next_trial} is next). "
-                f"Start a new "
-                "one, or say explicitly that the old one goes on."
+                "Start a new one, or say explicitly that the old one goes on."
             )
         file = path.open("r+b", buffering=0)
         if session.torn_line:

@@ -23,7 +23,7 @@ Floats = NDArray[np.float64]
 MEASURES: Final = {
     "performance": "performance per game",
     "presses": "presses per game",
-    "praise": "share of praise",
+    "praise": "fraction of praise",
     "agreement": "agreement with the learned policy",
     "match": "match of both sides",
     "consistency": "consistency",
@@ -50,7 +50,7 @@ class SessionFigures:
     """Presses for good that counted."""
     bad: Floats
     match: Floats
-    """Share of steps at which environment and human policy would have done the same, in [0, 1]."""
+    """Fraction of steps at which environment and human policy would have done the same, in [0, 1]."""
     trust: Floats
     """What the rule of trust said after each game."""
     weight: Floats
@@ -162,7 +162,7 @@ def _of_presses(session: SessionView, counted: NDArray[np.bool_]) -> tuple[float
     agreeing = total = 0.0
     delays: list[float] = []
     for row in np.flatnonzero(counted).tolist():
-        press = session.press(row)
+        press = session.press_at(row)
         shown = session.step_row(press.step) if press.step >= 0 else -1
         if shown >= 0:
             delays.append((press.time_ns - int(session.steps["shown"][shown])) / NS_PER_S)

@@ -101,7 +101,7 @@ EXPLAINED: Final = (
         "agreement: share of the presses' credit that praises the environment policy's own choice, or blames "
         "another."
     ),
-    "match: share of steps at which the environment's and the human policy would have done the same.",
+    "match: fraction of steps at which the environment's and the human policy would have done the same.",
     "consistency: standard errors by which a model foresaw the presses better than chance (2: not random).",
     "delay: median time from a step's appearance to the press; own delay: mean measured by arl calibrate.",
 )

@@ -5,57 +5,38 @@ Building it reads the whole file once and checks its chain. Memory does not grow
 """
 
 import hashlib
+import struct
 import tempfile
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Final, get_args
+from typing import Final
 
 import msgspec
-import numpy as np
 
-from core.events import (
-    CoverReason,
-    CreditGiven,
-    EpisodeEnded,
-    EpisodeStarted,
-    FocusLost,
-    FocusRegained,
-    FrameShown,
-    KeyPressed,
-    PressRetracted,
-    Resumed,
-    ScreenCleared,
-    SessionEnded,
-    StepTaken,
-    StopAsked,
-    TimeGap,
-    UnseenPlayed,
-    Verdict,
-    WrongPressAsked,
-)
-from core.recording.reader import CHAIN_MARK, RecordingError, line_of_file, read_recording
-from core.recording.recorder import CHAIN_DIGITS, Chain, LineWriter
-from core.recording.schema import VERSION, End, Header, Line
+from core.events import StepTaken
+from core.recording.reader import RecordingError, line_of_file, read_recording, record_of
+from core.recording.recorder import LineWriter
+from core.recording.schema import VERSION, Header, Line
+from core.recording.sealed import SealedFile, UnusualFileError
 from core.recording.version_1 import with_schedules
-from studies.session_view.tables import DTYPES, Contents, Growing, Rows, read_tables, write_tables
+from studies.session_view.building import Building
+from studies.session_view.tables import Contents, Rows, read_tables, write_tables
 
-INDEX_VERSION: Final = 1
+INDEX_VERSION: Final = 2
 SUFFIX: Final = ".index"
-VERDICTS: Final[tuple[str, ...]] = get_args(Verdict)
-"""Verdicts of presses by their number in the index."""
-COVERED, RESUMED, GAP, FOCUS_LOST, FOCUS_REGAINED, STOP, WRONG_ASKED = range(7)
-"""Kinds of marks."""
-REASONS: Final[tuple[str, ...]] = get_args(CoverReason)
-"""Why a game was covered, by number."""
-ENDS: Final = ("termination", "truncation")
-_SEAL = len(CHAIN_MARK) + CHAIN_DIGITS + 2
-_TELL_EVERY = 1 << 22
-"""Bytes between two calls of `on_progress`."""
+STEP_BEGINS: Final = b'{"type":"step-taken"'
+STRETCH: Final = 1 << 20
+"""Bytes of a recording that are looked at together."""
+FIRST_PART = 1 << 22
+"""Bytes of a long recording that are looked at first: 4 MB, which take a few tenths of a second."""
+WORTH_PARTS = 1 << 24
+"""Bytes from which on the first part is shown before the rest has been read: 16 MB."""
 _decoder = msgspec.json.Decoder(Line)
 
 OnProgress = Callable[[float], None]
-"""Is told which share of the file has been read, in [0, 1]."""
+"""Is told which fraction of the file has been read, in [0, 1]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -77,6 +58,8 @@ class Index:
     """Why the session ended, as its last event says; "" where there is none."""
     notes: tuple[str, ...] = ()
     """What is unusual about the file."""
+    whole: bool = True
+    """False: only the first part of the recording is in it (`first_part`)."""
 
     def line(self, offset: int) -> Line:
         """Return what stands at a byte of the file."""
@@ -84,17 +67,26 @@ class Index:
             file.seek(offset)
             return line_of_file(file.readline().rstrip(b"\n"), self.version)
 
-    def lines(self, offset: int, last: int) -> "list[Line]":
-        """Return all lines that begin from one byte of the file to another, both included."""
-        found: list[Line] = []
+    def steps(self, offset: int, last: int) -> list[StepTaken]:
+        """Return the steps among the lines that begin from one byte of the file to another, both included.
+
+        Other lines are not decoded: there are ten frames to a step.
+        """
+        found: list[StepTaken] = []
         with self.path.open("rb") as file:
             file.seek(offset)
-            while file.tell() <= last and (line := file.readline()):
-                found.append(line_of_file(line.rstrip(b"\n"), self.version))
+            left = last - offset
+            while left >= 0 and (lines := file.readlines(min(left + 1, STRETCH))):
+                left -= sum(map(len, lines))
+                for line in lines:
+                    if line.startswith(STEP_BEGINS):
+                        record = line_of_file(line.rstrip(b"\n"), self.version)
+                        assert isinstance(record, StepTaken), "its type says so"
+                        found.append(record)
         return found
 
 
-def open_index(path: Path, *, on_progress: OnProgress = lambda share: None) -> Index:
+def open_index(path: Path, *, on_progress: OnProgress = lambda fraction: None) -> Index:
     """Open the index of a recording; build it where there is none, or where it is of another state of the
     file.
 
@@ -111,7 +103,7 @@ def open_index(path: Path, *, on_progress: OnProgress = lambda share: None) -> I
             return found
     try:
         return _build(path, path, fingerprint, (), on_progress)
-    except _UnusualFileError:
+    except UnusualFileError:
         # Compressed, or changed by an editor: the reader puts it right or says what is wrong.
         recording = read_recording(path)
         copy = _copy_place(path)
@@ -136,10 +128,6 @@ def fingerprint_of(path: Path) -> str:
         file.seek(max(0, status.st_size - 4096))
         digest.update(file.read())
     return f"{status.st_size}-{status.st_mtime_ns}-{digest.hexdigest()[:32]}"
-
-
-class _UnusualFileError(Exception):
-    """The file is not as a recorder leaves it."""
 
 
 def _places(path: Path) -> tuple[Path, Path]:
@@ -177,10 +165,11 @@ def _opened(path: Path, place: Path, fingerprint: str) -> Index | None:
 def _build(
     path: Path, file: Path, fingerprint: str, notes: tuple[str, ...], on_progress: OnProgress
 ) -> Index:
-    building = _Building()
+    building = Building()
     try:
         _read(file, building, on_progress)
-        facts = building.facts(file if file != path else None, notes)
+        with _possible(file, 0):
+            facts = building.facts(file if file != path else None, notes)
         contents = Contents(INDEX_VERSION, fingerprint, facts, {})
         for place in _places(path):
             try:
@@ -191,210 +180,82 @@ def _build(
             if found is not None:
                 return found
     finally:
-        for table in building.tables.values():
-            table.close()
+        building.close()
     raise RecordingError(
         f"{path}: its index can be written neither beside it nor in {tempfile.gettempdir()}: make room on "
         f"the disk"
     )
 
 
-def _read(file: Path, building: "_Building", on_progress: OnProgress) -> None:
-    chain, size, told = Chain(), max(1, file.stat().st_size), 0
-    offset = 0
-    version = VERSION
-    with file.open("rb", buffering=1 << 20) as lines:
-        for line in lines:
-            if not line.endswith(b'"}\n') or line[-1 - _SEAL : -1 - _SEAL + len(CHAIN_MARK)] != CHAIN_MARK:
-                if offset and not line.endswith(b"\n"):
-                    building.cut_off = len(line)
-                    break
-                raise _UnusualFileError
-            payload = line[: -1 - _SEAL] + b"}"
-            if chain.advance(payload) != line[-3 - CHAIN_DIGITS : -3]:
-                raise _UnusualFileError
+@contextmanager
+def _possible(file: Path, offset: int) -> Iterator[None]:
+    """Refuse what no table can hold: numbers beyond 64 bits, the end of a game that never began."""
+    try:
+        yield
+    except (struct.error, ValueError, OverflowError) as error:
+        raise RecordingError(
+            f"{file}: no session records what stands at byte {offset}: {error}. The file was changed after "
+            f"it was recorded, or another program wrote it"
+        ) from error
+
+
+def _read(file: Path, building: Building, on_progress: OnProgress, *, up_to: int | None = None) -> None:
+    """Take in the lines of a file: all, or those of the pieces that begin before byte `up_to`."""
+    sealed, size = SealedFile(file), max(1, file.stat().st_size)
+    version, begun = VERSION, False
+    for piece in sealed.pieces(every_line=False):
+        if up_to is not None and piece.offset >= up_to:
+            return
+        offset = piece.offset
+        for line, payload in zip(piece.lines, piece.payloads, strict=True):
+            whole = payload + b"}"
             try:
-                record = _decoder.decode(payload) if version == VERSION else line_of_file(line[:-1], version)
-            except ValueError as error:
-                raise _UnusualFileError from error
+                record = _decoder.decode(whole) if version == VERSION else record_of(whole, version)
+            except (ValueError, RecursionError) as error:
+                raise UnusualFileError from error
+            if isinstance(record, Header) == begun or building.ended:
+                raise UnusualFileError  # the header is the first line, and no other; nothing follows the end
             if isinstance(record, Header):
-                if offset:
-                    raise _UnusualFileError
-                version = record.version
-            elif building.ended:
-                raise _UnusualFileError
+                version, begun = record.version, True
             else:
-                building.take(record, offset)
-            offset += len(line)
-            if offset - told >= _TELL_EVERY:
-                told = offset
-                on_progress(offset / size)
-    if not offset or (building.ended and building.said_events != building.events):
-        raise _UnusualFileError
+                with _possible(file, offset):
+                    building.take(record, offset)
+            offset += len(line) + 1
+        on_progress(offset / size)
+    if sealed.tail:
+        building.cut_off = sealed.tail
+    if building.ended and (sealed.tail or building.said_events != building.events):
+        raise UnusualFileError
     on_progress(1.0)
 
 
-class _Building:
-    """Takes the lines of a recording in, one by one."""
+def first_part(path: Path) -> Index | None:
+    """Return an index of the beginning of a long recording, for the time until the whole one is there.
 
-    def __init__(self) -> None:
-        self.tables = {name: Growing(name) for name in DTYPES}
-        self.events = 0
-        self.ended = False
-        self.said_events = 0
-        self.cut_off = 0
-        self._start = self._end = -1
-        self._reason = ""
-        self._covered_since = -1
-        self._covered = 0
-        self._shown_again = False
-        self._step = -2
-        self._nth = 0
-        self._last_frame = -1
-        # Steps that have not been shown yet: (offset, row of the episode, step).
-        self._unshown: list[tuple[int, int, StepTaken]] = []
-        self._n_steps = 0
+    Its file is gone from the disk when this returns; its tables stay readable.
 
-    def facts(self, file: Path | None, notes: tuple[str, ...]) -> dict[str, Any]:
-        """Return what the first line of the index says of the recording as a whole; nothing is taken in
-        afterwards.
-        """
-        while self._unshown:
-            self._add_step(-1, -1)
-        if self.cut_off:
-            notes = (*notes, f"the file ends within a line, {self.cut_off:,} bytes behind the last whole one")
-        return {
-            "start": max(self._start, 0),
-            "end": max(self._end, self._start, 0),
-            "events": self.events,
-            "complete": self.ended,
-            "reason": self._reason,
-            "notes": list(notes),
-            "file": "" if file is None else str(file),
-        }
+    Returns:
+        None where the recording is short, has its index already, or is not as a recorder leaves it.
 
-    def take(self, record: Line, offset: int) -> None:
-        """Take in one line that begins at a byte of the file."""
-        match record:
-            case FrameShown():
-                self._frame(record)
-            case StepTaken():
-                self._seen(record.time_ns)
-                self._unshown.append((offset, self.tables["episodes"].n - 1, record))
-                self._n_steps += 1
-            case KeyPressed():
-                self._press(record, offset)
-            case CreditGiven():
-                merged = -1 if record.merged_into is None else record.merged_into
-                self.tables["credits"].add(offset, record.press, merged)
-            case EpisodeStarted():
-                self._begin(record, offset)
-            case EpisodeEnded():
-                self._finish(record)
-            case End():
-                self.ended, self.said_events = True, record.events
-                return
-            case _:
-                self._other(record)
-        self.events += 1
-
-    def _seen(self, time_ns: int) -> None:
-        if self._start < 0 or time_ns < self._start:
-            self._start = time_ns
-        self._end = max(self._end, time_ns)
-
-    def _frame(self, record: FrameShown) -> None:
-        self._seen(record.flushed_ns)
-        time_ns = self._last_frame = max(record.flushed_ns, self._last_frame)
-        if self._covered_since >= 0:
-            self._uncover(time_ns)
-        table = self.tables["frames"]
-        if record.step != self._step:
-            self._step, self._nth = record.step, 0
-        else:
-            self._nth += not self._shown_again
-        first = False
-        while self._unshown and self._unshown[0][2].step <= record.step:
-            first = self._unshown[0][2].step == record.step
-            self._add_step(time_ns if first else -1, table.n if first else -1)
-        nth = -1 if self._shown_again and not first else self._nth
-        table.add(time_ns, self._covered, record.step, nth, record.frame)
-        self._shown_again = False
-
-    def _add_step(self, shown_ns: int, frame: int) -> None:
-        """Write the oldest of the steps that have not been shown yet."""
-        offset, episode, step = self._unshown.pop(0)
-        self.tables["steps"].add(
-            offset, step.time_ns, shown_ns, self._covered, step.step, frame, episode, step.action,
-            step.environment_action, step.human_action,
-        )  # fmt: skip
-
-    def _uncover(self, time_ns: int) -> None:
-        self._covered += max(0, time_ns - self._covered_since)
-        self._covered_since = -1
-        self._shown_again = True
-
-    def _press(self, record: KeyPressed, offset: int) -> None:
-        self._seen(record.time_ns)
-        self.tables["presses"].add(
-            offset, record.time_ns, np.nan if record.value is None else record.value, record.press, record.frame,  # noqa: E501
-            record.step, record.person, VERDICTS.index(record.verdict), record.source == "simulated",
-            record.asked_wrong, record.key.encode()[:14],
-        )  # fmt: skip
-
-    def _begin(self, record: EpisodeStarted, offset: int) -> None:
-        self._seen(record.time_ns)
-        trust = np.nan if record.trust is None else record.trust
-        self._step = -2
-        self.tables["episodes"].add(
-            offset, record.time_ns, -1, record.episode_seed, record.episode, self._n_steps, -1,
-            record.policy, record.form, -1, record.w_r, trust, record.weight, record.share, np.nan, np.nan, -1, -1,  # noqa: E501
-        )  # fmt: skip
-
-    def _finish(self, record: EpisodeEnded) -> None:
-        self._seen(record.time_ns)
-        table = self.tables["episodes"]
-        for column, value in (
-            ("end", record.time_ns),
-            ("n_steps", record.steps),
-            ("ended", ENDS.index(record.ended)),
-            ("performance", record.performance),
-            ("trust_after", record.trust),
-            ("agreed", record.agreed),
-            ("agreed_worst", record.agreed_worst),
-        ):
-            table.change(table.n - 1, column, value)
-
-    def _other(self, record: Line) -> None:
-        marks = self.tables["marks"]
-        match record:
-            case PressRetracted():
-                self.tables["retractions"].add(record.time_ns, record.press, record.reason == "auto-repeat")
-            case ScreenCleared(time_ns=time_ns, reason=reason):
-                self._covered_since = time_ns if self._covered_since < 0 else self._covered_since
-                marks.add(time_ns, -1, COVERED, REASONS.index(reason))
-            case Resumed(time_ns=time_ns):
-                if self._covered_since >= 0:
-                    self._uncover(time_ns)
-                marks.add(time_ns, -1, RESUMED, 0)
-            case TimeGap(time_ns=time_ns, last_ns=last_ns):
-                marks.add(time_ns, last_ns, GAP, 0)
-            case FocusLost(time_ns=time_ns):
-                marks.add(time_ns, -1, FOCUS_LOST, 0)
-            case FocusRegained(time_ns=time_ns):
-                marks.add(time_ns, -1, FOCUS_REGAINED, 0)
-            case StopAsked(time_ns=time_ns, reason=reason):
-                self._reason = reason
-                marks.add(time_ns, -1, STOP, 0)
-            case WrongPressAsked(time_ns=time_ns):
-                marks.add(time_ns, -1, WRONG_ASKED, 0)
-            case UnseenPlayed(time_ns=time_ns, performances=performances):
-                mean = float(np.mean(performances)) if performances else np.nan
-                self.tables["unseen"].add(
-                    time_ns, mean, record.trust, record.first_episode, len(performances)
-                )
-            case SessionEnded(time_ns=time_ns, reason=reason):
-                self._reason = self._reason or reason
-            case _:
-                return
-        self._seen(record.time_ns)
+    Raises:
+        OSError: the recording cannot be read, or there is no room for the tables.
+    """
+    if not path.is_file() or path.stat().st_size < WORTH_PARTS:
+        return None
+    fingerprint = fingerprint_of(path)
+    if any(_opened(path, place, fingerprint) is not None for place in _places(path)):
+        return None
+    building = Building()
+    try:
+        _read(path, building, lambda fraction: None, up_to=FIRST_PART)
+        with _possible(path, 0):
+            facts = building.facts(None, ())
+        with tempfile.TemporaryDirectory(prefix="arl-watch-") as folder:
+            place = Path(folder) / f"first{SUFFIX}"
+            write_tables(place, building.tables, Contents(INDEX_VERSION, fingerprint, facts, {}))
+            found = _opened(path, place, fingerprint)
+    except UnusualFileError:
+        return None
+    finally:
+        building.close()
+    return None if found is None else replace(found, whole=False)

@@ -12,7 +12,7 @@ from core.events import CreditGiven, EpisodeStarted, StepTaken
 from core.feedback.credit import STILL_SHOWN_NS
 from core.session.protocol import Protocol
 from core.session.protocol_reading import protocol_from
-from studies.session_view.index import (
+from studies.session_view.building import (
     COVERED,
     FOCUS_LOST,
     FOCUS_REGAINED,
@@ -20,10 +20,8 @@ from studies.session_view.index import (
     REASONS,
     RESUMED,
     VERDICTS,
-    Index,
-    OnProgress,
-    open_index,
 )
+from studies.session_view.index import Index, OnProgress, first_part, open_index
 from studies.session_view.tables import Rows
 
 Kind = Literal["frame", "step", "press", "game"]
@@ -83,11 +81,24 @@ class Moment:
     """Why the game was covered; "" where it was not."""
 
 
+_FOUND_LATER = ("_mark_times", "_shown_times", "_press_times")
+"""Columns that are worked out when they are asked for."""
+
+
 class SessionView:
     """An opened recording. It reads the file only where it is asked to, and keeps little of it."""
 
     def __init__(self, index: Index) -> None:
         """Look at the recording of an index."""
+        self.look_at(index)
+
+    def look_at(self, index: Index) -> None:
+        """Look at the recording of an index: the whole one, say, after that of the first part.
+
+        Rows of the first part are rows of the whole one, too.
+        """
+        for name in ("protocol", "taken_back", "pauses", "unfocused", "gaps", *_FOUND_LATER):
+            self.__dict__.pop(name, None)
         self.index = index
         self.frames: Rows = index.tables["frames"]
         self.steps: Rows = index.tables["steps"]
@@ -185,8 +196,7 @@ class SessionView:
     def steps_taken(self, first: int, last: int) -> list[StepTaken]:
         """Return the steps of rows `first` to `last`, both included."""
         offsets = self.steps["offset"]
-        lines = self.index.lines(int(offsets[first]), int(offsets[last]))
-        return [line for line in lines if isinstance(line, StepTaken)]
+        return self.index.steps(int(offsets[first]), int(offsets[last]))
 
     def game_started(self, row: int) -> EpisodeStarted:
         """Return the beginning of a game, read from the file."""
@@ -207,7 +217,7 @@ class SessionView:
 
     # --- presses --------------------------------------------------------------------------------------------
 
-    def press(self, row: int) -> Press:
+    def press_at(self, row: int) -> Press:
         """Return a press by its row."""
         entry = self.presses[row]
         value, verdict = float(entry["value"]), VERDICTS[int(entry["verdict"])]
@@ -367,7 +377,7 @@ class SessionView:
         return int(times[row])
 
 
-def open_session(path: Path, *, on_progress: OnProgress = lambda share: None) -> SessionView:
+def open_session(path: Path, *, on_progress: OnProgress = lambda fraction: None) -> SessionView:
     """Open a recording, with its index.
 
     Raises:
@@ -375,3 +385,14 @@ def open_session(path: Path, *, on_progress: OnProgress = lambda share: None) ->
         OSError: it cannot be read.
     """
     return SessionView(open_index(path, on_progress=on_progress))
+
+
+def open_at_once(path: Path, *, on_progress: OnProgress = lambda share: None) -> SessionView:
+    """Open a recording: of a long one without an index, the first part (`SessionView.index.whole` tells).
+
+    Raises:
+        RecordingError: the recording is damaged.
+        OSError: it cannot be read.
+    """
+    part = first_part(path)
+    return open_session(path, on_progress=on_progress) if part is None else SessionView(part)

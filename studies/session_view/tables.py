@@ -33,7 +33,7 @@ DTYPES: dict[str, np.dtype[Any]] = {
         [
             ("offset", "<i8"), ("start", "<i8"), ("end", "<i8"), ("seed", "<i8"), ("number", "<i4"),
             ("first_step", "<i4"), ("n_steps", "<i4"), ("policy", "<i4"), ("form", "<i4"), ("ended", "<i4"),
-            ("w_r", "<f8"), ("trust", "<f8"), ("weight", "<f8"), ("share", "<f8"), ("performance", "<f8"),
+            ("w_r", "<f8"), ("trust", "<f8"), ("weight", "<f8"), ("handover", "<f8"), ("performance", "<f8"),
             ("trust_after", "<f8"), ("agreed", "<i4"), ("agreed_worst", "<i4"),
         ]
     ),
@@ -83,7 +83,13 @@ class Growing:
         self.n += 1
 
     def change(self, row: int, column: str, value: float) -> None:
-        """Change one value of a row that has been written."""
+        """Change one value of a row that has been written.
+
+        Raises:
+            ValueError: there is no such row.
+        """
+        if not 0 <= row < self.n:
+            raise ValueError(f"a table of {self.n} {self.name} has no row {row}")
         dtype = DTYPES[self.name]
         assert dtype.fields is not None
         kind, offset = dtype.fields[column][:2]

@@ -15,7 +15,7 @@ LONGEST_NOTE = 500
 
 
 class Tag(msgspec.Struct, frozen=True, forbid_unknown_fields=True, order=True):
-    """One moment that somebody marked."""
+    """One moment that the viewer marked."""
 
     time_ns: int
     """On the recording's clock."""

@@ -38,7 +38,7 @@ def combined_values(
 
     -inf where an action is ruled out. Where one side has no weight, the other's values.
     """
-    weights, n = policy.weights, len(env_values)
+    weights, n = policy.episode_weights, len(env_values)
     if weights.w_h == 0.0:
         combined = env_values.copy()
     elif weights.w_r == 0.0 and weights.form != EXPONENTIAL:
@@ -80,13 +80,13 @@ def row_of(
         ("environment", decision.environment_action),
         ("human", decision.human_action),
         ("policy", policy.policy_id),
-        ("form", policy.weights.form),
-        ("handed", known and takes_control(policy.handover_seed, number, policy.weights.handover)),
+        ("form", policy.episode_weights.form),
+        ("handed", known and takes_control(policy.handover_seed, number, policy.episode_weights.handover)),
         ("known", known),
         ("trust", policy.trust),
-        ("weight", policy.weights.w_h),
-        ("w_r", policy.weights.w_r),
-        ("share", policy.weights.handover),
+        ("weight", policy.episode_weights.w_h),
+        ("w_r", policy.episode_weights.w_r),
+        ("handover", policy.episode_weights.handover),
     )
     for name, value in facts:
         row[name] = value

@@ -14,7 +14,7 @@ SLOTS: Final = BEST + 3
 THOUGHT: Final = np.dtype(
     [
         ("n", "<i4"), ("chosen", "<i4"), ("environment", "<i4"), ("human", "<i4"), ("policy", "<i4"), ("form", "<i4"),  # noqa: E501
-        ("handed", "<i4"), ("known", "<i4"), ("trust", "<f8"), ("weight", "<f8"), ("w_r", "<f8"), ("share", "<f8"),  # noqa: E501
+        ("handed", "<i4"), ("known", "<i4"), ("trust", "<f8"), ("weight", "<f8"), ("w_r", "<f8"), ("handover", "<f8"),  # noqa: E501
         ("action", "<i4", (SLOTS,)), ("r", "<f8", (SLOTS,)), ("h", "<f8", (SLOTS,)), ("f", "<f8", (SLOTS,)),
     ]
 )  # fmt: skip

@@ -60,7 +60,7 @@ class Transport:
         self.playing = False
         self.seek(self.session.following(kind, self.time_ns, by))
 
-    def press(self, n: int) -> bool:
+    def go_to_press(self, n: int) -> bool:
         """Pause and go to the n-th press, from 1; return whether there is one."""
         times = self.session.times("press")
         if not 1 <= n <= len(times):

@@ -7,7 +7,7 @@ from textual.pilot import Pilot
 from textual.widgets import Static
 
 from arl_tui.app.link import Picture, Ready
-from arl_tui.app.outcome import Outcome
+from arl_tui.app.outcome import SessionOutcome
 from arl_tui.games.tetris.renderer import TetrisRenderer
 from arl_tui.session_app import ArlApp, SessionSetup, build_app
 from core.recording.reader import Recording, read_recording
@@ -32,25 +32,27 @@ class Worker:
 
     def __init__(self, link: FakeLink, protocol: Protocol) -> None:
         self.link = link
-        self.stage = TetrisRenderer(protocol.domain)
+        self.renderer = TetrisRenderer(protocol.domain)
         self.pictures = 0
 
     def start_episode(self) -> None:
         started = episode_started()
         self.link.say(started)
-        self.show(-1, self.stage.begin(started)[0].view)
+        self.show(-1, self.renderer.begin(started)[0].view)
 
     def step(self, number: int, column: int = 0) -> None:
         taken = step_taken(number, column=column)
         self.link.say(taken)
-        self.show(number, self.stage.act(taken)[0].view)
+        self.show(number, self.renderer.act(taken)[0].view)
 
     def show(self, step: int, view: object) -> None:
         self.link.say(Picture(number=self.pictures, step=step, view=view))  # type: ignore[arg-type]
         self.pictures += 1
 
 
-async def begin(pilot: Pilot[Outcome], link: FakeLink, protocol: Protocol, *, steps: int = 0) -> Worker:
+async def begin(
+    pilot: Pilot[SessionOutcome], link: FakeLink, protocol: Protocol, *, steps: int = 0
+) -> Worker:
     """Bring the app to a running episode of which so many steps have been shown."""
     link.say(Ready(warm_up_ns=1))
     await pilot.press("enter")
@@ -64,7 +66,7 @@ async def begin(pilot: Pilot[Outcome], link: FakeLink, protocol: Protocol, *, st
     return worker
 
 
-async def settle(pilot: Pilot[Outcome]) -> None:
+async def settle(pilot: Pilot[SessionOutcome]) -> None:
     """Wait until what has been said is drawn and stamped."""
     await pilot.pause(0.05)
 

@@ -80,7 +80,7 @@ def episode_started(episode: int = 0, *, seed: int = 7) -> EpisodeStarted:
         w_r=1.0,
         trust=0.25,
         weight=0.25,
-        share=0.0,
+        handover=0.0,
     )
 
 

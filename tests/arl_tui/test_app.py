@@ -5,7 +5,7 @@ import gc
 from pathlib import Path
 
 from arl_tui.app.link import Begin, Ready
-from arl_tui.app.outcome import Outcome
+from arl_tui.app.outcome import SessionOutcome
 from arl_tui.screens.closing import ClosingScreen
 from arl_tui.screens.covers import HelpScreen, PauseScreen, StopScreen
 from arl_tui.screens.play import PlayScreen
@@ -40,7 +40,7 @@ async def test_nothing_starts_before_the_worker_is_ready(app: ArlApp, link: Fake
 async def test_leaving_the_welcome_screen_leaves_no_recording(app: ArlApp, tmp_path: Path) -> None:
     async with app.run_test(size=SIZE) as pilot:
         await pilot.press("q")
-    assert app.return_value == Outcome(None, app.live.tally)
+    assert app.return_value == SessionOutcome(None, app.live.tally)
     assert list(tmp_path.iterdir()) == []
 
 

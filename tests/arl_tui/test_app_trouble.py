@@ -8,7 +8,7 @@ from msgspec.structs import replace
 from textual.pilot import Pilot
 
 from arl_tui.app.link import Crashed, Ready
-from arl_tui.app.outcome import Outcome
+from arl_tui.app.outcome import SessionOutcome
 from arl_tui.screens.closing import ClosingScreen
 from arl_tui.screens.covers import SmallWindowScreen
 from arl_tui.screens.play import PlayScreen
@@ -107,7 +107,7 @@ async def test_a_folder_that_takes_no_files_is_reported(
     assert app.return_value.recording is None
 
 
-async def begin_and_shrink(pilot: Pilot[Outcome], link: FakeLink, protocol: Protocol) -> None:
+async def begin_and_shrink(pilot: Pilot[SessionOutcome], link: FakeLink, protocol: Protocol) -> None:
     """Show a step, and make the window too small for it."""
     await begin(pilot, link, protocol, steps=1)
     await pilot.resize_terminal(60, 20)
@@ -151,5 +151,5 @@ async def test_a_larger_board_asks_for_a_larger_window(
         await pilot.resize_terminal(82, 29)
         await settle(pilot)
         assert isinstance(app.screen, PlayScreen)
-        assert app.play.scene.stage().region.bottom <= 29
+        assert app.play.panel.game_widget().region.bottom <= 29
         assert app.play.feedback.region.right <= 82

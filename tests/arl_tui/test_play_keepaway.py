@@ -9,8 +9,8 @@ from textual.pilot import Pilot
 from textual.widgets import Static
 
 from arl_tui.app.link import Picture, Ready, TakenFor
-from arl_tui.app.outcome import Outcome
-from arl_tui.games.keepaway.panel import PitchPanel
+from arl_tui.app.outcome import SessionOutcome
+from arl_tui.games.keepaway.panel import KeepawayPanel
 from arl_tui.palette import STANDARD
 from arl_tui.screens.covers import SmallWindowScreen
 from arl_tui.session_app import ArlApp
@@ -78,7 +78,7 @@ class Worker:
         )
 
 
-async def begin(pilot: Pilot[Outcome], link: FakeLink) -> Worker:
+async def begin(pilot: Pilot[SessionOutcome], link: FakeLink) -> Worker:
     """Bring the app to a running episode."""
     link.say(Ready(warm_up_ns=1))
     await pilot.press("enter")
@@ -91,9 +91,9 @@ async def begin(pilot: Pilot[Outcome], link: FakeLink) -> Worker:
 
 
 def pitch_text(app: ArlApp) -> str:
-    scene = app.play.scene
-    assert isinstance(scene, PitchPanel)
-    return "\n".join(scene.pitch.render_line(y).text for y in range(scene.pitch.size.height))
+    panel = app.play.panel
+    assert isinstance(panel, KeepawayPanel)
+    return "\n".join(panel.pitch.render_line(y).text for y in range(panel.pitch.size.height))
 
 
 def score(app: ArlApp) -> str:
@@ -200,8 +200,8 @@ async def test_long_regions_need_wide_windows(link: FakeLink, tmp_path: Path):
         link.say(Ready(warm_up_ns=1))
         await pilot.press("enter")
         await pilot.pause()
-        assert isinstance(app.play.scene, PitchPanel)
-        assert app.play.scene.needed.width == 98
+        assert isinstance(app.play.panel, KeepawayPanel)
+        assert app.play.panel.needed.width == 98
         await pilot.pause()
         assert isinstance(app.screen, SmallWindowScreen)
         await pilot.resize_terminal(98, 24)
@@ -229,7 +229,7 @@ def as_fields(event: EpisodeEnded) -> dict[str, object]:
 def test_a_session_of_keepaway_looks_as_it_did(
     snap_compare, app: ArlApp, link: FakeLink, size: tuple[int, int]
 ):
-    async def play(pilot: Pilot[Outcome]) -> None:
+    async def play(pilot: Pilot[SessionOutcome]) -> None:
         worker = await begin(pilot, link)
         link.say(episode_ended(performance=9.3))
         link.say(episode_started(episode=1))
@@ -251,7 +251,7 @@ async def test_a_press_marks_who_chose_and_is_no_frame(
         worker.show(0, PASSING)
         await pilot.pause(0.05)
         await pilot.press("f")
-        link.say(TakenFor(press=0, value=-1.0, step=0, player=0, target=1))
+        link.say(TakenFor(press=0, value=-1.0, step=0, place=((0, 1),)))
         await pilot.pause(0.05)
         assert "-K1" in screen_text(app)
         assert "K2-" in screen_text(app)
@@ -268,20 +268,20 @@ async def test_a_press_marks_who_chose_and_is_no_frame(
 
 
 def screen_text(app: ArlApp) -> str:
-    drawn = app.play.scene.pitch.drawn_frame
+    drawn = app.play.panel.pitch.drawn_frame
     text = "\n".join(strip.text for strip in app.screen._compositor.render_strips())
-    app.play.scene.pitch.drawn_frame = drawn  # looking is no drawing
+    app.play.panel.pitch.drawn_frame = drawn  # looking is no drawing
     return text
 
 
 @pytest.mark.parametrize("size", [(80, 24), (120, 40)])
 def test_a_marked_option_looks_as_it_did(snap_compare, app: ArlApp, link: FakeLink, size: tuple[int, int]):
-    async def play(pilot: Pilot[Outcome]) -> None:
+    async def play(pilot: Pilot[SessionOutcome]) -> None:
         worker = await begin(pilot, link)
         worker.decide(0)
         worker.show(0, PASSING)
         await pilot.press("j")
-        link.say(TakenFor(press=0, value=1.0, step=0, player=0, target=1))
+        link.say(TakenFor(press=0, value=1.0, step=0, place=((0, 1),)))
         await pilot.pause(0.05)
 
     assert snap_compare(app, terminal_size=size, run_before=play)

@@ -1,4 +1,4 @@
-"""The viewer's pictures are those of the stage that drew the session; marks know which piece is where."""
+"""The viewer's pictures are those of the renderer that drew the session; marks know which piece is where."""
 
 import shutil
 from pathlib import Path
@@ -23,20 +23,20 @@ pytestmark = pytest.mark.jit
 def test_every_picture_of_every_step_is_the_stages(path: Path, tmp_path: Path) -> None:
     session = open_session(Path(shutil.copy(path, tmp_path)))
     assert session.protocol is not None
-    stage, pictures = screens_of(session.protocol).renderer(session.protocol), pictures_of(session)
+    renderer, pictures = screens_of(session.protocol).renderer(session.protocol), pictures_of(session)
     row = 0
     for event in read_recording(path).outputs:
         if isinstance(event, EpisodeStarted):
-            stage.begin(event)
+            renderer.begin(event)
         elif isinstance(event, StepTaken):
-            shots = stage.act(event)
+            ticks = renderer.act(event)
             shown = int(session.steps["shown"][row])
             until = session.following("step", shown) if row + 1 < len(session.steps) else session.end_ns
-            for number, shot in enumerate(shots):
-                at = shown + number * stage.tick_ns + 1
-                if at < min(until, shown + len(shots) * stage.tick_ns) and session.at(at).step == row:
+            for number, tick in enumerate(ticks):
+                at = shown + number * renderer.tick_ns + 1
+                if at < min(until, shown + len(ticks) * renderer.tick_ns) and session.at(at).step == row:
                     seen = pictures.at(session.at(at)).view
-                    assert plain(seen) == plain(shot.view)
+                    assert plain(seen) == plain(tick.view)
             row += 1
     assert row == len(session.steps)
 

@@ -199,7 +199,7 @@ def test_the_screen_is_told_at_once_what_a_press_was_taken_for(line: ScriptedLin
     ((told_ns, taken),) = [(at, each) for at, each in again.sent if isinstance(each, TakenFor)]
     assert told_ns == time_ns  # not when the step is over
     assert (taken.press, taken.value, taken.step) == (4, 1.0, 0)
-    assert len(taken.blocks) == 4
+    assert len(taken.place) == 4
 
 
 def test_a_setting_leaves_the_marks_out(line: ScriptedLine) -> None:

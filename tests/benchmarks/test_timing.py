@@ -11,7 +11,7 @@ import os
 import pytest
 
 from arl_tui.commands.timing import report_lines
-from arl_tui.timing.plan import SCENES, make_plan
+from arl_tui.timing.plan import CONDITIONS, make_plan
 from arl_tui.timing.result import TimingResult, compare
 from arl_tui.timing.robot import run_plan
 from core.numerics.clock import wall_time_utc
@@ -21,9 +21,9 @@ pytestmark = pytest.mark.benchmark_run
 LIMITS_MS = {"bare reader": 0.5, "at rest": 0.5, "beside a board": 3.0}
 
 
-@pytest.mark.parametrize("scene", SCENES)
-def test_the_median_error_is_small(scene):
-    plan = make_plan(scene, 60, root_seed=1)
+@pytest.mark.parametrize("condition", CONDITIONS)
+def test_the_median_error_is_small(condition):
+    plan = make_plan(condition, 60, root_seed=1)
     found = compare(plan, *run_plan(plan))
     result = TimingResult(
         created_utc=wall_time_utc(),
@@ -31,8 +31,8 @@ def test_the_median_error_is_small(scene):
         cores=os.cpu_count() or 1,
         load=os.getloadavg()[0],
         software={},
-        scenes=(found,),
+        conditions=(found,),
     )
     print("\n" + "\n".join(list(report_lines(result))[:8]))
     assert found.on_time is not None
-    assert found.on_time.median < LIMITS_MS[scene]
+    assert found.on_time.median < LIMITS_MS[condition]

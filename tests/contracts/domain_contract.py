@@ -56,7 +56,7 @@ class DomainContract:
         for state, _ in self.random_episode(domain, 11)[:-1]:
             for action in range(len(domain.choices(state).ruled_out)):
                 assert np.isfinite(domain.transition(state, action).reward)
-                assert all(isinstance(value, int) for value in domain.detail(state, action).values())
+                assert all(isinstance(n, int) for n in domain.action_record(state, action).plain().values())
 
     def test_what_is_recorded_of_a_state_is_nothing_or_finite_numbers(self, domain):
         for state, _ in self.random_episode(domain, 11)[:-1]:

@@ -3,6 +3,7 @@
 
 import ast
 import sys
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +24,7 @@ def decorators(function: ast.FunctionDef) -> set[str]:
     return {decorator.id for decorator in function.decorator_list if isinstance(decorator, ast.Name)}
 
 
+@cache
 def modules() -> dict[str, ast.Module]:
     """Return the syntax tree of every module of the project, by its dotted name."""
     paths = [
@@ -36,20 +38,28 @@ def modules() -> dict[str, ast.Module]:
     }
 
 
+@cache
 def functions(module: ast.Module) -> list[ast.FunctionDef]:
     return [node for node in ast.walk(module) if isinstance(node, ast.FunctionDef)]
 
 
+@cache
+def imported(module: ast.Module) -> dict[str, str]:
+    """Return where a module has its imported names from, as module.name."""
+    return {
+        alias.asname or alias.name: f"{node.module}.{alias.name}"
+        for node in reversed(list(ast.walk(module)))  # of two imports of a name the first counts
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    }
+
+
 def origin(name: str, dotted: str, module: ast.Module) -> str:
     """Return where a module has a name from, as module.name."""
-    for node in ast.walk(module):
-        if isinstance(node, ast.ImportFrom):
-            for alias in node.names:
-                if (alias.asname or alias.name) == name:
-                    return f"{node.module}.{alias.name}"
-    return f"{dotted}.{name}"
+    return imported(module).get(name, f"{dotted}.{name}")
 
 
+@cache
 def inner_kernels() -> dict[str, ast.FunctionDef]:
     return {
         f"{dotted}.{function.name}": function

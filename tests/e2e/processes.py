@@ -37,3 +37,11 @@ def left_after(pids: set[int], patience_s: float) -> set[int]:
     while (left := {pid for pid in pids if is_running(pid)}) and time.monotonic() < end:
         time.sleep(0.02)
     return left
+
+
+def memory_of(pid: int) -> int:
+    """Return the bytes of memory that are a process's own (neither files nor shared with others)."""
+    for line in Path(f"/proc/{pid}/status").read_text().splitlines():
+        if line.startswith("RssAnon:"):
+            return int(line.split()[1]) * 1024
+    raise AssertionError(f"no memory of {pid}")

@@ -14,6 +14,10 @@ import pyte
 COLUMNS, LINES = 80, 24
 TROUBLE = "had to end early"
 """What the last screen says when something failed."""
+START = "Enter  to start, "
+"""What the first page of a session says."""
+ASKS_AGAIN = "Ready. "
+"""What it says when getting ready took longer than a participant can be expected to have waited."""
 PATIENCE_S = 600.0
 """Compiling everything for the first time takes a minute, and many on a busy machine; nobody waits longer
 than they must."""
@@ -82,6 +86,15 @@ class Terminal:
             self._stream.feed(read)
         return True
 
+    def discard(self, duration_s: float) -> None:
+        """Read what arrives for a while and keep none of it: a session of hours writes gigabytes."""
+        end = time.monotonic() + duration_s
+        while (left := end - time.monotonic()) > 0:
+            try:
+                self.child.read_nonblocking(65536, timeout=left)
+            except (pexpect.TIMEOUT, pexpect.EOF):
+                return
+
     def _time_mark(self, read: bytes, now_ns: int) -> None:
         if self.mark:
             recent = self._tail + read  # what is read may begin anywhere in it
@@ -113,6 +126,20 @@ class Terminal:
         now_ns = time.monotonic_ns()
         os.write(self.child.child_fd, keys.encode())
         return now_ns
+
+    def begin(self, *seen: str) -> str:
+        """Start the session from its first page, and read until one of the texts is seen; return which.
+
+        A game begins only in front of a participant: where getting ready took longer than a few seconds, the
+        page asks for the start key once more.
+        """
+        self.wait_for(START)
+        self.press("\r")
+        if self.wait_for(ASKS_AGAIN, *seen) == ASKS_AGAIN:
+            self.press("\r")
+        while ASKS_AGAIN in self.text:
+            assert self.pump(), self.text
+        return self.wait_for(*seen)
 
     def wait_for_exit(self, patience_s: float = PATIENCE_S) -> int:
         """Read to the end; return the exit status."""

@@ -52,7 +52,7 @@ def test_in_a_terminal_it_takes_about_a_minute_and_a_person_may_press_too(tmp_pa
         terminal.press("\r")
         assert terminal.wait_for_exit() == 0
         assert "Replay: exact" in terminal.text
-        assert "Weight of the human in the last game" in terminal.text
+        assert "Weight of the participant in the last game" in terminal.text
     recording = read_recording(the_only_recording(tmp_path / "r"))
     assert recording.complete
     presses = [event for event in recording.events if isinstance(event, KeyPressed)]

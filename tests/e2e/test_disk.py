@@ -57,9 +57,7 @@ def play(tmp_path: Path, *, slow: str | None = None) -> Terminal:
         "play", "tetris", "--protocol", "long.toml", "--seed", "3", "--recordings", "r/s", cwd=tmp_path,
         exported=exported,
     )  # fmt: skip
-    terminal.wait_for("Enter  to start, ")
-    terminal.press("\r")
-    terminal.wait_for("Pieces        1")
+    terminal.begin("Pieces        1", "Pieces        2")
     return terminal
 
 
@@ -85,7 +83,7 @@ def presses_in(recording: Recording) -> int:
     return sum(accepted(recording).values())
 
 
-@pytest.mark.parametrize("delay_ms", [0, pytest.param(50, marks=pytest.mark.slow), 400])
+@pytest.mark.parametrize("delay_ms", [0, 50, 400])
 def test_what_the_screen_has_confirmed_is_in_the_file_however_slow_the_disk_is(
     delay_ms: int, tmp_path: Path
 ) -> None:

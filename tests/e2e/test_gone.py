@@ -31,6 +31,17 @@ ARGUMENTS = {
 READY = {"demo": "Enter  to start, ", "practice": "q quit", "watch": "quit", "calibrate": "Enter"}
 
 
+@pytest.fixture
+def long_file(protocol_file: Path) -> Path:
+    """A session that is still on when a busy machine comes to look at it."""
+    text = protocol_file.read_text().replace("unseen_between = 4", "unseen_between = 0")
+    path = protocol_file.with_name("long.toml")
+    path.write_text(
+        text.replace("episodes = 2", "episodes = 40").replace("watched_steps = 7", "watched_steps = 500")
+    )
+    return path
+
+
 def play_arguments(protocol_file: Path) -> tuple[str, ...]:
     return ("play", "tetris", "--protocol", str(protocol_file), "--seed", "11", "--recordings", "r")
 
@@ -40,9 +51,7 @@ def play(tmp_path: Path, protocol_file: Path) -> Terminal:
 
 
 def start(terminal: Terminal | TwoEnds) -> None:
-    terminal.wait_for("Enter  to start, ")
-    terminal.press("\r")
-    terminal.wait_for("Pieces        1")
+    terminal.begin(*(f"Pieces        {pieces}" for pieces in range(1, 10)))
 
 
 def the_recording(tmp_path: Path) -> Recording:
@@ -57,9 +66,9 @@ def stop_reason(recording: Recording) -> str:
 
 @pytest.mark.parametrize("repetition", range(3))
 def test_a_closed_terminal_ends_a_session_which_says_so(
-    repetition: int, tmp_path: Path, protocol_file: Path
+    repetition: int, tmp_path: Path, long_file: Path
 ) -> None:
-    with play(tmp_path, protocol_file) as terminal:
+    with play(tmp_path, long_file) as terminal:
         start(terminal)
         terminal.press("j")
         terminal.wait_for("4 of 5 presses left")
@@ -76,8 +85,8 @@ def test_a_closed_terminal_ends_a_session_which_says_so(
 
 
 @pytest.mark.parametrize("closed", ["input", "output", "both"])
-def test_a_session_of_which_one_end_closes_ends(closed: str, tmp_path: Path, protocol_file: Path) -> None:
-    with TwoEnds(*play_arguments(protocol_file), cwd=tmp_path) as program:
+def test_a_session_of_which_one_end_closes_ends(closed: str, tmp_path: Path, long_file: Path) -> None:
+    with TwoEnds(*play_arguments(long_file), cwd=tmp_path) as program:
         start(program)
         family = descendants(program.process.pid)
         program.close(closed)
@@ -112,9 +121,9 @@ def test_every_command_ends_with_its_terminal(command: str, closed: str, tmp_pat
 
 
 def test_a_terminal_that_nobody_reads_does_not_keep_a_session_from_ending(
-    tmp_path: Path, protocol_file: Path
+    tmp_path: Path, long_file: Path
 ) -> None:
-    with play(tmp_path, protocol_file) as terminal:
+    with play(tmp_path, long_file) as terminal:
         start(terminal)
         time.sleep(4.0)  # nothing is read: the terminal's buffer fills up, and the writing thread blocks
         os.kill(terminal.child.pid, signal.SIGTERM)
@@ -124,9 +133,9 @@ def test_a_terminal_that_nobody_reads_does_not_keep_a_session_from_ending(
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_ends_the_session_and_the_terminal_is_as_before(
-    number: signal.Signals, tmp_path: Path, protocol_file: Path
+    number: signal.Signals, tmp_path: Path, long_file: Path
 ) -> None:
-    with play(tmp_path, protocol_file) as terminal:
+    with play(tmp_path, long_file) as terminal:
         before = termios.tcgetattr(terminal.child.child_fd)
         start(terminal)
         assert termios.tcgetattr(terminal.child.child_fd) != before
@@ -141,8 +150,8 @@ def test_a_signal_ends_the_session_and_the_terminal_is_as_before(
     assert stop_reason(recording) == "signal"
 
 
-def test_several_signals_in_a_row_end_the_session_once(tmp_path: Path, protocol_file: Path) -> None:
-    with play(tmp_path, protocol_file) as terminal:
+def test_several_signals_in_a_row_end_the_session_once(tmp_path: Path, long_file: Path) -> None:
+    with play(tmp_path, long_file) as terminal:
         start(terminal)
         for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
             os.kill(terminal.child.pid, number)
@@ -151,9 +160,9 @@ def test_several_signals_in_a_row_end_the_session_once(tmp_path: Path, protocol_
 
 
 def test_a_stop_from_outside_leaves_the_terminal_as_it_was_in_the_end(
-    tmp_path: Path, protocol_file: Path
+    tmp_path: Path, long_file: Path
 ) -> None:
-    with play(tmp_path, protocol_file) as terminal:
+    with play(tmp_path, long_file) as terminal:
         before = termios.tcgetattr(terminal.child.child_fd)
         start(terminal)
         raw = termios.tcgetattr(terminal.child.child_fd)
@@ -173,9 +182,9 @@ def test_a_stop_from_outside_leaves_the_terminal_as_it_was_in_the_end(
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSEGV])
 def test_a_program_that_crashes_leaves_a_terminal_that_can_be_used(
-    number: signal.Signals, tmp_path: Path, protocol_file: Path
+    number: signal.Signals, tmp_path: Path, long_file: Path
 ) -> None:
-    with play(tmp_path, protocol_file) as terminal:
+    with play(tmp_path, long_file) as terminal:
         before = termios.tcgetattr(terminal.child.child_fd)
         start(terminal)
         family = descendants(terminal.child.pid)
@@ -201,9 +210,9 @@ def test_a_program_that_crashes_leaves_a_terminal_that_can_be_used(
     ids=["latin-1", "mouse", "noise"],
 )
 def test_bytes_that_are_not_utf_8_are_keys_without_a_meaning(
-    noise: bytes, tmp_path: Path, protocol_file: Path
+    noise: bytes, tmp_path: Path, long_file: Path
 ) -> None:
-    with play(tmp_path, protocol_file) as terminal:
+    with play(tmp_path, long_file) as terminal:
         start(terminal)
         os.write(terminal.child.child_fd, noise)
         time.sleep(0.5)
@@ -219,9 +228,9 @@ def test_bytes_that_are_not_utf_8_are_keys_without_a_meaning(
 
 
 def test_a_learner_that_hangs_is_reported_and_the_session_can_be_ended(
-    tmp_path: Path, protocol_file: Path
+    tmp_path: Path, long_file: Path
 ) -> None:
-    with play(tmp_path, protocol_file) as terminal:
+    with play(tmp_path, long_file) as terminal:
         start(terminal)
         worker = worker_of(terminal.child.pid)
         os.kill(worker, signal.SIGSTOP)

@@ -32,9 +32,7 @@ def play(tmp_path: Path) -> tuple[str, ...]:
 
 
 def start(terminal: Terminal) -> None:
-    terminal.wait_for("to start")
-    terminal.press("\r")
-    terminal.wait_for("Game 1")
+    terminal.begin("Game 1")
     terminal.pump(1.0)
 
 

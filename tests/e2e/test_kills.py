@@ -50,9 +50,7 @@ def kill_one(number: int, tmp_path: Path) -> None:
     confirmed = Confirmed()
     arguments = ("play", game, "--protocol", "killed.toml", "--seed", str(number), "--recordings", "r")
     with Terminal(*arguments, cwd=tmp_path) as terminal:
-        terminal.wait_for("Enter  to start, ")
-        terminal.press("\r")
-        terminal.wait_for("Game 1")
+        terminal.begin("Game 1")
         app, worker = terminal.child.pid, worker_of(terminal.child.pid)
         end = time.monotonic() + rng.uniform(0.3, LONGEST_PLAY_S)
         while (left_s := end - time.monotonic()) > 0:

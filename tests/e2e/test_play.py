@@ -31,9 +31,7 @@ def play(tmp_path: Path, protocol_file: Path, *more: str) -> Terminal:
 
 
 def start(terminal: Terminal) -> None:
-    terminal.wait_for("Enter  to start, ")
-    terminal.press("\r")
-    terminal.wait_for("Game 1")
+    terminal.begin("Game 1")
 
 
 def the_recording(tmp_path: Path) -> Recording:

@@ -39,9 +39,7 @@ def play(tmp_path: Path) -> Terminal:
 
 
 def start(terminal: Terminal) -> None:
-    terminal.wait_for("Enter  to start, ")
-    terminal.press("\r")
-    terminal.wait_for("2 of 2 presses left")
+    terminal.begin("2 of 2 presses left")
 
 
 def test_a_person_watches_keepaway_and_is_heard(tmp_path: Path) -> None:

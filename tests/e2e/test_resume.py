@@ -2,9 +2,8 @@
 
 import os
 import signal
+from collections.abc import Callable
 from pathlib import Path
-
-import pytest
 
 from core.events import EpisodeEnded, KeyPressed, SessionEnded
 from core.recording.joined import read_session
@@ -13,7 +12,7 @@ from core.session.protocol_reading import protocol_from
 from core.session.replay import replay_exactly
 from core.session.session import build_session
 from tests.e2e.processes import descendants, left_after
-from tests.e2e.terminal import Terminal
+from tests.e2e.terminal import START, Terminal
 
 
 def kill(terminal: Terminal) -> None:
@@ -34,47 +33,59 @@ def stop(terminal: Terminal) -> None:
     assert terminal.wait_for_exit() == 0
 
 
-@pytest.mark.parametrize(
-    "end",
-    [
-        kill,
-        pytest.param(close_the_window, marks=pytest.mark.slow),
-        pytest.param(stop, marks=pytest.mark.slow),
-    ],
-)
-def test_a_session_that_broke_off_in_its_second_game_goes_on(
-    end, tmp_path: Path, protocol_file: Path
+ENDS = (kill, close_the_window, stop)
+
+
+def watch_game_2(terminal: Terminal) -> None:
+    """Press once in the second game."""
+    terminal.wait_for("Game 2")
+    terminal.pump(0.5)
+    terminal.press("f")
+    terminal.pump(0.3)
+
+
+def break_off(terminal: Terminal, end: Callable[[Terminal], None]) -> None:
+    """Break a session off in its second game."""
+    watch_game_2(terminal)
+    pids = descendants(terminal.child.pid)
+    end(terminal)
+    assert not left_after(pids, 10.0)
+
+
+def test_a_session_that_broke_off_in_its_second_game_three_times_goes_on(
+    tmp_path: Path, protocol_file: Path
 ) -> None:
+    recordings = tmp_path / "recordings"
     arguments = ("play", "tetris", "--protocol", str(protocol_file), "--seed", "11", "--participant", "P07")
     with Terminal(*arguments, cwd=tmp_path) as terminal:
-        terminal.wait_for("Enter  to start, ")
-        terminal.press("\r")
-        terminal.wait_for("Game 1")
+        terminal.begin("Game 1")
         terminal.pump(0.8)
         terminal.press("j")
-        terminal.wait_for("Game 2")
-        terminal.pump(0.5)
-        terminal.press("f")
-        terminal.pump(0.3)
-        pids = descendants(terminal.child.pid)
-        end(terminal)
-        assert not left_after(pids, 10.0)
-    (first,) = (tmp_path / "recordings").glob("*.jsonl")
-    before = first.read_bytes()
+        break_off(terminal, ENDS[0])
+    files = list(recordings.glob("*.jsonl"))
+    assert len(files) == 1
+    before = {files[0]: files[0].read_bytes()}
 
-    with Terminal("play", "--resume", str(first), cwd=tmp_path) as terminal:
-        terminal.wait_for("Enter  to ")
-        assert "1 of 2 games" in terminal.text
-        terminal.press("\r")
-        terminal.wait_for("Game 2")
-        terminal.pump(0.5)
-        terminal.press("j")
-        terminal.wait_for("Thank you")
-        terminal.press("\r")
-        assert terminal.wait_for_exit() == 0
-    assert first.read_bytes() == before
-    (second,) = set((tmp_path / "recordings").glob("*.jsonl")) - {first}
-    session = read_session(second)
+    for end in (*ENDS[1:], None):
+        with Terminal("play", "--resume", str(files[-1]), cwd=tmp_path) as terminal:
+            terminal.wait_for(START)
+            assert "1 of 2 games" in terminal.text
+            terminal.begin("Game 2")
+            if end is not None:
+                break_off(terminal, end)
+            else:
+                watch_game_2(terminal)
+                terminal.wait_for("Thank you")
+                terminal.press("\r")
+                assert terminal.wait_for_exit() == 0
+        files += set(recordings.glob("*.jsonl")) - set(files)
+        before[files[-1]] = files[-1].read_bytes()
+    assert len(files) == 4
+    assert {path: path.read_bytes() for path in files} == before
+
+    first, last = files[0], files[-1]
+    session = read_session(last)
+    assert len(session.older) == 3
     assert session.header.participant == "P07"
     assert (
         replay_exactly(
@@ -89,18 +100,18 @@ def test_a_session_that_broke_off_in_its_second_game_goes_on(
     assert numbers == list(range(len(numbers)))
 
     for arguments, words in (
-        (("play", "--resume", str(first)), f"{second} goes on with it already"),
-        (("play", "--resume", str(second)), "this session is finished"),
-        (("play", "--resume", str(second), "--seed", "3"), "leave out --seed"),
+        (("play", "--resume", str(first)), f"{files[1]} goes on with it already"),
+        (("play", "--resume", str(last)), "this session is finished"),
+        (("play", "--resume", str(last), "--seed", "3"), "leave out --seed"),
     ):
         with Terminal(*arguments, cwd=tmp_path, columns=300) as terminal:
             assert terminal.wait_for_exit() != 0
             assert words in terminal.text.replace("\n", ""), terminal.text
-    with Terminal("replay", str(second), cwd=tmp_path, columns=200) as terminal:
+    with Terminal("replay", str(last), cwd=tmp_path, columns=200) as terminal:
         assert terminal.wait_for_exit() == 0
         assert "Replay: exact" in terminal.text
         assert "the weights bit for bit" in terminal.text
-    with Terminal("recordings", cwd=tmp_path, columns=200) as terminal:
+    with Terminal("recordings", cwd=tmp_path, columns=200, lines=50) as terminal:
         assert terminal.wait_for_exit() == 0
-        assert f"goes on with {first.name}" in terminal.text
-        assert "1 sound, 0 damaged" in terminal.text
+        assert all(f"goes on with {path.name}" in terminal.text for path in files[:-1])
+        assert "0 damaged" in terminal.text

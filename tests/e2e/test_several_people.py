@@ -95,7 +95,7 @@ class AtOneKeyboard:
                 case EpisodeStarted():
                     self._state = self._domain.initial(event.episode_seed)
                     for parts in self._people:
-                        parts.trainer.begin_episode(event.episode)
+                        parts.trainer.watch_episode(event.episode)
                 case StepTaken():
                     self._judge(event)
                 case FrameShown(step=step) if step > self._shown:

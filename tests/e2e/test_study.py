@@ -4,7 +4,6 @@ closes."""
 import os
 import signal
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -21,7 +20,7 @@ from studies.lab.notes import read_notes
 from studies.lab.progress import Participant, progress
 from studies.lab.sitting_log import ConsentAnswered, QuestionAnswered, read_sitting
 from tests.e2e.processes import descendants, left_after
-from tests.e2e.terminal import PATIENCE_S, Terminal
+from tests.e2e.terminal import PATIENCE_S, START, Terminal
 
 STUDY = """
 name = "tiny"
@@ -107,17 +106,16 @@ def consent(terminal: Terminal) -> None:
     terminal.press("yn\r")
 
 
-def begin_block(terminal: Terminal) -> None:
-    """Start a session from its first page."""
-    terminal.wait_for("Enter  to start, ")
+def begin_block(terminal: Terminal, first: str = "Game 1") -> None:
+    """Start a session from its first page, and wait for its first game."""
+    terminal.wait_for(START)
     no_secrets(terminal)
-    terminal.press("\r")
+    terminal.begin(first)
 
 
 def block(terminal: Terminal, first: str = "Game 1") -> None:
     """Watch a block from its first page to its last."""
-    begin_block(terminal)
-    terminal.wait_for(first)
+    begin_block(terminal, first)
     terminal.pump(0.6)
     terminal.press("j")
     no_secrets(terminal)
@@ -223,35 +221,34 @@ def lose_power(terminal: Terminal) -> None:
         os.kill(pid, signal.SIGKILL)
 
 
-@pytest.mark.parametrize(
-    "end",
-    [
-        close_the_window,
-        pytest.param(kill, marks=pytest.mark.slow),
-        pytest.param(lose_power, marks=pytest.mark.slow),
-    ],
-)
-def test_one_whose_block_2_breaks_off_goes_on_at_the_last_finished_game(
-    lab: Lab, end: Callable[[Terminal], None]
-) -> None:
-    with lab.run("--participant", "P1") as terminal:
-        consent(terminal)
-        block(terminal)
-        take_a_break(terminal)
-        begin_block(terminal)
-        terminal.wait_for("Game 1")
-        terminal.pump(0.5)
-        terminal.press("j")
-        terminal.wait_for("Game 2")
-        terminal.pump(0.5)
-        terminal.press("f")
-        terminal.pump(0.3)
-        pids = descendants(terminal.child.pid)
-        end(terminal)
-        assert not left_after(pids, 10.0)
-    before = {path: path.read_bytes() for path in lab.data.rglob("P1-*.jsonl")}
+ENDS = (close_the_window, kill, lose_power)
+
+
+def test_one_whose_block_2_breaks_off_three_times_goes_on_at_the_last_finished_game(lab: Lab) -> None:
+    before: dict[Path, bytes] = {}
+    for number, end in enumerate(ENDS):
+        with lab.run("--participant", "P1") as terminal:
+            if number == 0:
+                consent(terminal)
+                block(terminal)
+                take_a_break(terminal)
+                begin_block(terminal)
+                terminal.pump(0.5)
+                terminal.press("j")
+                terminal.wait_for("Game 2")
+            else:
+                terminal.wait_for("1 of 2 games")
+                begin_block(terminal, "Game 2")
+            terminal.pump(0.5)
+            terminal.press("f")
+            terminal.pump(0.3)
+            pids = descendants(terminal.child.pid)
+            end(terminal)
+            assert not left_after(pids, 10.0)
+        assert {path: path.read_bytes() for path in before} == before
+        before = {path: path.read_bytes() for path in lab.data.rglob("P1-*.jsonl")}
     ended = [line for line in lab.lines() if isinstance(line, SittingEnded)]
-    assert [line.how for line in ended] == (["window-closed"] if end is close_the_window else [])
+    assert [line.how for line in ended] == ["window-closed"]
 
     with lab.run("--participant", "P1") as terminal:
         terminal.wait_for("1 of 2 games")
@@ -260,7 +257,7 @@ def test_one_whose_block_2_breaks_off_goes_on_at_the_last_finished_game(
     assert {path: path.read_bytes() for path in before} == before
     assert lab.participant().sittings[0].ended == "finished"
     first, second = lab.blocks()
-    assert len(second.recording.older) == 1
+    assert len(second.recording.older) == len(ENDS)
     assert first.recording.older == ()
     assert all(found.finished and exact(found.recording) for found in (first, second))
     assert second.summary.games_finished == 2
@@ -281,7 +278,7 @@ def test_two_who_start_at_once_get_two_places_and_codes(lab: Lab) -> None:
         one.press("yy\r")
         other.press("yy\r")
         for terminal in (one, other):
-            terminal.wait_for("Enter  to start, ")
+            terminal.wait_for(START)
     enrolled = [line for line in lab.lines() if isinstance(line, Enrolled)]
     assert len({line.code for line in enrolled}) == 2
     assert sorted(line.place for line in enrolled) == [0, 1]
@@ -292,7 +289,7 @@ def test_one_who_comes_back_too_late_is_told_so_and_nothing_is_recorded(tmp_path
     lab = Lab(tmp_path, STUDY.replace("[[sittings]]", "[resuming]\nwithin_hours = 0.0001\n[[sittings]]", 1))
     with lab.run("--participant", "P1") as terminal:
         consent(terminal)
-        terminal.wait_for("Enter  to start, ")
+        terminal.wait_for(START)
         kill(terminal)
     before = lab.lines()
     time.sleep(1.5)
@@ -307,7 +304,7 @@ def test_one_who_comes_back_too_late_is_told_so_and_nothing_is_recorded(tmp_path
 def test_a_sitting_that_runs_already_is_not_begun_twice(lab: Lab) -> None:
     with lab.run("--participant", "P1") as terminal:
         consent(terminal)
-        terminal.wait_for("Enter  to start, ")
+        terminal.wait_for(START)
         arguments = ("study", "run", str(lab.folder / "study.toml"), "--participant", "P1")
         with Terminal(*arguments, cwd=lab.folder, columns=200) as second:
             assert second.wait_for_exit() == 1
@@ -329,10 +326,9 @@ def test_the_experimenter_follows_a_sitting_and_takes_a_note(lab: Lab) -> None:
     with Terminal(*watching, cwd=lab.folder) as monitor, lab.run("--participant", "P1") as terminal:
         monitor.wait_for("Nobody has taken part yet")
         consent(terminal)
-        terminal.wait_for("Enter  to start, ")
+        terminal.wait_for(START)
         both(monitor, terminal, "P1  day 1: step 3 of 7 (block)")
-        terminal.press("\r")
-        terminal.wait_for("Game 1")
+        terminal.begin("Game 1")
         terminal.pump(0.5)
         terminal.press("j")
         both(monitor, terminal, "game 1, ")
@@ -364,7 +360,6 @@ def test_practice_ends_when_both_keys_were_pressed_and_a_calibration_follows(tmp
         consent(terminal)
         terminal.wait_for("nothing counts")
         begin_block(terminal)
-        terminal.wait_for("Game 1")
         for key in "jf":
             terminal.pump(2.0)
             terminal.press(key)
@@ -372,7 +367,7 @@ def test_practice_ends_when_both_keys_were_pressed_and_a_calibration_follows(tmp
         no_secrets(terminal)
         terminal.press("\r")
         terminal.wait_for("How fast do you react?")
-        while terminal.wait_for("Enter  to start, ", "Enter", "Space", "+", "X", "") != "Enter  to start, ":
+        while terminal.wait_for(START, "Enter", "Space", "+", "X", "") != START:
             terminal.press("\r" if "Enter" in terminal.text else " ")
             terminal.pump(0.5)
             no_secrets(terminal)

@@ -15,7 +15,7 @@ from core.recording.joined import read_session
 from studies.lab.ledger import read_ledger
 from tests.e2e.confirmed import Confirmed
 from tests.e2e.processes import descendants, left_after
-from tests.e2e.terminal import PATIENCE_S, TROUBLE
+from tests.e2e.terminal import PATIENCE_S, TROUBLE, Terminal
 from tests.e2e.test_study import Lab, exact, no_secrets
 
 KILLS_EACH = 4
@@ -40,12 +40,14 @@ def take_part(lab: Lab, rng: np.random.Generator, kill_after_s: float | None) ->
         end = time.monotonic() + (PATIENCE_S if kill_after_s is None else kill_after_s)
         while time.monotonic() < end:
             if not terminal.pump(rng.uniform(0.05, 0.25)):
-                assert "P1 finished the sitting." in terminal.text, terminal.text
+                status = terminal.wait_for_exit()
+                said = f"status {status}, last words {terminal.received[-500:]!r}"
+                assert "P1 finished the sitting." in terminal.text, said
                 return False
             no_secrets(terminal)
             assert TROUBLE not in terminal.text, terminal.text
-            confirmed.look(terminal)
-            if "Game " in terminal.text and "Enter  to" not in terminal.text:
+            if in_game(terminal):
+                confirmed.look(terminal)
                 terminal.press("jf"[rng.integers(2)])
                 continue
             keys = next((keys for text, keys in ANSWERS if text in terminal.text), "")
@@ -54,7 +56,8 @@ def take_part(lab: Lab, rng: np.random.Generator, kill_after_s: float | None) ->
                 confirmed, before = Confirmed(), set(lab.data.rglob("P1-*.jsonl"))
             terminal.press(keys)
         assert kill_after_s is not None, f"not finished within {PATIENCE_S:.0f} s:\n{terminal.text}"
-        confirmed.look(terminal)
+        if in_game(terminal):
+            confirmed.look(terminal)
         pids = descendants(terminal.child.pid)
         victims = (terminal.child.pid,) if rng.integers(2) else (*pids, terminal.child.pid)
         for pid in victims:
@@ -64,12 +67,23 @@ def take_part(lab: Lab, rng: np.random.Generator, kill_after_s: float | None) ->
     return True
 
 
+def in_game(terminal: Terminal) -> bool:
+    """Return whether a game is on screen, and no page that covers one that is over."""
+    text = terminal.text
+    return "Game " in text and "Enter  to" not in text and "Thank you!" not in text
+
+
 def check(lab: Lab, before: set[Path], confirmed: Confirmed) -> None:
-    """Check that the newest recording holds what the screen had confirmed of it."""
-    new = set(lab.data.rglob("P1-*.jsonl")) - before
+    """Check that the newest recording holds what the screen had confirmed of it.
+
+    Where there is none since the last check, the screen still showed the last game of the block before.
+    """
     if not confirmed.presses:
         return
-    (path,) = new
+    recordings = set(lab.data.rglob("P1-*.jsonl"))
+    new = recordings - before
+    assert len(new) <= 1, f"one block on screen, and {new}"
+    path = max(new or recordings, key=lambda one: one.stat().st_mtime_ns)
     assert confirmed.missing_from(read_session(path)) == {}
 
 

@@ -17,10 +17,10 @@ from click.testing import CliRunner
 
 from arl_tui.app.link import Begin, Crashed, Picture, Ready
 from arl_tui.cli import main
-from arl_tui.commands.timing import SCENE_NAMES, report_lines, stop_above
+from arl_tui.commands.timing import CONDITION_NAMES, report_lines, stop_above
 from arl_tui.timing import bare
 from arl_tui.timing.kept import NONE, keep_timing, machine_code, timing_facts
-from arl_tui.timing.plan import MARKER, SCENES, Answered, Plan, PlannedTrial, Seen, make_plan, marker
+from arl_tui.timing.plan import CONDITIONS, MARKER, Answered, Plan, PlannedTrial, Seen, make_plan, marker
 from arl_tui.timing.result import Summary, TimingResult, compare, header_facts, read_timing, summarise
 from arl_tui.timing.robot import Robot, RobotTrial, TimingError, run_plan
 from arl_tui.timing.subject import SubjectApp
@@ -39,7 +39,7 @@ BELOW_A_FRAME_MS = 25.0
 machine, shows more."""
 
 
-def test_the_robot_measures_every_scene_and_the_result_is_kept(tmp_path: Path) -> None:
+def test_the_robot_measures_every_condition_and_the_result_is_kept(tmp_path: Path) -> None:
     path = tmp_path / "timing.json"
     options = ["--trials", "6", "--longest", "300", "--seed", "5", "--json", path, "--recordings", tmp_path]
     result = CliRunner().invoke(main, ["timing", *map(str, options)])
@@ -59,20 +59,25 @@ def test_the_robot_measures_every_scene_and_the_result_is_kept(tmp_path: Path) -
     (kept,) = (tmp_path / "timing").iterdir()
     assert read_timing(kept) == found
     assert found.machine == machine_code()
-    assert [scene.scene for scene in found.scenes] == ["bare reader", "at rest", "beside a board"]
-    for scene in found.scenes:
+    assert [condition.condition for condition in found.conditions] == [
+        "bare reader",
+        "at rest",
+        "beside a board",
+    ]
+    for condition in found.conditions:
         planned = {
-            t.number: t.delay_ms for t in make_plan(scene.scene, 6, root_seed=5, longest_ms=300).trials
+            t.number: t.delay_ms
+            for t in make_plan(condition.condition, 6, root_seed=5, longest_ms=300).trials
         }
-        assert len(scene.trials) + scene.n_missed == 6
-        for trial in scene.trials:
+        assert len(condition.trials) + condition.n_missed == 6
+        for trial in condition.trials:
             assert trial.true_ms >= planned[trial.number]
-        errors_ms = [trial.error_ms for trial in scene.trials]
+        errors_ms = [trial.error_ms for trial in condition.trials]
         # On a busy machine keys are read late, in any program, and flushes stamped after their bytes were
         # read: not always.
         assert max(errors_ms) > 0.0, errors_ms
         assert min(abs(error) for error in errors_ms) < BELOW_A_FRAME_MS, errors_ms
-    bare, rest, board = found.scenes
+    bare, rest, board = found.conditions
     assert bare.board_fps == 0.0
     assert rest.board_fps == 0.0
     assert board.board_fps > 0.0
@@ -191,7 +196,7 @@ async def test_only_the_first_answer_to_a_stimulus_counts() -> None:
 # --- plan ---------------------------------------------------------------------------------------------------
 
 
-def test_a_plan_depends_on_seed_and_scene_only_and_keeps_its_ranges() -> None:
+def test_a_plan_depends_on_seed_and_condition_only_and_keeps_its_ranges() -> None:
     plan = make_plan("at rest", 200, root_seed=3)
     assert plan == make_plan("at rest", 200, root_seed=3)
     assert plan.trials[:50] != make_plan("at rest", 50, root_seed=4).trials
@@ -212,8 +217,8 @@ def test_the_marker_on_the_screen_is_the_one_the_robot_looks_for() -> None:
     assert int(found.group(1)) == 42
 
 
-def test_the_commands_scenes_are_those_there_are() -> None:
-    assert tuple(SCENES) == SCENE_NAMES
+def test_the_commands_conditions_are_those_there_are() -> None:
+    assert tuple(CONDITIONS) == CONDITION_NAMES
 
 
 # --- result -------------------------------------------------------------------------------------------------
@@ -234,25 +239,30 @@ def by_hand() -> tuple[Plan, list[RobotTrial], Seen]:
         Answered(number=2, flushed_ns=2999 * MS, key_ns=None),
         Answered(number=3, flushed_ns=None, key_ns=4301 * MS),
     )
-    plan = Plan(scene="beside a board", root_seed=1, trials=planned)
+    plan = Plan(condition="beside a board", root_seed=1, trials=planned)
     return plan, robot, Seen(answers=answers, board_frames=120, duration_ns=4_000 * MS)
 
 
 def test_errors_are_measured_minus_true_and_late_reads_are_apart() -> None:
-    scene = compare(*by_hand())
+    condition = compare(*by_hand())
     # Trial 0: (1302 - 999) - 300 = 3 ms. Trial 1: (2310 - 2000) - 300 = 10 ms, of which 8 ms were spent on
     # the way.
-    assert [(t.error_ms, t.read_late_ms, t.late) for t in scene.trials] == [
+    assert [(t.error_ms, t.read_late_ms, t.late) for t in condition.trials] == [
         (3.0, 1.0, False),
         (10.0, 8.0, True),
     ]
-    assert scene.on_time is not None
-    assert scene.late is not None
-    assert (scene.on_time.n, scene.on_time.bias, scene.late.n, scene.late.bias) == (1, 3.0, 1, 10.0)
-    assert scene.on_the_way is not None
-    assert scene.on_the_way.bias == 1.0
-    assert scene.n_missed == 2
-    assert scene.board_fps == 30.0
+    assert condition.on_time is not None
+    assert condition.late is not None
+    assert (condition.on_time.n, condition.on_time.bias, condition.late.n, condition.late.bias) == (
+        1,
+        3.0,
+        1,
+        10.0,
+    )
+    assert condition.on_the_way is not None
+    assert condition.on_the_way.bias == 1.0
+    assert condition.n_missed == 2
+    assert condition.board_fps == 30.0
 
 
 def test_a_summary_by_hand() -> None:
@@ -273,7 +283,7 @@ def result_by_hand(load: float) -> TimingResult:
         cores=2,
         load=load,
         software={},
-        scenes=(compare(*by_hand()),),
+        conditions=(compare(*by_hand()),),
     )
 
 
@@ -348,8 +358,8 @@ def test_a_gate_judges_medians_only(tmp_path: Path) -> None:
     stop_above(result, 3.0)
     with pytest.raises(click.ClickException, match=r"median error is 3\.00 ms, allowed are 2\.9 ms"):
         stop_above(result, 2.9)
-    (scene,) = result.scenes
-    unusable = msgspec.structs.replace(result, scenes=(msgspec.structs.replace(scene, on_time=None),))
+    (condition,) = result.conditions
+    unusable = msgspec.structs.replace(result, conditions=(msgspec.structs.replace(condition, on_time=None),))
     with pytest.raises(click.ClickException, match="no usable trial of 4"):
         stop_above(unusable, 100.0)
     wrong = CliRunner().invoke(main, ["timing", "--gate", "0"])
@@ -360,7 +370,9 @@ def test_the_bare_reader_takes_no_key_for_an_answer_that_came_before_the_stimulu
     ours, theirs = pty.openpty()
     tty.setraw(theirs)
     plan = Plan(
-        scene="bare reader", root_seed=1, trials=(PlannedTrial(number=7, foreperiod_ms=100, delay_ms=150),)
+        condition="bare reader",
+        root_seed=1,
+        trials=(PlannedTrial(number=7, foreperiod_ms=100, delay_ms=150),),
     )
     os.write(ours, b"j")
     seen: list[Seen] = []

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.e2e.terminal import Terminal
-from tests.studies.session_view.made import KEEPAWAY, TETRIS
+from tests.studies.session_view.made import KEEPAWAY, TETRIS, large
 
 pytestmark = pytest.mark.jit
 
@@ -50,3 +50,29 @@ def test_keepaway_and_a_what_if(tmp_path: Path) -> None:
         terminal.wait_for("Game 2", "Game 3")
         terminal.press("q")
         assert terminal.wait_for_exit() == 0
+
+
+@pytest.mark.slow
+def test_a_million_events_are_on_screen_in_seconds_and_whole_soon_after(tmp_path: Path) -> None:
+    path = large(tmp_path / "large.jsonl")
+    with Terminal("watch", str(path), cwd=tmp_path) as terminal:
+        terminal.wait_for("reading the rest: ")
+        terminal.press("\x1b[C\x1b[C")  # it can be looked through meanwhile
+        terminal.wait_for("step 2")
+        terminal.wait_for("/6600", patience_s=120.0)
+        terminal.press("\x1b[F")
+        terminal.wait_for("game 6600/6600")
+        terminal.press("q")
+        assert terminal.wait_for_exit() == 0
+
+
+@pytest.mark.slow
+def test_damage_far_behind_the_first_part_is_named(tmp_path: Path) -> None:
+    path = large(tmp_path / "large.jsonl")
+    content = path.read_bytes()
+    at = len(content) - 100_000
+    path.write_bytes(content[:at] + content[at:].replace(b'"key":"j"', b'"key":"f"', 1))
+    with Terminal("watch", str(path), cwd=tmp_path) as terminal:
+        terminal.wait_for("reading the rest: ")
+        assert terminal.wait_for_exit() == 1
+        assert "chain does not follow" in " ".join(terminal.text.split())

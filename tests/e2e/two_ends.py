@@ -14,7 +14,7 @@ from typing import Self
 
 import pyte
 
-from tests.e2e.terminal import COLUMNS, LINES, PATIENCE_S, REPOSITORY
+from tests.e2e.terminal import ASKS_AGAIN, COLUMNS, LINES, PATIENCE_S, REPOSITORY, START
 
 
 class TwoEnds:
@@ -68,16 +68,31 @@ class TwoEnds:
             self.received += part
             self._stream.feed(part)
 
-    def wait_for(self, text: str, patience_s: float = PATIENCE_S) -> None:
-        """Read until a text stands on the screen."""
+    @property
+    def text(self) -> str:
+        """What stands on the screen, line by line."""
+        return "\n".join(self._screen.display)
+
+    def wait_for(self, *texts: str, patience_s: float = PATIENCE_S) -> str:
+        """Read until one of the texts stands on the screen; return which."""
         end = time.monotonic() + patience_s
         while time.monotonic() < end:
             self.pump()
-            shown = "\n".join(self._screen.display)
-            if text in shown:
-                return
-            assert self.process.poll() is None, f"the program ended before {text!r} was seen:\n{shown}"
-        raise AssertionError(f"{text!r} was not seen:\n{shown}")
+            for text in texts:
+                if text in self.text:
+                    return text
+            assert self.process.poll() is None, f"the program ended before {texts} was seen:\n{self.text}"
+        raise AssertionError(f"{texts} was not seen:\n{self.text}")
+
+    def begin(self, *seen: str) -> str:
+        """Start the session from its first page, as `tests.e2e.terminal.Terminal.begin` does."""
+        self.wait_for(START)
+        self.press("\r")
+        if self.wait_for(ASKS_AGAIN, *seen) == ASKS_AGAIN:
+            self.press("\r")
+        while ASKS_AGAIN in self.text:
+            self.pump()
+        return self.wait_for(*seen)
 
     def press(self, keys: str) -> None:
         """Write keys."""

@@ -106,15 +106,14 @@ def changed_values(content: bytes, rng: random.Random) -> bytes:
 
 def _change_value(line: dict, rng: random.Random) -> None:
     table = line
-    for _ in range(4):
-        names = [name for name in table if name not in ("type", "chain")]
-        if not names:
-            return
+    while names := [name for name in table if name not in ("type", "chain")]:
         name = rng.choice(names)
-        if not isinstance(table[name], dict) or rng.random() < 0.1:
+        value = table[name]
+        if not isinstance(value, dict) or rng.random() < 0.1:
             break
-        table = table[name]
-    value = table[name]
+        table = value
+    else:
+        return  # a table without keys
     if isinstance(value, int | float) and not isinstance(value, bool) and rng.random() < 0.7:
         table[name] = value + rng.choice((1, -1, 20_000_000, -20_000_000, 2**40, -(2**40)))
     elif isinstance(value, list) and value and rng.random() < 0.5:

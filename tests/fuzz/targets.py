@@ -1,10 +1,11 @@
 """What is fuzzed: seeds, how an input is made of them, what reads it, and the errors that are documented."""
 
 import io
+import math
 import random
 import shutil
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -22,9 +23,11 @@ from core.keepaway.pitch import KeepawayConfig
 from core.learners.sarsa_config import SarsaConfig
 from core.recording.importers.contract import ImporterError
 from core.recording.importers.tamer_log import import_tamer_log
-from core.recording.reader import RecordingError, read_recording
+from core.recording.reader import Recording, RecordingError, read_recording
+from core.recording.stored import stored_recording
 from core.recording.summary import summarise_recording
 from core.session.inputs import check_inputs
+from core.session.protocol import Protocol
 from core.session.protocol_file import ProtocolError
 from core.session.protocol_reading import load_protocol, protocol_from
 from core.session.replay import replay_exactly
@@ -35,6 +38,7 @@ from studies.experiments.trial_file import DamagedTrial, Played, read_rows
 from studies.lab.read import StudyError, load_study
 from studies.reaction_time.read import Columns, read_files
 from studies.reaction_time.tables.contract import ReadError
+from studies.session_view.session import open_session
 from tests.fuzz.mutate import changed_values, mutated, resealed
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -64,8 +68,44 @@ def recordings() -> list[bytes]:
     return [path.read_bytes() for path in sorted(REFERENCE.rglob("tetris-*.jsonl"))]
 
 
+@cache
+def short_recordings() -> list[bytes]:
+    """The first lines of recordings, of whole games where there are so many: thousands a second are read."""
+    return [cut_to(content, n) for content in recordings() for n in (12, 60)]
+
+
+def cut_to(content: bytes, n_events: int) -> bytes:
+    """Return a recording of the first events of another, with an end line and a chain that are right."""
+    lines = content.splitlines(keepends=True)[: n_events + 1]
+    end = b'{"type":"end","events":%d,"chain":"0"}' % (len(lines) - 1)
+    return resealed(b"".join([*lines, end]))
+
+
 def _read_recording(path: Path) -> object:
     return summarise_recording(read_recording(path))
+
+
+def _stored(path: Path) -> object:
+    """Read a recording on the disk, and in memory: what both take is the same."""
+    on_disk = stored_recording(path, from_bytes=0)
+    in_memory = read_recording(path)
+    if on_disk is not None:
+        same = tuple(on_disk.events) == in_memory.events and on_disk.notes == in_memory.notes
+        assert same or any(math.isnan(value) for value in _numbers(in_memory)), "two readings of one file"
+        assert on_disk.summary == summarise_recording(in_memory), "two summaries of one file"
+    return on_disk
+
+
+def _index(path: Path) -> object:
+    """Open a recording as the viewer does, and look at its last moment."""
+    session = open_session(path)
+    return session.at(session.end_ns)
+
+
+def _numbers(recording: Recording) -> Iterator[float]:
+    """Yield the numbers of a recording that may be NaN, which equals nothing."""
+    for event in recording.events:
+        yield from (value for value in msgspec.structs.astuple(event) if isinstance(value, float))
 
 
 def _resealed(seed: bytes, others: list[bytes], rng: random.Random) -> bytes:
@@ -82,13 +122,18 @@ def _check(path: Path) -> object:
     return summarise_recording(recording)
 
 
+@cache
+def _small_protocol() -> Protocol:
+    return protocol_from(read_recording(next(REFERENCE.glob("version-2/tetris-l*"))).header.protocol)
+
+
 def _replay(path: Path) -> object:
     recording = read_recording(path)
     try:
         protocol = protocol_from(recording.header.protocol)
     except msgspec.ValidationError:
         return None
-    first = protocol_from(read_recording(next(REFERENCE.glob("version-2/tetris-l*"))).header.protocol)
+    first = _small_protocol()
     small = (protocol.domain, protocol.learner, protocol.session) == (
         first.domain,
         first.learner,
@@ -228,10 +273,12 @@ TARGETS = {
     target.name: target
     for target in (
         Target("recordings-raw", recordings, _read_recording, (RecordingError,), ".jsonl"),
-        Target("recordings-resealed", recordings, _check, (RecordingError,), ".jsonl", _resealed),
+        Target("recordings-resealed", short_recordings, _check, (RecordingError,), ".jsonl", _resealed),
+        Target("recordings-stored", short_recordings, _stored, (RecordingError,), ".jsonl", _resealed),
+        Target("recordings-viewed", short_recordings, _index, (RecordingError,), ".jsonl", _resealed),
         Target(
             "replay",
-            recordings,
+            short_recordings,
             _replay,
             (RecordingError,),
             ".jsonl",

@@ -14,7 +14,7 @@ import numpy as np
 from core.combination.config import AgentConfig
 from core.configuration.fields import number
 from core.domain import Choices, Domain, Features, Transition
-from core.events import EpisodeEnded, StepTaken
+from core.events import ActionRecord, EpisodeEnded, StepTaken
 from core.feedback.keys import NS_PER_MS, KeyConfig
 from core.feedback.trainers import TrainerConfig
 from core.feedback.viewing import SteadyViewing, Watched
@@ -39,6 +39,13 @@ class CorridorConfig(msgspec.Struct, DomainConfig, frozen=True, forbid_unknown_f
     """Length."""
     slip: Annotated[float, number(ge=0, lt=1)] = 0.2
     """Chance to stay where one is."""
+
+
+class Move(ActionRecord, frozen=True):
+    """A pace from a cell."""
+
+    cell: int
+    move: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,8 +103,8 @@ class Corridor:
     def time(self, state: Place) -> int:
         return state.steps
 
-    def detail(self, state: Place, action: int) -> dict[str, int]:
-        return {"cell": state.cell, "move": MOVES[action]}
+    def action_record(self, state: Place, action: int) -> Move:
+        return Move(state.cell, MOVES[action])
 
     def recorded_state(self, state: Place) -> list[float] | None:
         return None
@@ -132,6 +139,7 @@ class CorridorPlugin(GamePlugin):
     name = "corridor"
     title = "Corridor"
     config = CorridorConfig
+    action = Move
     revision = 7
     learners = (SarsaConfig,)
     human_models = (TileModel,)

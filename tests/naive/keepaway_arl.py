@@ -46,8 +46,8 @@ CYCLE_NS = 100_000_000
 class Participant(trainers.SimulatedTrainer):
     """A trainer with the delays of compiled play."""
 
-    def begin_episode(self, episode):
-        super().begin_episode(episode)
+    def watch_episode(self, episode):
+        super().watch_episode(episode)
         rng = stream(self._root_seed, "trainer delays", episode)
         self._delays_s = [
             trainers.draw_delay_s(self.config.delay, rng=rng) for _ in range(self.judgements_left)
@@ -119,7 +119,7 @@ class ArlKeepaway:
     def play_episode(self) -> Episode:
         scheme, heard = self.config.agent.scheme, self.human.knows_something
         waits = not heard and not isinstance(scheme, HumanOnly)
-        self.weights = ENVIRONMENT_WEIGHTS if waits else scheme.weights(self.w_h, self.episode)
+        self.weights = ENVIRONMENT_WEIGHTS if waits else scheme.episode_weights(self.w_h, self.episode)
         trust = self.config.agent.bootstrap.trust
         self.w_h_of = {0: 0.0, 1: 0.0, 2: 0.0}
         if isinstance(trust, SideBySide) and heard:
@@ -131,7 +131,7 @@ class ArlKeepaway:
         self.in_episode = 0
         self.gate.episode_started()
         if self.person:
-            self.person.begin_episode(self.episode)
+            self.person.watch_episode(self.episode)
         if self.match.status[CYCLE]:
             start_episode(self.match, self.rules, self.streams.placement)
         ended = False
@@ -246,11 +246,11 @@ class ArlKeepaway:
         while self.due and self.due[0][0] <= now_ns:
             time_ns, number, press = heapq.heappop(self.due)
             key = self.config.keys.good if press.value > 0 else self.config.keys.bad
-            (made,) = self.gate.press(key, time_ns, source="simulated")
+            (made,) = self.gate.judge(key, time_ns, source="simulated")
             accepted = made.verdict == "accepted"
             self.record.presses.append((time_ns, press.value, press.deliberate, accepted))
             if accepted:
-                self.assigner.press(number, time_ns, press.value)
+                self.assigner.add_press(number, time_ns, press.value)
                 for sample in self.assigner.take():
                     expected = float(self.human.predict(sample.features[None, :])[0])
                     self.consistency.note(expected, sample.label, sample.weight)

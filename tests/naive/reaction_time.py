@@ -98,7 +98,7 @@ def best_log_likelihood(family: str, x: Array) -> float:
 
 
 def ex_gaussian_best(x: Array) -> float:
-    """Grid over the share of the variance in tau and the width, mean kept; the best three are polished."""
+    """Grid over the fraction of the variance in tau and the width, mean kept; the best three are polished."""
 
     def loss(p: Array) -> float:
         if p[1] < 1e-4 or p[2] < 1e-4:

@@ -9,7 +9,8 @@ import pytest
 
 from core.events import KeyPressed
 from core.feedback.credit import CurrentStep, GammaDelay, PreviousStep
-from core.recording.importers.tamer_log import TamerLogError, import_tamer_log, tamer_protocol
+from core.recording.importers.tamer_log import import_tamer_log, tamer_protocol
+from core.recording.importers.tamer_rows import TamerLogError
 from core.recording.reader import Recording, read_recording
 from core.session.protocol import Protocol, SessionConfig
 from core.session.protocol_reading import protocol_from

@@ -95,12 +95,14 @@ def test_a_what_if_under_the_sessions_own_rules_judges_the_sessions_own_agent(ta
     assert again.so_far == own.so_far
     assert again.so_far.watched == 3
     assert again.so_far.episodes == 3 + 2 * protocol.session.unseen_between
-    assert again.final_policy().weights == own.final_policy().weights
+    assert again.final_policy().episode_weights == own.final_policy().episode_weights
     expected, _ = judge(own, protocol, QUICK)
     (row,) = what_if(recording.path, protocol, [protocol.agent.credit.delay], [tag], QUICK)
     assert row.lines.estimate == expected.mean()
     assert (row.episode, row.watched) == (own.so_far.episodes, 3)
-    assert (row.weight, row.handover, row.shaping) == dataclasses.astuple(own.final_policy().weights)[2:5]
+    assert (row.weight, row.handover, row.shaping) == dataclasses.astuple(own.final_policy().episode_weights)[
+        2:5
+    ]
     # Being judged leaves an agent where it was.
     assert own.so_far == again.so_far
     np.testing.assert_array_equal(judge(own, protocol, QUICK)[0], expected)
@@ -117,7 +119,7 @@ def test_a_weight_that_falls_with_episodes_is_judged_after_all_of_them(kind, tmp
     )
 
     def used(scheme, number):
-        return dataclasses.astuple(scheme.weights(0.0, number))[2:5]
+        return dataclasses.astuple(scheme.episode_weights(0.0, number))[2:5]
 
     assert (games.weight, games.handover, games.shaping) == used(by_game, 3)
     assert (episodes.weight, episodes.handover, episodes.shaping) == used(by_episode, games.episode)
@@ -152,7 +154,7 @@ def test_annealed_after_many_episodes_is_the_environment_alone_decision_by_decis
             assert len(actions["alone"]) > 50
         else:
             differs_early = actions["annealed"] != actions["alone"]
-    assert differs_early  # with its first weight, 0.98, the human does decide
+    assert differs_early  # with its first weight, 0.98, the participant does decide
 
 
 def test_an_unseen_episode_does_not_move_a_weight_that_falls_with_games():

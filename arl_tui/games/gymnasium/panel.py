@@ -23,7 +23,8 @@ class EnvWidget(CoverableWidget, inherit_bindings=False, can_focus=False):
     """Draws what an environment draws of itself."""
 
     DEFAULT_CSS = """
-    EnvWidget { width: 44; height: 22; border: round $foreground 40%; border-title-align: center; }
+    EnvWidget { width: 44; height: 22; max-height: 100%;
+        border: round $foreground 40%; border-title-align: center; border-subtitle-align: center; }
     """
 
     def __init__(self) -> None:
@@ -74,7 +75,7 @@ def _colour(picture: EnvPicture, row: int, column: int) -> Color:
     return Color.from_rgb(red, green, blue)
 
 
-class EnvPanel:
+class GymnasiumPanel:
     """The environment's picture, and the figures of the game."""
 
     needed = SMALLEST
@@ -90,7 +91,7 @@ class EnvPanel:
         """Return whether a picture has been drawn since the last call."""
         return self.widget.take_drawn()
 
-    def stage(self) -> CoverableWidget:
+    def game_widget(self) -> CoverableWidget:
         """Return the environment's widget."""
         return self.widget
 
@@ -103,6 +104,8 @@ class EnvPanel:
         view = picture.view
         assert isinstance(view, EnvPicture), "a worker that plays Gymnasium sends its pictures"
         self.widget.show(view, picture.number)
+        # Where nothing stands beside it, as in the viewer, the border says it.
+        self.widget.border_subtitle = f"step {view.steps}, reward {view.reward:.4g}"
         self._figures.update(
             f"Game       {progress.episode} of {progress.episodes}\nStep       {view.steps}\n"
             f"Reward     {view.reward:.4g}"

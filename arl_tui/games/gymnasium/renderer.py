@@ -4,8 +4,9 @@ from typing import Any
 
 import numpy as np
 
-from arl_tui.games.rendering import Place, Shot
+from arl_tui.games.rendering import Place, TickView
 from core.events import EpisodeStarted, StepTaken
+from core.interop.gymnasium.action import EnvAction
 from core.interop.gymnasium.picture import EnvPicture
 from core.plugins import GameError
 
@@ -14,7 +15,7 @@ WIDEST, HIGHEST = 42, 40
 line."""
 
 
-class EnvRenderer:
+class GymnasiumRenderer:
     """Draws an environment of which only seeds and actions are known."""
 
     def __init__(self, env: str, tick_ns: int) -> None:
@@ -34,28 +35,28 @@ class EnvRenderer:
         self._env.reset(seed=0)
         self.picture = self._look()
 
-    def begin(self, episode: EpisodeStarted) -> tuple[Shot, ...]:
+    def begin(self, episode: EpisodeStarted) -> tuple[TickView, ...]:
         """Return the first picture."""
         self._env.reset(seed=episode.episode_seed % 2**31)
         self._reward, self._steps = 0.0, 0
         self.picture = self._look()
-        return (Shot(self.picture),)
+        return (TickView(self.picture),)
 
-    def act(self, step: StepTaken) -> tuple[Shot, ...]:
+    def act(self, step: StepTaken) -> tuple[TickView, ...]:
         """Return the picture after a step."""
-        self._env.step(step.detail["action"])
+        self._env.step(EnvAction.of(step).action)
         self._reward += step.reward
         self._steps += 1
         self.picture = self._look()
-        return (Shot(self.picture),)
+        return (TickView(self.picture),)
 
-    def judged_after_ns(self, n_shots: int) -> int:
+    def judged_after_ns(self, n_ticks: int) -> int:
         """Return 0: what a step led to is seen at once."""
         return 0
 
     def place_of(self, step: int) -> Place:
         """Return nothing: an environment does not say where an action is to be seen."""
-        return Place()
+        return ()
 
     def _look(self) -> EnvPicture:
         drawn = self._env.render()
@@ -86,7 +87,7 @@ def smaller(picture: Any) -> Any:
 
 def _drawing(env: str) -> Any:
     problems = []
-    from core.interop.gymnasium.game import make_env  # here, not above: compiled code comes with it
+    from core.interop.gymnasium.environments import make_env  # here, not above: compiled code comes with it
 
     for mode in ("rgb_array", "ansi"):
         try:
@@ -95,6 +96,6 @@ def _drawing(env: str) -> Any:
             if made.render() is not None:
                 return made
             problems.append(f"{mode}: it draws nothing")
-        except Exception as error:  # noqa: BLE001 - whatever an environment of somebody else raises
+        except Exception as error:  # noqa: BLE001 - whatever a foreign environment raises
             problems.append(f"{mode}: {error}")
     raise GameError(f"{env} cannot be shown. {'; '.join(problems)}")

@@ -8,8 +8,8 @@ from core.feedback.keys import NS_PER_MS
 from core.session.protocol import Protocol, ScreenConfig
 
 if TYPE_CHECKING:
-    from arl_tui.games.gymnasium.panel import EnvPanel
-    from arl_tui.games.gymnasium.renderer import EnvRenderer
+    from arl_tui.games.gymnasium.panel import GymnasiumPanel
+    from arl_tui.games.gymnasium.renderer import GymnasiumRenderer
     from arl_tui.palette import Palette
 
 WORDS = Words(
@@ -30,6 +30,18 @@ WORDS = Words(
     steps="steps",
     step="step",
 )
+ACTIONS: dict[str, tuple[str, ...]] = {
+    "CartPole": ("push to the left", "push to the right"),
+    "MountainCar": ("drive to the left", "let it roll", "drive to the right"),
+    "Acrobot": ("push one way", "do nothing", "push the other way"),
+    "LunarLander": ("do nothing", "left engine", "main engine", "right engine"),
+    "FrozenLake": ("go left", "go down", "go right", "go up"),
+    "CliffWalking": ("go up", "go right", "go down", "go left"),
+    "Blackjack": ("stick", "take a card"),
+    "Taxi": ("go down", "go up", "go right", "go left", "pick up", "drop off"),
+}
+"""What the actions of Gymnasium's own environments are, by the environment's name without its version:
+Gymnasium gives them numbers only (its documentation of each environment names them)."""
 
 
 class GymnasiumScreens(GameScreens):
@@ -42,19 +54,28 @@ class GymnasiumScreens(GameScreens):
         """Return the pace and how it is made slower."""
         return f"[screen] tick_ms is {screen.tick_ms}: more is slower"
 
-    def renderer(self, protocol: Protocol) -> "EnvRenderer":
-        """Return what plays the environment again and lets it draw itself."""
-        from arl_tui.games.gymnasium.renderer import EnvRenderer
+    def option(self, detail: dict[str, int], protocol: Protocol) -> str:
+        """Return the action in words where it is one of `ACTIONS`, else its number."""
         from core.interop.gymnasium.config import GymnasiumConfig
 
         assert isinstance(protocol.domain, GymnasiumConfig), "a protocol of Gymnasium"
-        return EnvRenderer(protocol.domain.env, protocol.screen.tick_ms * NS_PER_MS)
+        names = ACTIONS.get(protocol.domain.env.rpartition("-v")[0], ())
+        number = detail["action"]
+        return names[number] if 0 <= number < len(names) else f"action {number}"
 
-    def panel(self, protocol: Protocol, palette: "Palette") -> "EnvPanel":
+    def renderer(self, protocol: Protocol) -> "GymnasiumRenderer":
+        """Return what plays the environment again and lets it draw itself."""
+        from arl_tui.games.gymnasium.renderer import GymnasiumRenderer
+        from core.interop.gymnasium.config import GymnasiumConfig
+
+        assert isinstance(protocol.domain, GymnasiumConfig), "a protocol of Gymnasium"
+        return GymnasiumRenderer(protocol.domain.env, protocol.screen.tick_ms * NS_PER_MS)
+
+    def panel(self, protocol: Protocol, palette: "Palette") -> "GymnasiumPanel":
         """Return the picture and what stands beside it."""
-        from arl_tui.games.gymnasium.panel import EnvPanel
+        from arl_tui.games.gymnasium.panel import GymnasiumPanel
 
-        return EnvPanel()
+        return GymnasiumPanel()
 
 
 SCREENS = GymnasiumScreens()

@@ -1,6 +1,6 @@
 """Keepaway in the play screen: the pitch, smooth between cycles, and the figures of the game."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from textual.geometry import Size
 from textual.widget import Widget
@@ -8,6 +8,7 @@ from textual.widgets import Static
 
 from arl_tui.app.link import Picture, TakenFor
 from arl_tui.games.panel import SMALLEST, Progress
+from arl_tui.games.rendering import Place
 from arl_tui.palette import Palette
 from arl_tui.widgets.pitch import PitchWidget
 from arl_tui.widgets.pitch_drawing import smallest
@@ -59,7 +60,7 @@ class LivePitch(PitchWidget):
         self.show(between(picture.view, picture.ahead, min(fraction, 0.99)), picture.number)
 
 
-class PitchPanel:
+class KeepawayPanel:
     """The pitch, and the score beside it."""
 
     def __init__(self, protocol: Protocol, palette: Palette, *, clock: Clock | None = None) -> None:
@@ -82,7 +83,7 @@ class PitchPanel:
         self.pitch.taken = drawn
         return fresh
 
-    def stage(self) -> PitchWidget:
+    def game_widget(self) -> PitchWidget:
         """Return the pitch."""
         return self.pitch
 
@@ -109,20 +110,26 @@ class PitchPanel:
 
     def mark(self, taken: TakenFor) -> str:
         """Mark the keeper who chose, and who was passed to."""
-        if taken.step < 0 or taken.player < 0:
+        if taken.step < 0 or not taken.place:
             return "but no option was on screen"
+        ((player, target),) = taken.place
         if taken.value != 0:  # a mark is good or bad
-            self.pitch.mark(taken.player, taken.target, good=taken.value > 0)
-        keeper = f"K{taken.player + 1}"
-        return (
-            f"for {keeper} holding the ball"
-            if taken.target < 0
-            else f"for {keeper}'s pass to K{taken.target + 1}"
-        )
+            self.pitch.mark(player, target, good=taken.value > 0)
+        keeper = f"K{player + 1}"
+        return f"for {keeper} holding the ball" if target < 0 else f"for {keeper}'s pass to K{target + 1}"
 
     def unmark(self) -> None:
         """Take the mark away."""
         self.pitch.unmark()
+
+    def pose(self, places: Sequence[Place], keys: Sequence[str]) -> None:
+        """Write each option's key beside the keeper who would have the ball."""
+        players = [player if target < 0 else target for ((player, target),) in places]
+        self.pitch.pose(tuple(zip(players, keys, strict=False)))
+
+    def unpose(self) -> None:
+        """Take the keys away."""
+        self.pitch.pose(())
 
     def presses_left(self, presses: int) -> None:
         """Write them into the pitch's boundary, where the eye is."""

@@ -61,7 +61,7 @@ class Playback:
         self._paused = False
         self._looked_ns = clock.now_ns()
         self._shown = source.frame
-        self._share_ns = 0.0
+        self._into_cycle_ns = 0.0
         """Simulated time since the picture shown, at most a cycle; in the last picture, time of the clock."""
         self._prepare()
 
@@ -73,16 +73,16 @@ class Playback:
         passed_ns, self._looked_ns = now_ns - self._looked_ns, now_ns
         if not self._paused:
             self._advance(passed_ns)
-        return between(self._shown, self._next, self._share_ns / CYCLE_NS if self._sliding else 0.0)
+        return between(self._shown, self._next, self._into_cycle_ns / CYCLE_NS if self._sliding else 0.0)
 
     def _advance(self, passed_ns: float) -> None:
         for _ in range(MOST_CYCLES):
             pace = self._speed if self._sliding else 1.0
             length_ns = CYCLE_NS if self._sliding else self._rest_ns
-            self._share_ns += passed_ns * pace
-            if self._share_ns < length_ns:
+            self._into_cycle_ns += passed_ns * pace
+            if self._into_cycle_ns < length_ns:
                 return
-            passed_ns = (self._share_ns - length_ns) / pace
+            passed_ns = (self._into_cycle_ns - length_ns) / pace
             self._go_on()
 
     @property
@@ -97,7 +97,7 @@ class Playback:
         self._prepare()
 
     def _prepare(self) -> None:
-        self._share_ns = 0.0
+        self._into_cycle_ns = 0.0
         self._next = self._source.step()
         self._next_values = self._source.values()
 

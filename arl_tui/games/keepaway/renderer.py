@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from arl_tui.games.rendering import Place, Shot
+from arl_tui.games.rendering import Place, TickView
 from core.events import EpisodeStarted, StepTaken
+from core.keepaway.action import ChosenOption
 from core.keepaway.picture import PitchFrame
 from core.keepaway.pitch import CYCLE_NS, NO_PLAYER, KeepawayConfig
 
@@ -25,7 +26,7 @@ OPTIONS_REMEMBERED = 128
 """About ten seconds of the game's time, if nobody passes."""
 
 
-class PitchRenderer:
+class KeepawayRenderer:
     """Follows the session's episodes; knows of them only seeds and options."""
 
     def __init__(self, config: KeepawayConfig, speed: float) -> None:
@@ -64,39 +65,44 @@ class PitchRenderer:
 
     def could_be(self, step: StepTaken) -> bool:
         """Return whether a recorded step can be the next one: the same keeper decides, and sees the same."""
-        same_keeper = self._play.keeper == step.detail["keeper"]
+        same_keeper = self._play.keeper == ChosenOption.of(step).keeper
         return same_keeper and (step.state is None or self._play.variables.tolist() == step.state)
 
-    def begin(self, episode: EpisodeStarted) -> tuple[Shot, ...]:
+    def begin(self, episode: EpisodeStarted) -> tuple[TickView, ...]:
         """Return the pictures from the kick-off to the cycle before the first decision."""
         self._episodes += 1
         self._play = self._new_play(episode.episode_seed)
         self._frame_maker = self._new_frame_maker()
         pictures = [self._look(self._play.match)]
         self._play.begin(lambda match: pictures.append(self._look(match)))
-        return self._shots(pictures)
+        return self._ticks(pictures)
 
-    def act(self, step: StepTaken) -> tuple[Shot, ...]:
+    def act(self, step: StepTaken) -> tuple[TickView, ...]:
         """Return the pictures from a decision to the cycle before the next one."""
-        keeper, target = step.detail["keeper"], step.detail["target"]
-        self._options.append((step.step, Place(player=keeper, target=target)))
+        chosen = ChosenOption.of(step)
+        keeper, target = chosen.keeper, chosen.target
+        self._options.append((step.step, ((keeper, target),)))
         pictures = [self._now]
         self._play.decide(step.action, lambda match: pictures.append(self._look(match)))
         shown = [msgspec.structs.replace(picture, decider=keeper, target=target) for picture in pictures[:-1]]
-        return self._shots([*shown, pictures[-1]])
+        return self._ticks([*shown, pictures[-1]])
 
-    def judged_after_ns(self, n_shots: int) -> int:
+    def judged_after_ns(self, n_ticks: int) -> int:
         """Return one cycle: then an option is seen to have been chosen."""
         return self.tick_ns
 
     def place_of(self, step: int) -> Place:
         """Return who chose an option, and who was passed to."""
-        return next((place for known, place in reversed(self._options) if known == step), Place())
+        return next((place for known, place in reversed(self._options) if known == step), ())
 
-    def _shots(self, pictures: list[PitchFrame]) -> tuple[Shot, ...]:
+    def place_of_option(self, detail: dict[str, int]) -> Place:
+        """Return who has the ball, and who would be passed to."""
+        return ((detail["keeper"], detail["target"]),)
+
+    def _ticks(self, pictures: list[PitchFrame]) -> tuple[TickView, ...]:
         """Return all but the last picture, which belongs to what comes now, each with the one after it."""
         self._now = pictures[-1]
-        return tuple(Shot(view, ahead) for view, ahead in itertools.pairwise(pictures))
+        return tuple(TickView(view, ahead) for view, ahead in itertools.pairwise(pictures))
 
     def _look(self, match: "Match") -> PitchFrame:
         picture = self._frame_maker.look(match)

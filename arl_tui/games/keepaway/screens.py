@@ -13,8 +13,8 @@ from core.session.protocol import Protocol, ScreenConfig, SessionConfig
 from studies.reaction_time.protocol import NO, YES, Schedule
 
 if TYPE_CHECKING:
-    from arl_tui.games.keepaway.panel import PitchPanel
-    from arl_tui.games.keepaway.renderer import PitchRenderer
+    from arl_tui.games.keepaway.panel import KeepawayPanel
+    from arl_tui.games.keepaway.renderer import KeepawayRenderer
     from arl_tui.games.keepaway.trial_view import PitchTrialView
     from arl_tui.palette import Palette
 
@@ -42,6 +42,7 @@ WORDS = Words(
     units=("second", "seconds"),
     steps="decisions",
     step="option",
+    question="What should the keeper do?",
 )
 JUDGING = JudgingWords(
     instruction=(
@@ -94,18 +95,22 @@ class KeepawayScreens(GameScreens):
             ),
         )
 
-    def renderer(self, protocol: Protocol) -> "PitchRenderer":
+    def option(self, detail: dict[str, int], protocol: Protocol) -> str:
+        """Return whom the keeper would pass to."""
+        return "hold the ball" if detail["target"] < 0 else f"pass to K{detail['target'] + 1}"
+
+    def renderer(self, protocol: Protocol) -> "KeepawayRenderer":
         """Return what draws the match cycle by cycle; compiled code comes with it."""
-        from arl_tui.games.keepaway.renderer import PitchRenderer
+        from arl_tui.games.keepaway.renderer import KeepawayRenderer
 
         assert isinstance(protocol.domain, KeepawayConfig), "a protocol of Keepaway"
-        return PitchRenderer(protocol.domain, protocol.screen.speed)
+        return KeepawayRenderer(protocol.domain, protocol.screen.speed)
 
-    def panel(self, protocol: Protocol, palette: "Palette") -> "PitchPanel":
+    def panel(self, protocol: Protocol, palette: "Palette") -> "KeepawayPanel":
         """Return the pitch and what stands beside it."""
-        from arl_tui.games.keepaway.panel import PitchPanel
+        from arl_tui.games.keepaway.panel import KeepawayPanel
 
-        return PitchPanel(protocol, palette)
+        return KeepawayPanel(protocol, palette)
 
 
 SCREENS = KeepawayScreens()

@@ -62,9 +62,9 @@ class PitchTrialView:
         """Show the play before the event."""
         clip, foreperiod_ms = self._clips[plan.index], 1000.0 * plan.foreperiod_s
         early_ms = foreperiod_ms % self._cycle_ms
-        cycle, share = divmod(max(0.0, tick / self._per_cycle - early_ms / self._cycle_ms), 1.0)
+        cycle, fraction = divmod(max(0.0, tick / self._per_cycle - early_ms / self._cycle_ms), 1.0)
         self.pitch.note = ""
-        self.pitch.show(between(clip.at(int(cycle)), clip.at(int(cycle) + 1), share))
+        self.pitch.show(between(clip.at(int(cycle)), clip.at(int(cycle) + 1), fraction))
 
     def present(self, plan: TrialPlan) -> None:
         """Show the event, with a mark: something changes on the screen whatever the event looks like."""

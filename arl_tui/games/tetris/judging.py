@@ -48,7 +48,7 @@ def tick_ms(schedule: Schedule) -> int:
 
 
 def make_positions(schedule: Schedule) -> list[TrialPosition]:
-    """Return the scene of each trial, in order: they follow from the schedule alone."""
+    """Return the position of each trial, in order: they follow from the schedule alone."""
     # Here, not above: compiled code, and the screen's process imports this module.
     from core.tetris.afterstate import Tetris
     from core.tetris.oracle import TetrisOracle
@@ -113,7 +113,7 @@ def _full_rows(wall: Wall) -> tuple[int, ...]:
 
 
 def main() -> None:
-    """Read a schedule from the standard input, write its scenes to the standard output, both JSON."""
+    """Read a schedule from the standard input, write its positions to the standard output, both JSON."""
     from core.numerics.interpreting import start_interpreting
 
     schedule = msgspec.json.decode(sys.stdin.buffer.read(), type=Schedule)

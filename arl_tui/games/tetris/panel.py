@@ -1,12 +1,13 @@
 """Tetris in the play screen: the board, the next piece, and the score."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from textual.geometry import Size
 from textual.widget import Widget
 
 from arl_tui.app.link import Picture, TakenFor
 from arl_tui.games.panel import SMALLEST, Progress
+from arl_tui.games.rendering import Place
 from arl_tui.palette import Palette
 from arl_tui.widgets.blocks import CELLS_PER_BLOCK
 from arl_tui.widgets.board import TetrisBoard
@@ -42,7 +43,7 @@ class TetrisPanel:
         """Return whether a line of the board has been drawn since the last call, other than for a mark."""
         return self.board.take_drawn() >= 0
 
-    def stage(self) -> CoverableWidget:
+    def game_widget(self) -> CoverableWidget:
         """Return the board."""
         return self.board
 
@@ -86,8 +87,8 @@ class TetrisPanel:
             return "for the falling piece" if taken.step == self._step else "for the piece that landed"
         if taken.step == self._step and self.board.shows_falling:
             self.board.mark(None, good=taken.value > 0)
-        elif taken.blocks:
-            self.board.mark(taken.blocks, good=taken.value > 0)
+        elif taken.place:
+            self.board.mark([(row, column) for row, column in taken.place], good=taken.value > 0)
         else:
             return "for the last piece, which is gone"
         return "for the marked piece"
@@ -95,6 +96,19 @@ class TetrisPanel:
     def unmark(self) -> None:
         """Take the mark away."""
         self.board.unmark()
+
+    def pose(self, places: Sequence[Place], keys: Sequence[str]) -> None:
+        """Draw the piece where each option would put it, by the option's key."""
+        self.board.pose(
+            [
+                ([(row, column) for row, column in place], key)
+                for place, key in zip(places, keys, strict=False)
+            ]
+        )
+
+    def unpose(self) -> None:
+        """Take the options away."""
+        self.board.pose(())
 
     def presses_left(self, presses: int) -> None:
         """Say nothing: the feedback bar is near enough."""

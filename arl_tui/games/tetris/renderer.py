@@ -1,10 +1,11 @@
 """From a session's steps to pictures of the board: a piece that is moved and dropped."""
 
-from arl_tui.games.rendering import Blocks, Place, Shot
+from arl_tui.games.rendering import Place, TickView
 from core.events import EpisodeStarted, StepTaken
 from core.feedback.keys import NS_PER_MS
+from core.tetris.action import PlacedPiece
 from core.tetris.config import TetrisConfig
-from core.tetris.game import reachable_placements
+from core.tetris.game import FallingPiece, landing_row, reachable_placements
 from core.tetris.picture import Counts, PieceAnimation, Snapshot, Wall, animate, snapshot
 from core.tetris.practice import PIECE_STREAMS
 
@@ -27,29 +28,29 @@ class TetrisRenderer:
         self._wall = Wall(config.rows, config.columns)
         self._counts = Counts()
         self._episode_seed = 0
-        self._landed: dict[int, Blocks] = {}
+        self._landed: dict[int, Place] = {}
         """What is left of the last pieces on the wall, by step, oldest first."""
         self._cleared: tuple[int, ...] = ()
         """Rows that the newest piece has cleared; to the older ones that happens when it has landed."""
 
-    def begin(self, episode: EpisodeStarted) -> tuple[Shot, ...]:
+    def begin(self, episode: EpisodeStarted) -> tuple[TickView, ...]:
         """Clear the board."""
         self._wall = Wall(self._config.rows, self._config.columns)
         self._landed, self._cleared = {}, ()
         self._episode_seed = episode.episode_seed
         self._counts = Counts(next_piece=self._piece_at(self._episode_seed, 0))
         self.picture = snapshot(self._wall, counts=self._counts)
-        return (Shot(self.picture),)
+        return (TickView(self.picture),)
 
     def stand_at(self, wall: Wall, counts: Counts, episode_seed: int) -> None:
         """Go to any board of an episode, as if its steps so far had been drawn."""
         self._wall, self._counts, self._episode_seed = wall, counts, episode_seed
         self.picture = snapshot(wall, counts=counts)
 
-    def act(self, step: StepTaken) -> tuple[Shot, ...]:
+    def act(self, step: StepTaken) -> tuple[TickView, ...]:
         """Return the pictures of a step; the last one stays."""
-        piece = step.detail["piece"]
-        placement = (step.detail["orientation"], step.detail["column"])
+        placed = PlacedPiece.of(step)
+        piece, placement = placed.piece, placed.place
         counts = Counts(
             lines=self._counts.lines,
             pieces=self._counts.pieces,
@@ -68,15 +69,21 @@ class TetrisRenderer:
         self._wall = shown.wall
         self.picture = shown.frames[-1]
         self._counts = self.picture.counts
-        return tuple(Shot(frame) for frame in shown.frames)
+        return tuple(TickView(frame) for frame in shown.frames)
 
-    def judged_after_ns(self, n_shots: int) -> int:
+    def judged_after_ns(self, n_ticks: int) -> int:
         """Return the time on screen: a step is judged when the piece has landed."""
-        return n_shots * self.tick_ns
+        return n_ticks * self.tick_ns
 
     def place_of(self, step: int) -> Place:
         """Return the piece's blocks on the wall; none where all have been cleared, or it is too long ago."""
-        return Place(blocks=self._landed.get(step, ()))
+        return self._landed.get(step, ())
+
+    def place_of_option(self, detail: dict[str, int]) -> Place:
+        """Return where the piece would come to rest."""
+        piece, orientation, column = detail["piece"], detail["orientation"], detail["column"]
+        row = landing_row(self._wall.board, piece, orientation, column)
+        return tuple(FallingPiece(piece, orientation, row, column).cells())
 
     def _note_landed(self, step: int, shown: PieceAnimation) -> None:
         self._landed = {
@@ -88,7 +95,7 @@ class TetrisRenderer:
         self._landed[step] = _after_clearing(tuple(at_rest.cells()), self._cleared)
 
 
-def _after_clearing(blocks: Blocks, cleared: tuple[int, ...]) -> Blocks:
+def _after_clearing(blocks: Place, cleared: tuple[int, ...]) -> Place:
     """Return where blocks are when rows have gone: what was above them is lower."""
     return tuple(
         (row - sum(gone < row for gone in cleared), column) for row, column in blocks if row not in cleared

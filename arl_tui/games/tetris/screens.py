@@ -10,6 +10,7 @@ from core.feedback.config import TrainerConfig
 from core.feedback.keys import NS_PER_MS
 from core.session.protocol import Protocol, ScreenConfig, SessionConfig
 from core.tetris.config import TetrisConfig
+from core.tetris.shapes import ORIENTATION_ROWS
 from studies.reaction_time.protocol import NO, YES, Schedule
 
 if TYPE_CHECKING:
@@ -34,6 +35,7 @@ WORDS = Words(
     units=("line", "lines"),
     steps="pieces",
     step="piece",
+    question="Where should the next piece go?",
 )
 JUDGING = JudgingWords(
     instruction=(
@@ -78,6 +80,13 @@ class TetrisScreens(GameScreens):
                 trainer or TrainerConfig(), press_probability=0.35, mean_presses=None
             ),
         )
+
+    def option(self, detail: dict[str, int], protocol: Protocol) -> str:
+        """Return which columns the piece would take."""
+        rows = ORIENTATION_ROWS[detail["piece"]][detail["orientation"]]
+        first = detail["column"] + 1
+        last = detail["column"] + max(row.bit_length() for row in rows)
+        return f"column {first}" if first == last else f"columns {first} to {last}"
 
     def renderer(self, protocol: Protocol) -> "TetrisRenderer":
         """Return what draws pieces as they fall."""

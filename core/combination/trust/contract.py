@@ -33,8 +33,8 @@ class Needs:
     """Asks how well presses are foreseen (`EpisodeReport.consistency`), which is then part of the
     fingerprint."""
     side_by_side: tuple[float, ...] = ()
-    """w_h of each of several learners that learn side by side, the one without the human first; empty: one
-    learner."""
+    """w_h of each of several learners that learn side by side, the one without the participant first; empty:
+    one learner."""
 
 
 class Window(Protocol):
@@ -71,7 +71,8 @@ class Trust(ABC):
     """A rule's state in one session, for one participant. A rule revises `w_h`, and says what it goes by."""
 
     w_h: float = 0.0
-    """Weight of the human: 0, if not fixed, until the human policy has been compared with some policy."""
+    """Weight of the participant: 0, if not fixed, until the human policy has been compared with some
+    policy."""
 
     @abstractmethod
     def revise(self, report: EpisodeReport, evidence: Evidence) -> None:

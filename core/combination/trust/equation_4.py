@@ -16,7 +16,11 @@ HIGHEST_CHANCE = 0.99
 
 
 class Equation4(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="equation-4"):
-    """w_h is the performance-weighted mean match of the top policies (Eq. 4)."""
+    """w_h is the performance-weighted mean match of the top policies (Eq. 4).
+
+    Where a performance is negative (a sum of costs), each policy counts by how far its performance lies above
+    the lowest one compared (`core.combination.trust.measures.as_weights`).
+    """
 
     match: MatchKind = "rate"
     """m_i: the paper counts equal choices; a rate keeps w_h in [0, 1]."""

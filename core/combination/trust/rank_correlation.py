@@ -1,4 +1,4 @@
-"""The rule "rank-correlation": whether policies that agree with the human do better."""
+"""The rule "rank-correlation": whether policies that agree with the participant do better."""
 
 from typing import Annotated, ClassVar
 

@@ -21,29 +21,31 @@ from core.configuration.fields import number
 from core.numerics.streams import stream
 
 ATTITUDES = (0.0, 1.0, -1.0)
-"""Of the learners, in their order: without the human, with them, against them."""
+"""Of the learners, in their order: without the participant, with them, against them."""
 
 
 class SideBySide(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="side-by-side"):
-    """Learners side by side, one per attitude, and the signed match of the one without the human (ours).
+    """Learners side by side, one per attitude, and the signed match of the one without the participant
+    (ours).
 
-    One learner chooses without the human, one believes them (w_h = weight), one believes the opposite (w_h =
-    -weight). One plays each episode, all learn from it, each about its own choices. So the first becomes good
-    at what nobody taught it, and whether its choices agree with the human says whom to believe
-    (`docs/decisions/side-by-side.md`). It needs learners that can learn from what another one does: compiled
-    play of Keepaway has them (`core.keepaway.arl_autoplay`).
+    One learner chooses without the participant, one believes them (w_h = weight), one believes the opposite
+    (w_h = -weight). One plays each episode, all learn from it, each about its own choices. So the first
+    becomes good at what nobody taught it, and whether its choices agree with the participant says whom to
+    believe (`docs/decisions/side-by-side.md`). It needs learners that can learn from what another one does:
+    compiled play of Keepaway has them (`core.keepaway.arl_autoplay`).
     """
 
     weight: Annotated[float, number(gt=0, le=1e9, usual=(0.001, 1000))] = 1.0
-    """|w_h| of the two that go by the human: as much say as the environment, both being standardised."""
+    """|w_h| of the two that go by the participant: as much say as the environment, both being
+    standardised."""
     own_share: Annotated[float, number(ge=0, le=1)] = 0.2
-    """Share of episodes that the learner without the human plays once the human is believed, or their
-    opposite. Before that each plays a third."""
+    """Fraction of episodes that the learner without the participant plays once the participant is believed,
+    or their opposite. Before that each plays a third."""
     other_share: Annotated[float, number(ge=0, le=1)] = 0.05
-    """Share of episodes that the learner of the opposite attitude plays then."""
+    """Fraction of episodes that the learner of the opposite attitude plays then."""
     warm_up_episodes: Annotated[int, number("compared episodes", ge=2, le=1_000_000)] = 60
-    """Compared episodes without the human after which their agreement counts: before, that learner knows
-    nothing."""
+    """Compared episodes without the participant after which their agreement counts: before, that learner
+    knows nothing."""
     episodes: Annotated[int, number("compared episodes", ge=2, le=1_000_000)] = 20
     """How many of its recent compared episodes count."""
     margin: Annotated[float, number(ge=0, lt=1)] = 0.1
@@ -70,7 +72,7 @@ class SideBySide(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="s
         return Needs(side_by_side=tuple(attitude * float(self.weight) for attitude in ATTITUDES))
 
     def begin(self, *, root_seed: int) -> Trust:
-        """Return trust of 0: the learner without the human plays first."""
+        """Return trust of 0: the learner without the participant plays first."""
         return _SideBySide(self, root_seed)
 
 
@@ -89,7 +91,7 @@ class _SideBySide(Trust):
         return agreement.signed
 
     def revise(self, report: EpisodeReport, evidence: Evidence) -> None:
-        """Judge the human by the episodes without them, and decide whose turn the next episode is."""
+        """Judge the participant by the episodes without them, and decide whose turn the next episode is."""
         if report.agreement is None:
             return
         rule = self._rule
@@ -115,7 +117,9 @@ class _SideBySide(Trust):
         return super().state_bytes() + attitudes + self._recent.state_bytes()
 
     def _judged(self) -> float:
-        """Return the attitude that agreement without the human speaks for; 0 where it speaks for none."""
+        """Return the attitude that agreement without the participant speaks for; 0 where it speaks for
+        none.
+        """
         w = signed_human_weight(
             self._recent.performances,
             self._recent.numbers,

@@ -15,7 +15,7 @@ class Signed(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="signe
     """Eq. 4 over recent episodes with the signed match, less its standard errors (ours; `docs/decisions`).
 
     w = sum pm_i a_i / sum pm_i, se = sd(a) sqrt(sum pm_i^2) / sum pm_i, w_h = gain sign(w) max(0, |w| - c se
-    - margin).
+    - margin). Where a pm_i is negative, each counts by how far it lies above the lowest (`as_weights`).
     """
 
     episodes: Annotated[int, number("compared episodes", ge=2, le=1_000_000)] = 200

@@ -1,4 +1,4 @@
-"""The rule "tried": attitudes to the human are tried out, and performance says which one is kept."""
+"""The rule "tried": attitudes to the participant are tried out, and performance says which one is kept."""
 
 import struct
 from typing import Annotated, ClassVar
@@ -20,11 +20,11 @@ from core.numerics.streams import stream
 
 
 class Tried(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="tried"):
-    """The human's word is tried out, and performance says what to make of it (ours;
+    """The participant's word is tried out, and performance says what to make of it (ours;
     `docs/decisions/tried-trust.md`).
 
     w_h = attitude * weight. The attitude is 1 (believe), 0, or -1 (believe the opposite), whichever went with
-    the better episodes. Others are tried in a share of the episodes, but only while there is something to
+    the better episodes. Others are tried in a fraction of the episodes, but only while there is something to
     try: while the presses can be foreseen from what they are about (`core.learners.consistency`), as random
     ones cannot.
     """
@@ -36,9 +36,9 @@ class Tried(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="tried"
     consistent_above: Annotated[float, number("standard errors", ge=0)] = 2.0
     """Standard errors by which presses must be foreseen better than chance for an attitude to be tried."""
     trial_share: Annotated[float, number(ge=0, le=1)] = 0.3
-    """Share of episodes in which 1 or -1 is tried while the attitude is 0."""
+    """Fraction of episodes in which 1 or -1 is tried while the attitude is 0."""
     control_share: Annotated[float, number(ge=0, le=1)] = 0.05
-    """Share of episodes played without the human while it is 1 or -1."""
+    """Fraction of episodes played without the participant while it is 1 or -1."""
     better_by: Annotated[float, number("standard errors", ge=0)] = 3.0
     """Standard errors of the rank test (Mann & Whitney) by which another attitude must do better to be taken
     over."""

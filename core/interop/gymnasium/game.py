@@ -1,12 +1,8 @@
-"""A Gymnasium environment as a domain and a game: states are copies of the environment, tiles cover its
-observation.
-"""
+"""A Gymnasium environment as a domain and a game: its states, its observation as numbers, tiles over them."""
 
-import copy
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -16,22 +12,25 @@ from core.domain import Choices, Domain, Features, Transition
 from core.events import EpisodeEnded, StepTaken
 from core.feedback.keys import NS_PER_MS
 from core.feedback.viewing import SteadyViewing, Watched
+from core.interop.gymnasium.action import EnvAction
 from core.interop.gymnasium.config import GymnasiumConfig
+from core.interop.gymnasium.environments import (
+    Numbers,
+    Seen,
+    discrete_actions,
+    make_env,
+    named_function,
+)
+from core.interop.gymnasium.states import Node, States
+from core.interop.gymnasium.tiles import JointTiles
 from core.learners.encoding import ActionTiles
 from core.numerics.clock import NS_PER_S
-from core.numerics.tile_coding import Range, TileCoder, tile_coder
+from core.numerics.tile_coding import Tiling, tile_coder
 from core.plugins import GameError
 from core.registry import Oracle
 from core.session.protocol import Protocol
-from core.session.sarsa_game import SarsaGame, recorded_observation
+from core.session.sarsa_game import ObservedDomain, SarsaGame, Tiled, recorded_observation
 
-try:
-    import gymnasium
-except ImportError as error:  # the extra is not installed
-    raise GameError("Gymnasium is not installed: pip install 'arl-tui[gym]'") from error
-
-MOST_NUMBERS = 64
-"""Of an observation: more are an image, and tiles of single pixels say nothing."""
 CHECKED_STEPS = 20
 """Steps over which copies and seeds are compared before an environment is taken."""
 Floats = NDArray[np.float64]
@@ -45,15 +44,18 @@ class GymnasiumState:
     steps: int
     key: bytes
     """Digest of the actions so far."""
-    env: Any = field(repr=False, compare=False)
-    """The environment in this state; only copies of it are stepped."""
-    observation: tuple[float, ...]
+    node: Node = field(repr=False, compare=False)
+    """The way to it, by which the environment finds it again."""
+    observation: Numbers
+    """As it is learned from and recorded: the observation's numbers, or those of phi."""
+    given: Any = field(repr=False, compare=False)
+    """The observation as the environment gave it."""
     total_reward: float
     over: bool
 
 
 class GymnasiumDomain:
-    """A `core.domain.Domain`; the environment's own time limit is left out, the session has one."""
+    """A `core.domain.Domain`; Gymnasium's own time limit is left out, the session has one."""
 
     name = "gymnasium"
     reward_is_time = False
@@ -64,64 +66,74 @@ class GymnasiumDomain:
         """Make the environment and look at what it is.
 
         Raises:
-            GameError: it cannot be made, seeded or copied, or its spaces are none that can be learned.
+            GameError: it cannot be made or seeded, or its spaces are none that can be learned.
         """
         self.config = config
-        self._env = make_env(config.env)
-        self._first_action, self.n_actions = _actions(self._env, config.env)
-        self._ranges = _ranges(self._env, config)
-        discrete = isinstance(self._env.observation_space, gymnasium.spaces.Discrete)
-        self.coder: TileCoder = tile_coder(self._ranges, 1 if discrete else config.tilings)
-        self._encoder = ActionTiles(self.coder, self.n_actions)
-        self.feedback_tiles = self._encoder.tiling
-        self.observation_names = tuple(f"observation {i}" for i in range(len(self._ranges)))
-        self.feedback_feature_names = self.observation_names
+        self.env = make_env(config.env)
+        """The environment itself, for its spaces; it is not to be stepped."""
+        self._first_action, self.n_actions = discrete_actions(self.env, config.env)
+        self._seen = Seen(self.env, config)
+        joint = JointTiles(self._seen.ranges, config.tilings) if self._is_joint(config) else None
+        self.tiled = None if joint is None else joint.tiled
+        n_tilings = 1 if self._seen.whole else config.tilings
+        self.coder = tile_coder(self._seen.ranges, n_tilings) if joint is None else joint.coder
+        self.observation_names = self._seen.names
+        self._states = States(self.env)
         self._check()
+        self._psi = named_function(config.psi) if config.psi else None
+        self._encoder = ActionTiles(self.coder, self.n_actions)
+        self.feedback_tiles: Tiling | None = None if self._psi else self._encoder.tiling
+        self.feedback_feature_names = self._feedback_names()
+
+    def _is_joint(self, config: GymnasiumConfig) -> bool:
+        return config.joint and not self._seen.whole
 
     def initial(self, episode_seed: int) -> GymnasiumState:
         """Return the first state of the episode with this seed (>= 0)."""
-        env = copy.deepcopy(self._env)
-        observation, _ = env.reset(seed=episode_seed % 2**31)
-        return GymnasiumState(episode_seed, 0, b"", env, _numbers(observation), 0.0, False)
+        node, given = self._states.begin(episode_seed)
+        return GymnasiumState(episode_seed, 0, b"", node, self._seen.numbers(given), given, 0.0, False)
 
     def terminal(self, state: GymnasiumState) -> bool:
         """Return whether the environment has said that the episode is over."""
         return state.over
 
     def choices(self, state: GymnasiumState) -> Choices:
-        """Return what is seen, and the tiles of each action for the human model."""
+        """Return what is seen, and what the human model sees of each action."""
         if state.over:
             raise ValueError("the episode is over: a terminal state has no actions")
         return self.choices_of(np.array(state.observation), state.steps)
 
     def choices_of(self, observation: Floats, time: int) -> Choices:
-        """Return the choices on an observation, shape (v,), after so many steps."""
+        """Return the choices on an observation as recorded, shape (v,), after so many steps."""
+        numbers = observation if self.tiled is None else self.tiled(observation)
         return Choices(
             features=np.empty((self.n_actions, 0)),
-            feedback_features=self._encoder.rows(0, observation),
+            feedback_features=self._encoder.rows(0, numbers)
+            if self._psi is None
+            else self._psi_rows(observation),
             ruled_out=np.zeros(self.n_actions, np.bool_),
             time=time,
             observation=observation,
         )
 
     def transition(self, state: GymnasiumState, action: int) -> Transition[GymnasiumState]:
-        """Return where an action leads, in a copy of the environment; the reward is the environment's."""
+        """Return where an action leads; the reward is the environment's."""
         if not 0 <= action < self.n_actions:
             raise ValueError(
                 f"there is no action {action}: this decision has actions 0..{self.n_actions - 1}"
             )
-        env = copy.deepcopy(state.env)
-        observation, reward, terminated, truncated, _ = env.step(self._first_action + action)
+        given, reward, over = self._states.step(state.node, self._first_action + action)
         following = GymnasiumState(
             seed=state.seed,
             steps=state.steps + 1,
             key=hashlib.blake2b(state.key + action.to_bytes(4, "little"), digest_size=16).digest(),
-            env=env,
-            observation=_numbers(observation),
-            total_reward=state.total_reward + float(reward),
-            over=bool(terminated or truncated),
+            node=self._states.after(state.node, self._first_action + action),
+            observation=self._seen.numbers(given),
+            given=given,
+            total_reward=state.total_reward + reward,
+            over=over,
         )
-        return Transition(following, float(reward), 1)
+        return Transition(following, reward, 1)
 
     def performance(self, state: GymnasiumState) -> float:
         """Return the sum of rewards so far."""
@@ -131,9 +143,9 @@ class GymnasiumDomain:
         """Return the number of steps so far."""
         return state.steps
 
-    def detail(self, state: GymnasiumState, action: int) -> dict[str, int]:
+    def action_record(self, state: GymnasiumState, action: int) -> EnvAction:
         """Return the environment's own number of the action, and of the step in its episode."""
-        return {"action": self._first_action + action, "time": state.steps}
+        return EnvAction(self._first_action + action, state.steps)
 
     def recorded_state(self, state: GymnasiumState) -> list[float] | None:
         """Return the observation: a recording can be learned from without the environment's version of
@@ -141,20 +153,38 @@ class GymnasiumDomain:
         """
         return list(state.observation)
 
+    def _feedback_names(self) -> tuple[str, ...]:
+        if self._psi is None:
+            # The human model sees the first tile of each window: one for each number, or for each tiling.
+            n = len(self.coder.low)
+            return self.observation_names if n == len(self.observation_names) else _numbered("tile", n)
+        n = self._psi_rows(np.array(self.initial(0).observation)).shape[1]
+        return _numbered("psi", n)
+
+    def _psi_rows(self, observation: Floats) -> Floats:
+        """Return the user's features of each action, shape (n_actions, g)."""
+        psi: Callable[..., Any] | None = self._psi
+        assert psi is not None, "asked for where there is one"
+        numbers = tuple(observation.tolist())
+        try:
+            rows = np.array([np.ravel(psi(numbers, action)) for action in range(self.n_actions)], np.float64)
+        except Exception as error:
+            raise GameError(f"psi failed: {type(error).__name__}: {error}, given {numbers}") from error
+        if rows.shape[1] == 0 or not np.isfinite(rows).all():
+            raise GameError(f"psi gave {rows.tolist()}: at least one number is expected, and finite ones")
+        return rows
+
     def _check(self) -> None:
-        """Refuse an environment whose seeds or copies do not play the same again."""
+        """Refuse an environment that does not play the same again from the same seed and actions."""
         name = self.config.env
         rng = np.random.Generator(np.random.PCG64DXSM(0))
         actions = [int(action) for action in rng.integers(self.n_actions, size=CHECKED_STEPS)]
         try:
             once, again = (self._played(actions) for _ in range(2))
+        except GameError:
+            raise
         except Exception as error:
-            raise GameError(
-                f"{name} cannot be copied, and every state of a session is a copy: {type(error).__name__}: "
-                f"{error}. "
-                "Keep handles (windows, files, sockets, threads) out of the environment, or give it "
-                "__deepcopy__"
-            ) from error
+            raise GameError(f"{name} cannot be played: {type(error).__name__}: {error}") from error
         if once != again:
             raise GameError(
                 f"{name} cannot be seeded: the same seed and actions gave other observations or rewards. "
@@ -162,25 +192,36 @@ class GymnasiumDomain:
                 "random from `self.np_random`, and keep all state in the environment"
             )
 
-    def _played(self, actions: Sequence[int]) -> list[tuple[tuple[float, ...], float, bool]]:
+    def _played(self, actions: Sequence[int]) -> list[tuple[Numbers, float, bool]]:
         state = self.initial(0)
         found = [(state.observation, 0.0, state.over)]
         for action in actions:
             if state.over:
                 break
-            self.transition(state, (action + 1) % self.n_actions)  # must leave `state` as it was
-            state = self.transition(state, action).next_state
+            following = self.transition(state, action).next_state
+            # The way back is checked as well: what another action would have led to.
+            self.transition(state, (action + 1) % self.n_actions)
+            state = following
             found.append((state.observation, state.total_reward, state.over))
         return found
 
 
+def _numbered(word: str, n: int) -> tuple[str, ...]:
+    return tuple(f"{word} {i}" for i in range(n))
+
+
 class GymnasiumGame(SarsaGame):
-    """The game whose rules are somebody else's."""
+    """The game whose rules come from another package."""
 
     def domain(self, protocol: Protocol) -> GymnasiumDomain:
         """Return the environment that the protocol names."""
         assert isinstance(protocol.domain, GymnasiumConfig), "a protocol of Gymnasium"
         return GymnasiumDomain(protocol.domain)
+
+    def tiled(self, domain: ObservedDomain) -> Tiled | None:
+        """Return what lays tiles over several numbers, where the protocol asks for it."""
+        assert isinstance(domain, GymnasiumDomain), "the domain of this game"
+        return domain.tiled
 
     def oracle(self, protocol: Protocol) -> Oracle:
         """Return whoever judges by the reward of the step."""
@@ -204,63 +245,9 @@ class GymnasiumGame(SarsaGame):
     def recorded(self, domain: Domain[GymnasiumState], step: StepTaken) -> tuple[Choices, Features]:
         """Return a step as it was seen."""
         assert isinstance(domain, GymnasiumDomain), "the domain of this game"
-        choices = domain.choices_of(recorded_observation(domain, step), step.detail["time"])
+        choices = domain.choices_of(recorded_observation(domain, step), EnvAction.of(step).time)
         return choices, choices.feedback_features[step.action]
 
     def time_at_end(self, ended: EpisodeEnded) -> int:
         """Return steps."""
         return ended.steps
-
-
-def make_env(name: str, **settings: Any) -> Any:
-    """Return an environment by its id, or by `module:function`, without a time limit of its own.
-
-    Raises:
-        GameError: there is none, or it cannot be made.
-    """
-    try:
-        if ":" in name and not name.rpartition("-v")[2].isdigit():
-            module, _, function = name.partition(":")
-            return getattr(import_module(module), function)(**settings)
-        return gymnasium.make(name, max_episode_steps=-1, disable_env_checker=True, **settings)
-    except Exception as error:
-        raise GameError(
-            f"the environment {name!r} cannot be made: {type(error).__name__}: {error}"
-        ) from error
-
-
-def _actions(env: Any, name: str) -> tuple[int, int]:
-    """Return the first action's number and how many there are."""
-    space = env.action_space
-    if not isinstance(space, gymnasium.spaces.Discrete):
-        raise GameError(
-            f"{name} has the actions {space}: only discrete ones can be learned here. Wrap it so that it "
-            f"offers some of them"
-        )
-    return int(space.start), int(space.n)
-
-
-def _ranges(env: Any, config: GymnasiumConfig) -> tuple[Range, ...]:
-    """Return the range of each number of an observation, and how wide its tiles are."""
-    space = env.observation_space
-    if isinstance(space, gymnasium.spaces.Discrete):
-        return (Range(float(space.start), float(space.start + space.n), 1.0),)
-    if not isinstance(space, gymnasium.spaces.Box) or int(np.prod(space.shape)) > MOST_NUMBERS:
-        raise GameError(
-            f"{config.env} has the observations {space}: a box of at most {MOST_NUMBERS} numbers or a "
-            f"discrete one can be "
-            "tiled. Wrap it so that it gives features"
-        )
-    most = config.largest
-    low = np.where(np.abs(space.low) > 1e6, -most, space.low).astype(float).ravel()
-    high = np.where(np.abs(space.high) > 1e6, most, space.high).astype(float).ravel()
-    return tuple(
-        Range(below, above, (above - below) / config.tiles)
-        if above > below
-        else Range(below, below + 1.0, 1.0)
-        for below, above in zip(low.tolist(), high.tolist(), strict=True)
-    )
-
-
-def _numbers(observation: Any) -> tuple[float, ...]:
-    return tuple(float(number) for number in np.ravel(observation))

@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING, ClassVar
 import msgspec
 
 from core.combination.config import AgentConfig
-from core.configuration.reading import Path, Problem
+from core.configuration.messages import Path
+from core.configuration.reading import Problem
 from core.feedback.config import CreditConfig, TrainerConfig
 from core.feedback.delays import CurrentStep
 from core.interop.gymnasium import REVISION
+from core.interop.gymnasium.action import EnvAction
 from core.interop.gymnasium.config import GymnasiumConfig
-from core.learners.human_config import TileModel
+from core.learners.human_config import RidgeModel, SgdModel, TileModel
 from core.learners.sarsa_config import SarsaConfig
 from core.plugins import GamePlugin
 from core.session.protocol import Protocol, ScreenConfig, SessionConfig
@@ -30,9 +32,10 @@ class GymnasiumPlugin(GamePlugin):
     name = "gymnasium"
     title = "Gymnasium"
     config = GymnasiumConfig
+    action = EnvAction
     revision = REVISION
     learners = (SarsaConfig,)
-    human_models = (TileModel,)
+    human_models = (TileModel, RidgeModel, SgdModel)
     steps = "steps"
     idle: ClassVar[Mapping[str, str]] = {
         "screen.speed": "",
@@ -54,7 +57,9 @@ class GymnasiumPlugin(GamePlugin):
         )
 
     def default_of(self, variant: str) -> Protocol:
-        """Return the default protocol with another environment: "gymnasium:MountainCar-v0"."""
+        """Return the default protocol with another environment: "gymnasium:MountainCar-v0", or
+        "gymnasium:module:function".
+        """
         return msgspec.structs.replace(self.default(), domain=GymnasiumConfig(variant))
 
     def view(self) -> "type[EnvPicture]":
@@ -77,6 +82,25 @@ class GymnasiumPlugin(GamePlugin):
 
         return GymnasiumGame()
 
+    def check(self, protocol: Protocol) -> None:
+        """Refuse a human model that cannot learn from what it would see.
+
+        Raises:
+            ValueError: it is of another type than features or tiles need.
+        """
+        assert isinstance(protocol.domain, GymnasiumConfig), "a protocol of Gymnasium"
+        tiles = isinstance(protocol.agent.human_model, TileModel)
+        if protocol.domain.psi and tiles:
+            raise ValueError(
+                "psi gives features, and a human model of type tiles sees tiles: set [agent.human_model] "
+                'type = "ridge"'
+            )
+        if not protocol.domain.psi and not tiles:
+            raise ValueError(
+                "without features the human model sees the learner's tiles: set [agent.human_model] type = "
+                '"tiles", or name features ([domain] psi)'
+            )
+
     def contradictions(self, protocol: Protocol) -> Iterator[Problem]:
         """Yield the simulated participants who would have to know the environment."""
         for number_of, trainer in enumerate((protocol.trainer, *protocol.others)):
@@ -95,8 +119,18 @@ class GymnasiumPlugin(GamePlugin):
         return [
             f"the domain is the Gymnasium environment {protocol.domain.env}, without its own time limit",
             "every episode counts as one policy, because the learner changes all the time",
-            "each number of the observation is tiled alone; the human model sees the learner's tiles",
+            _seen(protocol.domain),
         ]
+
+
+def _seen(config: GymnasiumConfig) -> str:
+    """Return what learner and human model see, in a sentence."""
+    numbers = f"each number of {config.phi}" if config.phi else "each number of the observation"
+    if config.joint:
+        numbers = f"all numbers of {config.phi}" if config.phi else "all numbers of the observation"
+    tiled = f"{numbers} {'are tiled together' if config.joint else 'is tiled alone'}"
+    human = f"the features {config.psi}" if config.psi else "the learner's tiles"
+    return f"{tiled}; the human model sees {human}"
 
 
 PLUGIN = GymnasiumPlugin()

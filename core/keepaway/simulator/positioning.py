@@ -15,7 +15,7 @@ from core.numerics.compiled import inner_kernel
 
 GRID = 5
 MARGIN = 0.15
-"""Inset of the grid of candidate points per side, as a share of the region's side."""
+"""Inset of the grid of candidate points per side, as a fraction of the region's side."""
 CONE = 0.3
 """Half width of a pass cone per metre of its length."""
 CLOSE_ENOUGH = 1.5

@@ -24,7 +24,7 @@ class StateVariable:
     """In `unit` (UT Austin keepaway 0.6)."""
 
 
-def _share(i: int, n: int) -> int:
+def _spread(i: int, n: int) -> int:
     """Return (i - 1) / n cut towards zero as in the published widths; 0 where n is 0."""
     return int((i - 1) / n) if n else 0
 
@@ -37,8 +37,8 @@ def state_variables(config: KeepawayConfig) -> tuple[StateVariable, ...]:
     """
     keepers, takers = config.n_keepers, config.n_takers
     far = 1.25 * math.hypot(config.length_m, config.width_m)
-    keeper_width = [2.0 + _share(i, keepers - 2) for i in range(1, keepers)]
-    taker_width = [3.0 + _share(i, takers - 1) for i in range(takers)]
+    keeper_width = [2.0 + _spread(i, keepers - 2) for i in range(1, keepers)]
+    taker_width = [3.0 + _spread(i, takers - 1) for i in range(takers)]
     mates = [f"K{i + 2}" for i in range(keepers - 1)]
     rivals = [f"T{i + 1}" for i in range(takers)]
 

@@ -11,10 +11,10 @@ from studies.reaction_time.tables.cells import Table
 from studies.reaction_time.tables.contract import Columns, ReadError, shown
 from studies.reaction_time.tables.numbers import is_missing, number_of
 from studies.reaction_time.tables.plan import (
-    Outcome,
     Plan,
     Source,
     Trial,
+    TrialOutcome,
     is_practice,
     is_right,
     participant_column,
@@ -70,7 +70,7 @@ class Gorilla:
 def _judge(
     table: Table,
     rt: str,
-    kind: Callable[[Sequence[str]], Outcome | str],
+    kind: Callable[[Sequence[str]], TrialOutcome | str],
     *,
     scored: bool,
     columns: Columns,
@@ -102,21 +102,25 @@ def _judge(
     return judge
 
 
-def _second_builder(table: Table) -> Callable[[Sequence[str]], Outcome | str]:
+def _second_builder(table: Table) -> Callable[[Sequence[str]], TrialOutcome | str]:
     kind = table.getter("Response Type")
-    known: dict[str, Outcome] = {"response": "response", "timed out": "no response", "too early": "too early"}
+    known: dict[str, TrialOutcome] = {
+        "response": "response",
+        "timed out": "no response",
+        "too early": "too early",
+    }
 
-    def judge(cells: Sequence[str]) -> Outcome | str:
+    def judge(cells: Sequence[str]) -> TrialOutcome | str:
         text = kind(cells).lower()
         return known.get(text) or f"Response Type {shown(kind(cells))}"
 
     return judge
 
 
-def _first_builder(table: Table) -> Callable[[Sequence[str]], Outcome | str]:
+def _first_builder(table: Table) -> Callable[[Sequence[str]], TrialOutcome | str]:
     zone, late, attempt = (table.getter(name) for name in ("Zone Type", "Timed Out", "Attempt"))
 
-    def judge(cells: Sequence[str]) -> Outcome | str:
+    def judge(cells: Sequence[str]) -> TrialOutcome | str:
         kind = zone(cells).lower()
         if is_right(late(cells)):
             return "no response"

@@ -51,7 +51,7 @@ def no_column(table: Table, name: str, option: str) -> ReadError:
 def likely_times(table: Table) -> list[str]:
     """Return the columns that may hold reaction times, the likeliest first: by name and by their numbers."""
     named = [name for name in table.header if re.search(_TIME_WORDS, name.lower())]
-    return sorted(named, key=lambda name: -_numeric_share(table, name))[:MOST_PROPOSALS]
+    return sorted(named, key=lambda name: -_numeric_fraction(table, name))[:MOST_PROPOSALS]
 
 
 def likely_participants(table: Table) -> list[str]:
@@ -69,7 +69,7 @@ def _close(name: str, names: Sequence[str]) -> list[str]:
     return [lower[other] for other in found]
 
 
-def _numeric_share(table: Table, name: str) -> float:
+def _numeric_fraction(table: Table, name: str) -> float:
     get = table.getter(name)
     texts = [get(cells) for _, cells in table.lines[:_LOOKED_AT]]
     there = [text for text in texts if not is_missing(text)]

@@ -17,10 +17,14 @@ from studies.reaction_time.tables.numbers import is_missing, number_of
 from studies.reaction_time.tables.text import Text, read_text
 from studies.reaction_time.tables.units import check_magnitudes
 
-Outcome = Literal["response", "wrong", "no response", "too early", "withheld"]
+TrialOutcome = Literal["response", "wrong", "no response", "too early", "withheld"]
 """What a trial ended in. `withheld`: no response was asked for (a no-go or catch trial)."""
-_STATUS: dict[Outcome, str] = {"wrong": "wrong key", "no response": "time-out", "too early": "anticipation"}
-_WORDS: dict[Outcome, str] = {
+_STATUS: dict[TrialOutcome, str] = {
+    "wrong": "wrong key",
+    "no response": "time-out",
+    "too early": "anticipation",
+}
+_WORDS: dict[TrialOutcome, str] = {
     "wrong": "wrong answers",
     "no response": "without a response",
     "too early": "too early",
@@ -35,7 +39,7 @@ class Trial:
 
     rt: str
     """The cell with the reaction time."""
-    outcome: Outcome = "response"
+    outcome: TrialOutcome = "response"
     practice: bool = False
     waited_s: float | None = None
     """How long a trial without a response waited; None where the file does not say."""
@@ -213,8 +217,8 @@ def _nothing_left(plan: Plan, columns: Columns, left_out: Mapping[str, int]) -> 
         return f"{plan.table.path}: no row left to read: there is a header and nothing else"
     why = ", ".join(f"{n} {reason}" for reason, n in left_out.items())
     there = "; ".join(
-        f"{shown(name)} holds"
-        f" {', '.join(shown(value) for value, _ in plan.table.values(name).most_common(4))}"
+        f"{shown(name)} holds "
+        f"{', '.join(shown(value) for value, _ in plan.table.values(name).most_common(4))}"
         for name in columns.keep
     )
     return f"{plan.table.path}: no row left to read ({why})" + (f"; {there}" if there else "")
@@ -227,9 +231,9 @@ def _one_person(table: Table, columns: Columns, participant: str | None) -> tupl
         return ()
     return (
         (
-            f"no column {shown(columns.participant or '')}: all rows are taken as those of"
-            f" {shown(participant_of(table.path))}, from the file's name. Does {shown(likely[0])} tell them"
-            " apart? --column participant=NAME"
+            f"no column {shown(columns.participant or '')}: all rows are taken as those of "
+            f"{shown(participant_of(table.path))}, from the file's name. Does {shown(likely[0])} tell them "
+            "apart? --column participant=NAME"
         ),
     )
 

@@ -71,8 +71,8 @@ def _questions(table: Table, columns: Columns) -> tuple[str, list[str]]:
     names = [name for name in table.header if (found := _ENDING.match(name)) and found["kind"] == kind]
     if not names:
         raise ReadError(
-            f"{table.path}: no timing question has a column {shown(kind)}; --column rt= one of"
-            f" {', '.join(KINDS)}"
+            f"{table.path}: no timing question has a column {shown(kind)}; --column rt= one of "
+            f"{', '.join(KINDS)}"
         )
     return kind, names
 

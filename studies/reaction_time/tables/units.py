@@ -142,10 +142,10 @@ def check_magnitudes(path: Path, column: str, rows: Sequence[Row], factor: float
     fits = _units_of_reactions(median / factor)
     guess = f"they look like {fits[0]}: say unit={fits[0]!r}" if fits else "no unit makes reactions of them"
     raise ReadError(
-        f"{path}: column {shown(column)} read in {unit} has a median of {median:g} s for"
-        f" {shown(participant)}{f' and {len(strange) - 1} more' if len(strange) > 1 else ''}; human reactions"
-        f" have {low:g} to {high:g} s. The numbers are about {median / factor:g}; {guess}, or"
-        " trust_magnitudes if they are right."
+        f"{path}: column {shown(column)} read in {unit} has a median of {median:g} s for "
+        f"{shown(participant)}{f' and {len(strange) - 1} more' if len(strange) > 1 else ''}; human reactions "
+        f"have {low:g} to {high:g} s. The numbers are about {median / factor:g}; {guess}, or "
+        "trust_magnitudes if they are right."
     )
 
 

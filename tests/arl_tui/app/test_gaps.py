@@ -64,7 +64,7 @@ def test_a_gap_is_in_the_file_between_what_was_seen_before_and_after() -> None:
     bench.show(1, 1_450)  # left the program just before it was stopped, and was not noted any more
     bench.show(2, 4_005)  # and just after
     gap_of(bench, last_ms=1_400, now_ms=4_000)
-    bench.live.press("j", 4_010 * MS)
+    bench.live.key_pressed("j", 4_010 * MS)
     kinds = [event for event in bench.sink.events if isinstance(event, FrameShown | TimeGap | KeyPressed)]
     assert [type(event) for event in kinds] == [FrameShown, FrameShown, TimeGap, KeyPressed]
     assert kinds[2] == TimeGap(last_ns=1_450 * MS, time_ns=4_000 * MS)
@@ -77,7 +77,7 @@ def test_a_press_typed_while_the_program_stood_still_is_on_no_frame() -> None:
     bench.begin()
     bench.show(0, 1_000)
     gap_of(bench, last_ms=1_400, now_ms=4_000)
-    bench.live.press("j", 4_001 * MS)
+    bench.live.key_pressed("j", 4_001 * MS)
     assert [(press.frame, press.step) for press in bench.presses()] == [(-1, -1)]
 
 

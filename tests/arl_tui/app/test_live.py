@@ -71,15 +71,15 @@ def test_a_press_is_bound_to_the_frame_that_was_on_screen_when_the_key_was_read(
     bench.link.say(step_taken(0), step_taken(1))
     first = bench.show(0, 100)
     second = bench.show(1, 200)
-    bench.live.press("j", 199 * MS)
-    bench.live.press("f", 350 * MS)
+    bench.live.key_pressed("j", 199 * MS)
+    bench.live.key_pressed("f", 350 * MS)
     assert [(press.frame, press.step) for press in bench.presses()] == [(first, 0), (second, 1)]
 
 
 def test_a_press_before_the_first_frame_belongs_to_no_step() -> None:
     bench = Bench()
     bench.begin()
-    bench.live.press("j", 50 * MS)
+    bench.live.key_pressed("j", 50 * MS)
     assert [(press.frame, press.step) for press in bench.presses()] == [(-1, -1)]
 
 
@@ -89,7 +89,7 @@ def test_a_handler_that_runs_late_does_not_move_the_press_to_a_later_step() -> N
     bench.show(0, 100)
     bench.show(1, 200)
     bench.live.collect_frames()
-    bench.live.press("j", 150 * MS)
+    bench.live.key_pressed("j", 150 * MS)
     assert bench.presses()[0].step == 0
 
 
@@ -97,8 +97,8 @@ def test_inputs_are_sent_to_the_worker_as_they_are_recorded_and_in_the_same_orde
     bench = Bench()
     bench.begin()
     bench.show(0, 100)
-    bench.live.press("j", 150 * MS)
-    bench.live.press("u", 400 * MS)
+    bench.live.key_pressed("j", 150 * MS)
+    bench.live.key_pressed("u", 400 * MS)
     bench.clock.advance_to_ns(1_500 * MS)
     bench.live.cover("pause")
     bench.live.uncover()
@@ -118,10 +118,10 @@ def test_inputs_are_sent_to_the_worker_as_they_are_recorded_and_in_the_same_orde
 
 def test_nothing_is_recorded_before_the_start_and_after_the_end() -> None:
     bench = Bench()
-    bench.live.press("j", 10 * MS)
+    bench.live.key_pressed("j", 10 * MS)
     bench.begin()
     bench.link.say(session_ended())
-    bench.live.press("j", 20 * MS)
+    bench.live.key_pressed("j", 20 * MS)
     bench.live.cover("pause")
     bench.live.stop()
     assert bench.sink.events == [episode_started(), session_ended()]
@@ -133,10 +133,10 @@ def test_presses_under_a_cover_are_recorded_and_do_not_count() -> None:
     bench.begin()
     bench.show(0, 100)
     bench.live.cover("help")
-    bench.live.press("j", 1_200 * MS)
-    bench.live.press("h", 1_300 * MS)
+    bench.live.key_pressed("j", 1_200 * MS)
+    bench.live.key_pressed("h", 1_300 * MS)
     bench.live.uncover()
-    bench.live.press("j", 1_400 * MS)
+    bench.live.key_pressed("j", 1_400 * MS)
     assert [(press.verdict, press.step) for press in bench.presses()] == [
         ("covered", -1),
         ("other", -1),
@@ -190,7 +190,7 @@ def test_the_tally_counts_what_counts() -> None:
     bench.begin()
     bench.link.say(step_taken(0), step_taken(1))
     for number, key in enumerate("jfjuff"):
-        bench.live.press(key, (100 + 900 * number) * MS)
+        bench.live.key_pressed(key, (100 + 900 * number) * MS)
     bench.link.say(episode_ended(performance=4.0))
     tally = bench.live.tally
     # j f j, u takes the second j back, f is the third that counts, the next f is one too many.
@@ -207,7 +207,7 @@ def test_about_one_press_in_ten_is_asked_to_be_wrong_and_recorded_as_such() -> N
             bench.link.say(episode_started(step // 5))
         bench.link.say(step_taken(step))
         time_ms += 1_000
-        bench.live.press("j" if step % 2 else "f", time_ms * MS)
+        bench.live.key_pressed("j" if step % 2 else "f", time_ms * MS)
     asked = [event for event in bench.sink.events if isinstance(event, WrongPressAsked)]
     wrong = [press for press in bench.presses() if press.asked_wrong]
     # Binomial(2000, 0.1): mean 200, sd 13.4; four of them.
@@ -244,8 +244,8 @@ def test_a_press_is_confirmed_when_it_is_in_the_file_and_not_before() -> None:
     bench.link.say(step_taken(0))
     bench.show(0, 1_000)
     bench.sink.held_back = 100
-    bench.live.press("j", 1_100 * MS)
-    bench.live.press("f", 1_900 * MS)
+    bench.live.key_pressed("j", 1_100 * MS)
+    bench.live.key_pressed("f", 1_900 * MS)
     assert [event for event in bench.heard if isinstance(event, KeyPressed)] == []
     assert bench.live.presses_left == 5
     bench.clock.advance_ns(300 * MS)
@@ -264,7 +264,7 @@ def test_nothing_is_confirmed_once_the_disk_has_failed() -> None:
     bench = Bench()
     bench.begin()
     bench.sink.failure = OSError(28, "No space left on device")
-    bench.live.press("j", 1_100 * MS)
+    bench.live.key_pressed("j", 1_100 * MS)
     bench.live.confirm()
     assert [event for event in bench.heard if isinstance(event, KeyPressed)] == []
 
@@ -273,7 +273,7 @@ def test_a_press_of_a_game_that_is_over_does_not_change_the_presses_left_of_the_
     bench = Bench()
     bench.begin()
     bench.sink.held_back = 100
-    bench.live.press("j", 1_100 * MS)
+    bench.live.key_pressed("j", 1_100 * MS)
     bench.link.say(episode_ended(), episode_started(1))
     bench.sink.held_back = 0
     bench.live.confirm()
@@ -327,5 +327,5 @@ def play_a_game(bench: Bench, game: int) -> None:
         bench.link.say(step_taken(step))
         bench.show(step, 2000 * (step + 1))
         bench.live.collect_frames()
-        bench.live.press("jf"[step % 2], (2000 * (step + 1) + 900) * MS)
+        bench.live.key_pressed("jf"[step % 2], (2000 * (step + 1) + 900) * MS)
     bench.link.say(episode_ended())

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from arl_tui.app.taken import StepsShown
-from arl_tui.games.rendering import Place
 from arl_tui.games.tetris.renderer import TetrisRenderer
 from core.events import FrameShown, KeyPressed, ScreenCleared
 from core.feedback.assigner import CreditAssigner
@@ -58,7 +57,7 @@ def test_it_is_the_step_that_the_learner_credits_most(rule: Delay) -> None:
                 assigner.step_hidden(on_screen, time_ms * MS)
             on_screen = -1
         elif kind == 1 and number:
-            given = assigner.press(number, time_ms * MS, 1.0)
+            given = assigner.add_press(number, time_ms * MS, 1.0)
             taken = steps.taken_for(press(time_ms))
             if given.steps:
                 best = max(given.shares)
@@ -88,25 +87,27 @@ def test_blocks_are_where_the_piece_is_while_the_next_one_falls(seed: int) -> No
         allowed = np.flatnonzero(~game.choices(state).ruled_out)
         if len(allowed) == 0:
             break
-        detail = game.detail(state, int(rng.choice(allowed)))
+        detail = game.action_record(state, int(rng.choice(allowed))).plain()
         before = stage.picture
         taken = step_taken(
             step, piece=detail["piece"], orientation=detail["orientation"], column=detail["column"]
         )
-        shots = stage.act(taken)
+        ticks = stage.act(taken)
         if step:
             # type: ignore[union-attr]
-            codes = np.frombuffer(shots[0].view.codes(), np.uint8).reshape(8, 5)[::-1]
-            blocks = stage.place_of(step - 1).blocks
+            codes = np.frombuffer(ticks[0].view.codes(), np.uint8).reshape(8, 5)[::-1]
+            blocks = stage.place_of(step - 1)
             gone = 4 - len(blocks)
             assert all(codes[row, column] & 15 == last_piece + 1 for row, column in blocks)
             assert gone == 0 or before.counts.lines > 0
         last_piece = detail["piece"]
         state = game.transition(state, game_action(game, state, detail)).next_state
-    assert stage.place_of(10_000) == Place()
+    assert stage.place_of(10_000) == ()
 
 
 def game_action(game: Tetris, state, detail: dict[str, int]) -> int:
     return next(
-        action for action in range(len(game.choices(state).features)) if game.detail(state, action) == detail
+        action
+        for action in range(len(game.choices(state).features))
+        if game.action_record(state, action).plain() == detail
     )

@@ -45,7 +45,7 @@ class Room(Bench):
             case "press":
                 # The key was read a while ago, after the key before.
                 self.read_ns = max(self.read_ns, now_ns - ms // 2 * MS)
-                self.live.press(key, self.read_ns)
+                self.live.key_pressed(key, self.read_ns)
             case "show" | "again":
                 step = self.step if word == "show" else self.shown
                 self.stamps.append((self.live.painted(step), now_ns))

@@ -14,7 +14,10 @@ from arl_tui.calibration.plan import (
     unfinished,
 )
 from arl_tui.calibration.stimulus import COLUMNS, ROWS, drawing
+from arl_tui.games.registry import screens_called
 from arl_tui.recordings import all_recordings
+from core.plugins import GameError, plugins
+from studies.lab.folder import participant_folder
 from studies.reaction_time.schedule import make_schedule
 from studies.reaction_time.tasks import MAKERS
 from tests.arl_tui.calibrating import quick, setup
@@ -116,6 +119,29 @@ def test_only_the_newest_finished_session_of_each_person_counts_for_the_group(tm
     assert set(newest_complete(tmp_path, "simple")) == {newer, other}
 
 
+def test_in_a_study_the_group_is_all_participants_whose_folder_may_be_any_of_theirs(tmp_path: Path) -> None:
+    schedule = make_schedule(quick("simple"), 3)
+    folders = [participant_folder(tmp_path, code) for code in ("P01", "P02", "P03")]
+    for folder in folders:
+        folder.mkdir(parents=True)
+    files = [
+        write_session(folder, folder.name, schedule, [0.3, 0.3]) for folder in folders if folder.name != "P03"
+    ]
+    assert [set(newest_complete(folder, "simple")) for folder in folders] == [set(files)] * 3
+
+
 def test_trial_files_are_not_taken_for_recordings_of_sessions(tmp_path: Path) -> None:
     write_session(tmp_path, "P01", make_schedule(quick("simple"), 3), [0.3])
     assert list(all_recordings(tmp_path)) == []
+
+
+@pytest.mark.parametrize("plugin", list(plugins()), ids=lambda plugin: plugin.name)
+def test_a_calibration_is_of_the_sessions_own_game_or_refused(plugin) -> None:
+    (simple,) = configure(("simple",), game=plugin.name)
+    assert simple.game == "tetris"  # as ever: no game is watched in this task
+    if screens_called(plugin.name).judging_module:
+        (lag,) = configure(("feedback-lag",), game=plugin.name)
+        assert lag.game == plugin.name
+    else:
+        with pytest.raises(GameError, match=f"{plugin.title} has no feedback-lag task"):
+            configure(("feedback-lag",), game=plugin.name)

@@ -15,7 +15,7 @@ from arl_tui.calibration.trial_screen import TrialScreen
 from arl_tui.palette import palette_for
 from arl_tui.participants import read_delays
 from arl_tui.screens.covers import SmallWindowScreen
-from arl_tui.screens.page import Page
+from arl_tui.screens.page import PageScreen
 from studies.reaction_time.protocol import TrialPlan
 from studies.reaction_time.trial_log import TrialWriter
 from tests.arl_tui.calibrating import (
@@ -233,7 +233,7 @@ async def test_a_half_session_of_yesterday_is_asked_about(
     both = (quick("simple", n_trials=1), quick("choice", n_trials=3))
     app = quick_app(setup(tmp_path, *both, seed=99))
     async with app.run_test() as pilot:
-        await until(pilot, shows(pilot, pages.OldSittingPage))
+        await until(pilot, shows(pilot, pages.OldSessionPage))
         assert "hours ago" in await text_of(pilot)
         await pilot.press(key)
         await go_through(pilot, until_shown=pages.SummaryPage)
@@ -372,7 +372,9 @@ def test_a_stimulus_looks_as_it_did(
 
 
 @pytest.mark.parametrize("kind", [pages.WelcomePage, pages.InstructionPage, pages.HindrancePage])
-def test_pages_look_as_they_did(snap_compare: Callable[..., bool], tmp_path: Path, kind: type[Page]) -> None:
+def test_pages_look_as_they_did(
+    snap_compare: Callable[..., bool], tmp_path: Path, kind: type[PageScreen]
+) -> None:
     hindrances = ("a network connection (SSH)",) if kind is pages.HindrancePage else ()
     both = quick("simple"), quick("feedback-lag", catch_rate=0.1, n_practice=8)
     if kind is pages.InstructionPage:

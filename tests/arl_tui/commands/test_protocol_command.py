@@ -7,7 +7,7 @@ import msgspec
 import pytest
 from click.testing import CliRunner, Result
 
-from arl_tui.app.outcome import Outcome
+from arl_tui.app.outcome import SessionOutcome
 from arl_tui.app.tally import Tally
 from arl_tui.cli import main
 from arl_tui.commands import play
@@ -159,6 +159,20 @@ def test_the_start_tells_the_experimenter_much_and_not_the_condition(
         assert part in told
     assert "[trainer] mistake_rate has no effect here" in told
     assert "annealed" not in told
+    # What is left out or comes later is named, with where it is said.
+    words = " ".join(told.split())
+    assert "Weight not said where the participant may look; `arl protocol --check FILE` says it" in words
+    assert "Compiled the kernels of tetris" in words
+    assert "Reach said on the first screen" in words
+
+
+def test_the_start_tells_the_weight_where_the_participant_may_see_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    tables: dict[str, object] = {"agent": {"scheme": "annealed"}, "screen": {"show_weight": True}}
+    source = {"credit": "rule", "credit_rule": "previous", "credit_asked_by": "protocol"}
+    tell_start(protocol_from(tables, to_run=True), source, tmp_path, "P01")
+    assert "Weight    annealed" in capsys.readouterr().out
 
 
 def start(
@@ -170,10 +184,10 @@ def start(
     protocols: list[Protocol] = []
     sources: list[object] = []
 
-    def run_live(protocol: Protocol, *, source: object, **_: object) -> Outcome:
+    def run_live(protocol: Protocol, *, source: object, **_: object) -> SessionOutcome:
         protocols.append(protocol)
         sources.append(source)
-        return Outcome(None, Tally())
+        return SessionOutcome(None, Tally())
 
     monkeypatch.setattr(play, "need_terminal", lambda *_, **__: None)
     monkeypatch.setattr(play, "run_live", run_live)

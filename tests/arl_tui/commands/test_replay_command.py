@@ -120,6 +120,16 @@ def test_no_line_of_the_readmes_example_is_wider_than_a_terminal() -> None:
         ),
     ]
     assert max(map(len, table_of(rows))) <= 110
+    # A narrower one gets numbers for rows, and a list of what they stand for; no figure is left out.
+    narrow = list(table_of(rows, width=80))
+    assert max(map(len, narrow)) <= 80
+    assert narrow[:3] == [
+        "row  credit         scheme",
+        "1    gamma:2.5,0.3  linear",
+        "2    gamma:2.5,0.3  annealed:watched-game",
+    ]
+    wide = "\n".join(table_of(rows))
+    assert all(word in wide for line in narrow[3:] for word in line.split()[1:])
 
 
 def test_what_is_missing_or_worse_than_a_guess_is_said() -> None:

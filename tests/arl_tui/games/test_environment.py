@@ -18,12 +18,12 @@ def test_pictures_are_small_travel_as_data_and_follow_the_actions() -> None:
     (first,) = renderer.begin(episode_started(0))
     step = msgspec.structs.replace(step_taken(0), detail={"action": 2, "time": 0}, reward=-1.0)
     for _ in range(30):
-        (shot,) = renderer.act(step)
-    assert len(shot.view.pixels) == 3 * shot.view.width * shot.view.height
-    assert (shot.view.width, shot.view.steps, shot.view.reward) == (42, 30, -30.0)
-    assert shot.view.pixels != first.view.pixels
-    sent = msgspec.msgpack.encode(Picture(number=1, step=0, view=shot.view))
-    assert _from_worker.decode(sent).view == shot.view
+        (tick,) = renderer.act(step)
+    assert len(tick.view.pixels) == 3 * tick.view.width * tick.view.height
+    assert (tick.view.width, tick.view.steps, tick.view.reward) == (42, 30, -30.0)
+    assert tick.view.pixels != first.view.pixels
+    sent = msgspec.msgpack.encode(Picture(number=1, step=0, view=tick.view))
+    assert _from_worker.decode(sent).view == tick.view
 
 
 def test_a_picture_is_made_smaller_by_means_of_blocks() -> None:

@@ -7,7 +7,7 @@ import pytest
 from textual.pilot import Pilot
 
 from arl_tui.app.link import Preparing, Ready
-from arl_tui.app.outcome import Outcome
+from arl_tui.app.outcome import SessionOutcome
 from arl_tui.games.pace import ENOUGH, pace_facts, pace_warning
 from arl_tui.screens.play import PlayScreen
 from arl_tui.screens.welcome import AT_SCREEN_S, WelcomeScreen
@@ -33,8 +33,8 @@ def test_the_limit_is_that_of_the_model() -> None:
 @pytest.mark.parametrize("game", DEFAULTS)
 def test_at_the_default_pace_a_press_usually_reaches_its_step(game: str) -> None:
     found = reach.reach_of(DEFAULTS[game])
-    assert found.share >= ENOUGH
-    assert pace_warning(DEFAULTS[game], Ready(warm_up_ns=1, reach=found.share, step_s=found.step_s)) == ""
+    assert found.fraction >= ENOUGH
+    assert pace_warning(DEFAULTS[game], Ready(warm_up_ns=1, reach=found.fraction, step_s=found.step_s)) == ""
 
 
 def test_the_warning_says_the_figure_the_step_and_what_to_change() -> None:
@@ -77,6 +77,20 @@ async def test_a_pace_that_misses_is_said_before_the_start_and_kept_in_the_heade
     assert app.return_value is not None
     assert "49%" in app.return_value.warning
     assert recorded(tmp_path).header.source == pace_facts(LOW)
+
+
+@pytest.mark.parametrize("game", DEFAULTS)
+async def test_the_first_page_says_which_share_of_a_press_reaches_its_step(
+    game: str, link: FakeLink, tmp_path: Path
+) -> None:
+    app = app_for(DEFAULTS[game], link, tmp_path)
+    async with app.run_test(size=SIZE) as pilot:
+        link.say(HIGH)
+        await pilot.pause()
+        text = text_of(app)
+        assert "Enter" in text
+        assert "For the experimenter: about 92% of a press reaches its" in text
+        assert app.screen.query_one(".page").max_scroll_y == 0
 
 
 async def test_the_first_page_says_how_far_it_is(app: ArlApp, link: FakeLink) -> None:
@@ -128,7 +142,7 @@ def screen_text(app: ArlApp) -> str:
 
 
 async def play_two_games(
-    pilot: Pilot[Outcome], app: ArlApp, link: FakeLink, protocol: Protocol
+    pilot: Pilot[SessionOutcome], app: ArlApp, link: FakeLink, protocol: Protocol
 ) -> tuple[str, str]:
     """Return the screen in the second game, and at the end: the weight is 0.02, the trust 0.25."""
     worker = await begin(pilot, link, protocol, steps=1)

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from textual.app import App
 
-from arl_tui.app.outcome import Outcome
+from arl_tui.app.outcome import SessionOutcome
 from arl_tui.app.tally import Tally
 from arl_tui.games.keepaway.screens import WORDS as KEEPAWAY
 from arl_tui.games.tetris.screens import WORDS as TETRIS
@@ -33,7 +33,7 @@ class Closing(App[None]):
         trouble: str | None = None,
     ) -> None:
         super().__init__()
-        outcome = Outcome(recording=recording, tally=tally(practised), trouble=trouble)
+        outcome = SessionOutcome(recording=recording, tally=tally(practised), trouble=trouble)
         self.closing = ClosingScreen(outcome, words)
 
     def on_mount(self) -> None:

@@ -7,7 +7,7 @@ import pytest
 from textual.pilot import Pilot
 
 from arl_tui.app.link import TakenFor
-from arl_tui.app.outcome import Outcome
+from arl_tui.app.outcome import SessionOutcome
 from arl_tui.screens.covers import PauseScreen
 from arl_tui.screens.play import PlayScreen
 from arl_tui.session_app import ArlApp
@@ -31,17 +31,17 @@ def app(protocol: Protocol, link: FakeLink, tmp_path: Path, monkeypatch: pytest.
 
 
 def board_text(app: ArlApp) -> str:
-    board = app.play.scene.stage()
+    board = app.play.panel.game_widget()
     drawn = board.drawn_frame
     text = "\n".join(board.render_line(y).text for y in range(board.size.height))
     board.drawn_frame = drawn  # looking is no drawing
     return text
 
 
-async def wait_for_the_game(pilot: Pilot[Outcome], app: ArlApp) -> None:
+async def wait_for_the_game(pilot: Pilot[SessionOutcome], app: ArlApp) -> None:
     for _ in range(100):
         await pilot.pause(0.05)
-        if not app.play.scene.stage().covered:
+        if not app.play.panel.game_widget().covered:
             return
     raise AssertionError("the count-down does not end")
 
@@ -93,13 +93,13 @@ async def test_it_comes_again_after_a_pause_and_a_pause_during_it_begins_it_anew
         await pilot.press("p")
         await settle(pilot)
         assert isinstance(app.screen, PlayScreen)
-        assert app.play.scene.stage().covered
+        assert app.play.panel.game_widget().covered
         await wait_for_the_game(pilot, app)
         worker.step(0)
         await settle(pilot)
         await pilot.press("p", "p")
         await settle(pilot)
-        assert app.play.scene.stage().covered
+        assert app.play.panel.game_widget().covered
         await wait_for_the_game(pilot, app)
         link.say(episode_ended(), session_ended())
         await settle(pilot)
@@ -120,7 +120,7 @@ async def test_between_two_games_there_is_nothing_to_count_down_to(
         await settle(pilot)
         await pilot.press("p", "p")
         await settle(pilot)
-        assert not app.play.scene.stage().covered
+        assert not app.play.panel.game_widget().covered
         link.say(session_ended())
         await settle(pilot)
 
@@ -132,7 +132,7 @@ async def test_stopping_during_the_count_down_ends_it(
         await begin(pilot, link, protocol)
         await pilot.press("q", "y")
         await settle(pilot)
-        assert not app.play.scene.stage().covered
+        assert not app.play.panel.game_widget().covered
         link.say(session_ended("participant"))
         await settle(pilot)
     assert covers(tmp_path) == ["count-down", "resumed", "quit-dialogue", "resumed"]
@@ -145,7 +145,7 @@ async def test_without_seconds_the_game_begins_at_once(
     app = app_for(msgspec.structs.replace(protocol, screen=screen), link, tmp_path)
     async with app.run_test(size=SIZE) as pilot:
         await begin(pilot, link, protocol, steps=1)
-        assert not app.play.scene.stage().covered
+        assert not app.play.panel.game_widget().covered
         link.say(episode_ended(), session_ended())
         await settle(pilot)
     assert covers(tmp_path) == []
@@ -155,10 +155,10 @@ async def test_without_seconds_the_game_begins_at_once(
 def test_the_count_down_looks_as_it_did(
     snap_compare, app: ArlApp, link: FakeLink, protocol: Protocol, size
 ) -> None:
-    async def play(pilot: Pilot[Outcome]) -> None:
+    async def play(pilot: Pilot[SessionOutcome]) -> None:
         await begin(pilot, link, protocol)
         app.play._count_down.stop()
-        app.play.scene.stage().cover("\n".join(["Game 1", "", *big("3")]))
+        app.play.panel.game_widget().cover("\n".join(["Game 1", "", *big("3")]))
 
     assert snap_compare(app, terminal_size=size, run_before=play)
 
@@ -173,7 +173,7 @@ def playing(protocol: Protocol, link: FakeLink, tmp_path: Path) -> ArlApp:
 
 
 def taken_for(worker: Worker, step: int, *, press: int = 0, value: float = 1.0) -> TakenFor:
-    return TakenFor(press=press, value=value, step=step, blocks=worker.stage.place_of(step).blocks)
+    return TakenFor(press=press, value=value, step=step, place=worker.renderer.place_of(step))
 
 
 async def test_a_press_marks_the_landed_piece_and_is_no_frame(
@@ -244,7 +244,7 @@ async def test_a_press_for_nothing_says_so(playing: ArlApp, link: FakeLink, prot
 def test_a_marked_piece_looks_as_it_did(
     snap_compare, playing: ArlApp, link: FakeLink, protocol: Protocol, size
 ) -> None:
-    async def play(pilot: Pilot[Outcome]) -> None:
+    async def play(pilot: Pilot[SessionOutcome]) -> None:
         worker = await begin(pilot, link, protocol, steps=3)
         await pilot.press("j")
         link.say(taken_for(worker, 1))

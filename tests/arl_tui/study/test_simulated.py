@@ -1,8 +1,6 @@
 """Simulated participants of a study: they finish it by keys alone, and nobody takes their files for
 people's."""
 
-from pathlib import Path
-
 import pytest
 from click.testing import CliRunner
 
@@ -56,6 +54,12 @@ def home(tmp_path_factory):
     return folder
 
 
+def sessions(home):
+    """Recordings of sessions, in order of participants and steps."""
+    found = [path for path in home.rglob("SIM*.jsonl") if path.parent.name != "calibration"]
+    return sorted(found, key=lambda path: (path.parent, read_recording(path).header.study["step"]))
+
+
 def sittings(home):
     return [read_sitting(path) for path in sorted(home.rglob("sitting-1.jsonl"))]
 
@@ -67,14 +71,15 @@ def test_every_simulated_participant_finishes(home):
 def test_every_file_says_that_it_is_simulated(home):
     data = home / "studies" / "small-simulated"
     assert {header.simulated for header, _ in sittings(home)} == {True}
-    recordings = sorted(data.rglob("*-step-*.jsonl"))
+    recordings = sessions(home)
+    assert all(path.is_relative_to(data) for path in recordings)
     assert len(recordings) == 6
     assert {read_recording(path).header.origin for path in recordings} == {"simulated"}
     assert [path for path in (home / "studies").iterdir() if not path.name.endswith("-simulated")] == []
 
 
 def test_their_recordings_name_condition_and_place_and_replay_exactly(home):
-    for path in sorted(Path(home).rglob("*-step-*.jsonl")):
+    for path in sessions(home):
         recording = read_recording(path)
         study = recording.header.study
         assert (study["study"], study["kind"]) == ("small", "practice" if study["step"] == "1" else "block")
@@ -85,6 +90,25 @@ def test_their_recordings_name_condition_and_place_and_replay_exactly(home):
         )
 
 
+def test_each_block_of_a_condition_is_drawn_on_the_real_screens_once(home):
+    headers = [read_recording(path).header for path in sessions(home)]
+    drawn = [(header.study["step"], header.study["condition"]) for header in headers if header.terminal]
+    all_kinds = {(header.study["step"], header.study["condition"]) for header in headers}
+    assert sorted(drawn) == sorted(all_kinds)
+
+
+def test_the_check_says_what_the_sessions_of_every_condition_do(home):
+    arguments = ["study", "check", str(home / "study.toml")]
+    told = " ".join(CliRunner().invoke(main, arguments).output.split())
+    for condition, weight in (
+        ("linear", "linear: w_h by bootstrap learning"),
+        ("annealed", "annealed: w_r = 1"),
+    ):
+        sessions_of = told.partition(f"Sessions of condition {condition}:")[2]
+        for topic in ("Games", "Presses", f"Weight {weight}", "Credit each participant", "Compiled", "Reach"):
+            assert topic in sessions_of.partition("Sessions of condition")[0], topic
+
+
 def test_status_of_simulated_participants_is_shown_apart(home):
     arguments = ["study", "status", str(home / "study.toml"), "--recordings", str(home)]
     assert "Nobody has taken part yet" in CliRunner().invoke(main, arguments).output
@@ -92,7 +116,7 @@ def test_status_of_simulated_participants_is_shown_apart(home):
 
 
 def test_blocks_after_a_calibration_go_by_the_delay_that_it_measured(home):
-    blocks = [read_recording(path) for path in sorted(Path(home).rglob("*-step-*.jsonl"))]
+    blocks = [read_recording(path) for path in sessions(home)]
     blocks = [block for block in blocks if block.header.study["kind"] == "block"]
     assert len(blocks) == 4
     for block in blocks:

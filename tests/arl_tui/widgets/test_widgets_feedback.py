@@ -62,7 +62,7 @@ class Participant:
 
     def press(self, key: str, after_ns: int = SECOND) -> None:
         self.now_ns += after_ns
-        for record in self.gate.press(key, self.now_ns):
+        for record in self.gate.judge(key, self.now_ns):
             if isinstance(record, KeyPressed):
                 self.bar.show_press(record, self.gate.presses_left)
             else:
@@ -101,7 +101,7 @@ async def test_presses_left_are_counted_down_and_given_back():
         assert texts(bar)[5].strip() == "● ● ● ○ ○  3 of 5 presses left"
         participant.press("u")
         assert texts(bar)[5].strip() == "● ● ● ● ○  4 of 5 presses left"
-        bar.begin_episode(5)
+        bar.begin_game(5)
         assert texts(bar)[5].strip() == "● ● ● ● ●  5 of 5 presses left"
         assert bar.word == ""
 
@@ -208,7 +208,7 @@ async def test_a_simulated_press_is_called_one():
     async with app.run_test():
         gate = PressGate(KeyConfig())
         gate.episode_started()
-        for record in gate.press("f", SECOND, source="simulated"):
+        for record in gate.judge("f", SECOND, source="simulated"):
             assert isinstance(record, KeyPressed)
             bar.show_press(record, gate.presses_left)
         assert bar.note == "Counted by the simulated participant"

@@ -53,7 +53,7 @@ class CountingLearner:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class EpisodeOutcome:
     performance: float
     ended: Literal["termination", "truncation"] = "termination"
     time: int = 0
@@ -98,7 +98,7 @@ def teach(pupil: ArlAgent, *, first_press: int = 0) -> None:
         pupil.step_hidden(now_ns + 3 * NS_PER_S // 4)
 
 
-def play(pupil: ArlAgent, outcome: Outcome, *, exploring: bool = True) -> EpisodePolicy:
+def play(pupil: ArlAgent, outcome: EpisodeOutcome, *, exploring: bool = True) -> EpisodePolicy:
     policy = pupil.begin_episode(exploring=exploring, watched=True)
     pupil.learn_from_domain(policy, outcome)
     return policy
@@ -108,13 +108,13 @@ def test_the_agent_initially_assumes_the_absence_of_a_human() -> None:
     for scheme in (Linear(), Constant(), ControlSharing()):
         pupil = agent(scheme)
         policy = pupil.begin_episode(exploring=True, watched=True)
-        assert policy.weights == ENVIRONMENT_WEIGHTS
+        assert policy.episode_weights == ENVIRONMENT_WEIGHTS
         assert not policy.human_known
         decision = pupil.choose(choices((1, 2), (3, 1), (0, 4)), policy, step=0)
         # the values are the second feature: theta is 0, 1
         assert (decision.action, decision.environment_action) == (2, 2)
         assert (decision.human_action, decision.human_worst_action) == (-1, -1)
-        pupil.learn_from_domain(policy, Outcome(7.0))
+        pupil.learn_from_domain(policy, EpisodeOutcome(7.0))
         assert pupil.trust == 0.0
 
 
@@ -123,7 +123,7 @@ def test_presses_teach_preferences_and_the_constant_scheme_follows_them() -> Non
     teach(pupil)
     assert pupil.human.weights[0] > 0 > pupil.human.weights[1]
     policy = pupil.begin_episode(exploring=True, watched=True)
-    assert policy.weights == EpisodeWeights(LINEAR, 1.0, 9.0)
+    assert policy.episode_weights == EpisodeWeights(LINEAR, 1.0, 9.0)
     decision = pupil.choose(choices((1, 2), (3, 1), (0, 4)), policy, step=0)
     assert (decision.action, decision.environment_action) == (1, 2)
     assert (decision.human_action, decision.human_worst_action) == (1, 2)
@@ -143,7 +143,9 @@ def test_a_press_counts_from_the_next_decision_on() -> None:
 
 def test_the_human_alone_decides_where_that_is_asked_for() -> None:
     pupil = agent(HumanOnly())
-    assert pupil.begin_episode(exploring=True, watched=True).weights == EpisodeWeights(LINEAR, 0.0, 1.0)
+    assert pupil.begin_episode(exploring=True, watched=True).episode_weights == EpisodeWeights(
+        LINEAR, 0.0, 1.0
+    )
     teach(pupil)
     policy = pupil.begin_episode(exploring=True, watched=True)
     assert pupil.choose(choices((1, 2), (0, 9), (5, 5), (9, 0)), policy, step=0).action == 3
@@ -152,17 +154,19 @@ def test_the_human_alone_decides_where_that_is_asked_for() -> None:
 def test_trust_follows_the_agreement_of_an_episode() -> None:
     pupil = agent()
     teach(pupil)
-    play(pupil, Outcome(5.0, agreement=Agreement(20, 8, 1)))
+    play(pupil, EpisodeOutcome(5.0, agreement=Agreement(20, 8, 1)))
     assert pupil.trust == 0.4
-    assert pupil.begin_episode(exploring=True, watched=True).weights == EpisodeWeights(LINEAR, 1.0, 0.4)
+    assert pupil.begin_episode(exploring=True, watched=True).episode_weights == EpisodeWeights(
+        LINEAR, 1.0, 0.4
+    )
 
 
 def test_agreement_is_not_counted_before_there_is_a_human_policy() -> None:
     pupil = agent()
-    play(pupil, Outcome(5.0))
+    play(pupil, EpisodeOutcome(5.0))
     teach(pupil)
     assert pupil.trust == 0.0
-    play(pupil, Outcome(5.0, agreement=Agreement(20, 4, 0)))
+    play(pupil, EpisodeOutcome(5.0, agreement=Agreement(20, 4, 0)))
     assert pupil.trust == 0.2
     # The first press came in the middle of a watched episode: two decisions were compared, one agreed.
     other = agent()
@@ -180,7 +184,7 @@ def test_agreement_is_not_counted_before_there_is_a_human_policy() -> None:
         tally.add(other.choose(choices(*rows), policy, step=step))
     assert tally.agreement == Agreement(3, 1, 2)
     assert tally.with_each == (Agreement(3, 1, 2),)
-    other.learn_from_domain(policy, Outcome(5.0, agreement=tally.agreement, with_each=tally.with_each))
+    other.learn_from_domain(policy, EpisodeOutcome(5.0, agreement=tally.agreement, with_each=tally.with_each))
     assert other.bootstrap.ranked[0].agreement == Agreement(3, 1, 2)
     assert other.trust == 1 / 3
 
@@ -189,16 +193,16 @@ def test_exploring_episodes_play_the_learners_proposals_and_report_them() -> Non
     learner = CountingLearner()
     pupil = agent(learner=learner)
     for episode, performance in enumerate([3.0, 8.0, 5.0]):
-        assert play(pupil, Outcome(performance)).policy_id == episode
+        assert play(pupil, EpisodeOutcome(performance)).policy_id == episode
     assert learner.reported == [(0, 3.0), (1, 8.0), (2, 5.0)]
 
 
 def test_shown_episodes_play_a_top_policy_and_do_not_tell_the_learner() -> None:
     learner = CountingLearner()
     pupil = agent(learner=learner)
-    play(pupil, Outcome(0.0))
-    play(pupil, Outcome(8.0))
-    policy = play(pupil, Outcome(2.0, ended="truncation"), exploring=False)
+    play(pupil, EpisodeOutcome(0.0))
+    play(pupil, EpisodeOutcome(8.0))
+    policy = play(pupil, EpisodeOutcome(2.0, ended="truncation"), exploring=False)
     assert (policy.policy_id, policy.exploring) == (1, False)
     assert policy.theta.tolist() == [1.0, 1.0]
     assert len(learner.reported) == 2
@@ -208,7 +212,7 @@ def test_shown_episodes_play_a_top_policy_and_do_not_tell_the_learner() -> None:
 
 def test_without_any_ranked_policy_a_shown_episode_explores() -> None:
     learner = CountingLearner()
-    policy = play(agent(learner=learner), Outcome(2.0), exploring=False)
+    policy = play(agent(learner=learner), EpisodeOutcome(2.0), exploring=False)
     assert policy.exploring
     assert learner.reported == [(0, 2.0)]
 
@@ -217,7 +221,7 @@ def test_the_choice_of_a_policy_follows_from_seed_and_episode_alone() -> None:
     def drawn(root_seed: int, looked_at: bool) -> list[int]:
         pupil = agent(root_seed=root_seed)
         for _ in range(6):
-            play(pupil, Outcome(10.0))
+            play(pupil, EpisodeOutcome(10.0))
         if looked_at:
             pupil.next_policy(exploring=False)
         return [pupil.begin_episode(exploring=False, watched=True).policy_id for _ in range(20)]
@@ -256,11 +260,11 @@ def test_the_fingerprint_tells_what_was_learned_from_whom() -> None:
     digests.add(fresh.digest())
     teach(fresh)
     digests.add(fresh.digest())
-    play(fresh, Outcome(5.0, agreement=Agreement(10, 3, 0)))
+    play(fresh, EpisodeOutcome(5.0, agreement=Agreement(10, 3, 0)))
     digests.add(fresh.digest())
     other = agent()
     teach(other)
-    play(other, Outcome(5.0, agreement=Agreement(10, 4, 0)))
+    play(other, EpisodeOutcome(5.0, agreement=Agreement(10, 4, 0)))
     digests.add(other.digest())
     assert len(digests) == 4
     assert all(len(digest) == 64 for digest in digests)
@@ -304,8 +308,8 @@ def test_credit_is_reported_with_what_fell_outside() -> None:
 def test_all_weights_are_exported_by_name() -> None:
     pupil = agent()
     teach(pupil)
-    play(pupil, Outcome(5.0, agreement=Agreement(10, 5, 0)))
-    play(pupil, Outcome(9.0, agreement=Agreement(10, 5, 0)))
+    play(pupil, EpisodeOutcome(5.0, agreement=Agreement(10, 5, 0)))
+    play(pupil, EpisodeOutcome(9.0, agreement=Agreement(10, 5, 0)))
     exported = pupil.export()
     assert exported["policy-0"] == [1.0, 1.0]
     assert exported["policy-1"] == [0.0, 1.0]
@@ -317,7 +321,7 @@ def test_an_adversary_becomes_a_teacher_under_the_signed_rule() -> None:
     pupil = agent(bootstrap=BootstrapConfig(trust=Signed(minimum_episodes=2)))
     teach(pupil)
     for _ in range(3):
-        play(pupil, Outcome(5.0, agreement=Agreement(10, 0, 8)))
+        play(pupil, EpisodeOutcome(5.0, agreement=Agreement(10, 0, 8)))
     assert pupil.trust == pytest.approx(-1.6)
     policy = pupil.begin_episode(exploring=True, watched=True)
     # The environment is indifferent between the first two, the human model likes the first one: not that one.

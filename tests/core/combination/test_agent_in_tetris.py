@@ -84,7 +84,7 @@ def test_watched_and_unseen_episodes_are_decided_alike(scheme: Scheme) -> None:
             policy.human_weights,
             seed,
             RULES,
-            policy.weights,
+            policy.episode_weights,
             handover_seed=policy.handover_seed,
         )
         unseen.advance(60)

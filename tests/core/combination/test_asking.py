@@ -1,5 +1,7 @@
 """When the agent asks, what it asks, and what an answer says."""
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -11,7 +13,7 @@ from core.domain import Choices
 from core.feedback.config import CreditConfig
 from core.feedback.delays import CurrentStep
 from core.learners.human_config import RidgeModel
-from tests.core.combination.test_agent import CountingLearner, Outcome
+from tests.core.combination.test_agent import CountingLearner, EpisodeOutcome
 
 
 def decision(n: int = 6) -> Choices:
@@ -33,7 +35,7 @@ def test_disagreement_by_hand():
 
 def asked_at(rows, config=ASKING):
     asker = Asker(config)
-    asker.begin_episode()
+    asker.reset()
     return [asker.question(decision(), actions, THIRDS) for actions in rows]
 
 
@@ -52,7 +54,7 @@ def test_it_does_not_ask_before_it_knows_what_much_is():
 
 def test_the_options_are_those_with_most_votes():
     asker = Asker(AskingConfig(per_episode=1, options=2, share=0.5, minimum_decisions=1))
-    asker.begin_episode()
+    asker.reset()
     asker.question(decision(), AGREED, THIRDS)
     question = asker.question(decision(), [0, 2, 4], [0.2, 0.5, 0.3])
     assert question.options == (2, 4)
@@ -61,10 +63,10 @@ def test_the_options_are_those_with_most_votes():
 def test_the_budget_is_per_episode():
     asker = Asker(ASKING)
     rows = [AGREED] * 4 + [TORN] * 2
-    asker.begin_episode()
+    asker.reset()
     first = [asker.question(decision(), actions, THIRDS) for actions in rows]
     assert sum(question is not None for question in first) == 1
-    asker.begin_episode()
+    asker.reset()
     asked = [asker.question(decision(), actions, THIRDS) for actions in [AGREED] * 7 + [TORN]]
     assert sum(question is not None for question in asked) == 1
 
@@ -108,7 +110,9 @@ def test_an_agent_asks_its_top_policies_and_learns_from_the_answer(n_participant
         root_seed=1,
     )
     for _ in range(3):  # theta = (0, 1), (1, 1), (2, 1), equally good
-        who.learn_from_domain(who.begin_episode(exploring=True, watched=True), Outcome(performance=1.0))
+        who.learn_from_domain(
+            who.begin_episode(exploring=True, watched=True), EpisodeOutcome(performance=1.0)
+        )
     alike = Choices(np.array([[1.0, 1.0], [0.0, 0.0]]), np.eye(2), np.zeros(2, dtype=bool))
     split = Choices(np.array([[0.0, 1.0], [0.6, 0.0]]), np.eye(2), np.zeros(2, dtype=bool))
     who.begin_episode(exploring=False, watched=True)
@@ -127,7 +131,7 @@ def test_an_agent_asks_its_top_policies_and_learns_from_the_answer(n_participant
 
 def test_an_answer_outlives_a_press_that_is_taken_back():
     learner = HumanLearner(CreditConfig(delay=CurrentStep()), RidgeModel(), 2)
-    learner.learn_from_answer(samples_of(Question((0, 1), np.eye(2), 0.5), 0, number=0))
+    learner.learn_from_answer(Question((0, 1), np.eye(2), 0.5), 0)
     weights = learner.weights.tolist()
     learner.step_shown(0, np.array([0.0, 1.0]), 0)
     learner.learn_from_press(0, 1, 1.0)
@@ -140,3 +144,45 @@ def test_an_answer_outlives_a_press_that_is_taken_back():
 def test_the_papers_agent_does_not_ask():
     who = ArlAgent(CountingLearner(), AgentConfig(), n_feedback_features=2, root_seed=1)
     assert who.question(decision(2)) is None
+
+
+def asked_by_values(rows, config=ASKING):
+    asker = Asker(config)
+    asker.reset()
+    return [asker.question_by_values(decision(len(row)), np.array(row)) for row in rows]
+
+
+CLEAR, CLOSE = [3.0, 1.0, 0.0], [1.0, 3.0, 2.75]
+
+
+def test_a_learner_without_policies_asks_where_its_best_values_are_closest():
+    questions = asked_by_values([CLEAR] * 4 + [CLOSE])
+    assert [question is not None for question in questions] == [False] * 4 + [True]
+    assert questions[-1].options == (1, 2, 0)
+    assert questions[-1].disagreement == pytest.approx(1 / 1.25)
+
+
+def test_actions_that_are_ruled_out_are_no_options():
+    asker = Asker(ASKING)
+    asker.reset()
+    choices = Choices(np.zeros((3, 1)), np.zeros((3, 2)), np.array([False, True, False]))
+    for _ in range(4):
+        asker.question_by_values(choices, np.array([3.0, 9.0, 1.0]))
+    assert asker.question_by_values(choices, np.array([3.0, 9.0, 2.9])).options == (0, 2)
+
+
+def test_one_action_alone_is_no_question():
+    assert asked_by_values([[1.0]] * 9) == [None] * 9
+
+
+def test_equal_values_are_asked_about_as_rarely_as_the_rest():
+    config = AskingConfig(per_episode=9, share=0.25, memory=8, minimum_decisions=4)
+    asked = [question is not None for question in asked_by_values([[0.0, 0.0]] * 16, config)]
+    places = [n for n, was in enumerate(asked) if was]
+    assert places
+    assert all(later - earlier > 4 for earlier, later in itertools.pairwise(places))
+
+
+def test_keys_choose_options():
+    config = AskingConfig(keys=("a", "b", "c"), none_key="9")
+    assert [config.option_of(key, 2) for key in "abc9x"] == [0, 1, None, -1, None]

@@ -140,7 +140,8 @@ def test_chance_correction_by_a_given_level() -> None:
 
 def test_match_over_the_window_is_measured_with_the_human_policy_of_now() -> None:
     window = empty_window()
-    # The human likes the first feature. theta = (1, 0) agrees in both decisions, (0, 1) in the second only.
+    # The participant likes the first feature. theta = (1, 0) agrees in both decisions, (0, 1) in the second
+    # only.
     window.remember(choices((1, 0), (0, 1)))
     window.remember(choices((1, 1), (0, 0), (0.5, 0.5)))
     bootstrap = learning(Equation4(measured="window"), window=window)
@@ -169,7 +170,7 @@ def test_window_counts_best_and_worst_choices() -> None:
     assert len(window) == 2
     # theta = (0, 1): action 1 (human's worst of 1, 0), then action 2 (human's best of 0, 1, 2)
     assert window.compare(np.array([0.0, 1.0]), HUMAN) == Agreement(2, 1, 1)
-    window.remember(choices((0, 0), (5, 5)))  # pushes out the decision that went against the human
+    window.remember(choices((0, 0), (5, 5)))  # pushes out the decision that went against the participant
     assert window.compare(np.array([0.0, 1.0]), HUMAN) == Agreement(2, 2, 0)
 
 
@@ -186,8 +187,8 @@ def test_chance_agreement_of_random_policies_is_one_half_among_two_actions() -> 
     window = empty_window(capacity=400)
     for _ in range(400):
         window.remember(choices(*map(tuple, rng.normal(size=(2, 2)))))
-    # Each of the 20 random policies agrees with the human in (1 - angle/pi) of the decisions, angle uniform
-    # on [0, pi]: mean 1/2, sd 1/sqrt(12). The mean of 20 has standard error 0.065.
+    # Each of the 20 random policies agrees with the participant in (1 - angle/pi) of the decisions, angle
+    # uniform on [0, pi]: mean 1/2, sd 1/sqrt(12). The mean of 20 has standard error 0.065.
     assert window.chance(HUMAN, rng=stream(6, "chance")) == pytest.approx(0.5, abs=4 * 0.065)
 
 

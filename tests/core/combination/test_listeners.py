@@ -28,7 +28,7 @@ from core.session.protocol import SessionConfig
 from core.session.protocol_reading import protocol_from
 from core.session.replay import replay_exactly
 from core.session.session import build_session
-from tests.core.combination.test_agent import CountingLearner, Outcome
+from tests.core.combination.test_agent import CountingLearner, EpisodeOutcome
 from tests.core.sessions import TALKATIVE, simulated, small_protocol
 
 SETTINGS = {
@@ -68,7 +68,7 @@ def live(who: ArlAgent, episodes: int, decisions: int = 12):
             chosen.append(who.choose(decision(100 * episode + step), policy, step=step))
             tally.add(chosen[-1])
         press(who, episode, (1.0, -0.5), 1.0 if episode % 3 else -1.0)
-        outcome = Outcome(float(episode % 4), agreement=tally.agreement, with_each=tally.with_each)
+        outcome = EpisodeOutcome(float(episode % 4), agreement=tally.agreement, with_each=tally.with_each)
         who.learn_from_domain(policy, outcome)
     return chosen, who.trust_of_sources
 

@@ -45,7 +45,7 @@ def test_the_page_on_annealing_prints_the_weights_of_a_default_session():
         weights = []
         for game in (1, 2, 3, 4, 5, 10, 20, 50):
             so_far = EpisodesSoFar((game - 1) * (1 + between), game - 1)
-            weights.append(scheme.weights(0.0, next_episode(scheme, so_far).scheduled).w_h)
+            weights.append(scheme.episode_weights(0.0, next_episode(scheme, so_far).scheduled).w_h)
         assert f'| `per = "{per}"` | {" | ".join(f"{weight:.2g}" for weight in weights)} |' in page
 
 

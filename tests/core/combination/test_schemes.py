@@ -95,7 +95,7 @@ def test_a_negative_weight_turns_the_humans_order_round_in_every_form() -> None:
     assert choose(env, human, ruled_out, 3, LINEAR, 1.0, -9.0) == 2
     assert choose(env, human, ruled_out, 3, LINEAR_RAW, 1.0, -9.0) == 2
     assert choose(env, human, ruled_out, 3, LINEAR, 0.0, -1.0) == 2
-    # Shifted R = 0, 1, 3; 1 - h = 0, 1/10, 1: the human's worst action gets the whole factor 2.
+    # Shifted R = 0, 1, 3; 1 - h = 0, 1/10, 1: the participant's worst action gets the whole factor 2.
     assert choose(row(0, 1, 3), human, ruled_out, 3, EXPONENTIAL, 1.0, -2.0) == 2
 
 
@@ -181,35 +181,37 @@ def test_a_participant_on_another_scale_leads_to_the_same_action(
 
 def test_weights_of_every_scheme_by_hand() -> None:
     trust = 0.25
-    assert Linear().weights(trust, 7) == EpisodeWeights(LINEAR, 1.0, 0.25)
-    assert Linear(scale="raw").weights(trust, 7) == EpisodeWeights(LINEAR_RAW, 1.0, 0.25)
-    assert Exponential().weights(trust, 7) == EpisodeWeights(EXPONENTIAL, 1.0, 0.25)
+    assert Linear().episode_weights(trust, 7) == EpisodeWeights(LINEAR, 1.0, 0.25)
+    assert Linear(scale="raw").episode_weights(trust, 7) == EpisodeWeights(LINEAR_RAW, 1.0, 0.25)
+    assert Exponential().episode_weights(trust, 7) == EpisodeWeights(EXPONENTIAL, 1.0, 0.25)
     # 2 * 0.5^3 = 0.25
-    assert Annealed(beta_0=2.0, decay=0.5).weights(0.9, 3) == EpisodeWeights(LINEAR, 1.0, 0.25)
-    assert Constant(w_h=0.4).weights(trust, 7) == EpisodeWeights(LINEAR, 1.0, 0.4)
-    assert EnvironmentOnly().weights(trust, 7) == EpisodeWeights(LINEAR, 1.0, 0.0)
-    assert HumanOnly().weights(trust, 7) == EpisodeWeights(LINEAR, 0.0, 1.0)
+    assert Annealed(beta_0=2.0, decay=0.5).episode_weights(0.9, 3) == EpisodeWeights(LINEAR, 1.0, 0.25)
+    assert Constant(w_h=0.4).episode_weights(trust, 7) == EpisodeWeights(LINEAR, 1.0, 0.4)
+    assert EnvironmentOnly().episode_weights(trust, 7) == EpisodeWeights(LINEAR, 1.0, 0.0)
+    assert HumanOnly().episode_weights(trust, 7) == EpisodeWeights(LINEAR, 0.0, 1.0)
     # 10 * 0.5^2 = 2.5, on raw values
-    assert ActionBiasing(decay=0.5).weights(trust, 2) == EpisodeWeights(LINEAR_RAW, 1.0, 2.5)
+    assert ActionBiasing(decay=0.5).episode_weights(trust, 2) == EpisodeWeights(LINEAR_RAW, 1.0, 2.5)
     # 4 * 0.5^k = 4, 2, 1, 0.5: a probability is clipped at 1
-    shares = [ControlSharing(beta_0=4.0, decay=0.5).weights(trust, k).handover for k in range(4)]
+    shares = [ControlSharing(beta_0=4.0, decay=0.5).episode_weights(trust, k).handover for k in range(4)]
     assert shares == [1.0, 1.0, 1.0, 0.5]
-    assert ControlSharing().weights(trust, 0).w_h == 0.0
+    assert ControlSharing().episode_weights(trust, 0).w_h == 0.0
     # 4 * 0.5^3 = 0.5 in the reward, nothing in the choice
-    assert RewardShaping(beta_0=4.0, decay=0.5).weights(trust, 3) == EpisodeWeights(
+    assert RewardShaping(beta_0=4.0, decay=0.5).episode_weights(trust, 3) == EpisodeWeights(
         LINEAR, 1.0, 0.0, shaping=0.5
     )
-    assert QAugmentation(beta=2.0).weights(trust, 3) == EpisodeWeights(LINEAR_RAW, 1.0, 2.0, augmentation=2.0)
+    assert QAugmentation(beta=2.0).episode_weights(trust, 3) == EpisodeWeights(
+        LINEAR_RAW, 1.0, 2.0, augmentation=2.0
+    )
     # ln(0.8 / 0.2) = ln 4; temperature 0.5 doubles R
-    advice = Advise(consistency=0.8, temperature=0.5).weights(trust, 3)
+    advice = Advise(consistency=0.8, temperature=0.5).episode_weights(trust, 3)
     assert (advice.form, advice.w_r) == (ADVISE, 2.0)
     assert advice.w_h == pytest.approx(math.log(4.0))
-    assert Coach().weights(trust, 3) == ENVIRONMENT_WEIGHTS
+    assert Coach().episode_weights(trust, 3) == ENVIRONMENT_WEIGHTS
 
 
 def test_the_papers_baseline_halves_in_about_34_episodes() -> None:
     # 0.98^34 = exp(34 ln 0.98) = 0.503
-    assert Annealed().weights(0.0, 34).w_h == pytest.approx(0.503, abs=5e-4)
+    assert Annealed().episode_weights(0.0, 34).w_h == pytest.approx(0.503, abs=5e-4)
 
 
 def test_every_scheme_is_registered_under_its_tag_and_survives_a_recordings_header() -> None:
@@ -250,7 +252,7 @@ def test_wrong_episode_weights_are_refused() -> None:
     with pytest.raises(ValueError, match="shaping"):
         EpisodeWeights(LINEAR, 1.0, 0.0, shaping=math.inf)
     with pytest.raises(ValueError, match="episode"):
-        Annealed().weights(0.0, -1)
+        Annealed().episode_weights(0.0, -1)
 
 
 @pytest.mark.statistical

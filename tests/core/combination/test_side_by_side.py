@@ -1,4 +1,4 @@
-"""Learners side by side: whose turn it is, and whom the learner without the human makes one believe."""
+"""Learners side by side: whose turn it is, and whom the learner without the participant makes one believe."""
 
 import numpy as np
 import pytest
@@ -26,13 +26,13 @@ def report(episode, agreement, performance=5.0):
 
 
 def play(agreement, *, rule=RULE, episodes=1200, turns_at=0):
-    """Return the w_h of each episode where the three learners agree with the human as `agreement` says.
+    """Return the w_h of each episode where the three learners agree with the participant as `agreement` says.
 
     Args:
         agreement: attitude -> signed agreement of that learner's episodes, give or take 0.1 at random.
         rule: settings.
         episodes: how many.
-        turns_at: before this episode the learner without the human agrees by the opposite number.
+        turns_at: before this episode the learner without the participant agrees by the opposite number.
     """
     bootstrap, rng, used = learning(rule), stream(5, "agreement"), []
     for episode in range(episodes):
@@ -49,7 +49,7 @@ def shares(used):
     return [float((used == w_h).mean()) for w_h in (0.0, 1.0, -1.0)]
 
 
-# Over 900 episodes: 4 standard errors of a share of 1/3, of 0.2, of 0.75 and of 0.05.
+# Over 900 episodes: 4 standard errors of a fraction of 1/3, of 0.2, of 0.75 and of 0.05.
 THIRD, FIFTH, MOST, FEW = 0.063, 0.054, 0.058, 0.03
 
 

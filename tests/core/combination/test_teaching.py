@@ -143,7 +143,7 @@ def pair() -> Choices:
 
 
 def begin(side: Coached, episode: int) -> None:
-    side.begin_episode(EpisodeStart(episode, draw=None, rng=stream(1, "none")))
+    side.start_policy(EpisodeStart(episode, draw=None, rng=stream(1, "none")))
 
 
 def coached(**settings) -> tuple[Coached, PolicyGradientLearner]:
@@ -176,10 +176,10 @@ def test_a_press_moves_the_policy_toward_what_was_done():
     side, learner = coached(step_size=0.1, trace_decay=0.5)
     decide(side, 0)  # score (1, 0) - (0.5, 0.5) = (0.5, -0.5)
     decide(side, 1, step=1)  # trace 0.5 (0.5, -0.5) + (-0.5, 0.5) = (-0.25, 0.25)
-    side.press(credit((0, 0.8), (1, 0.2)), 1.0)
+    side.learn_from_credit(credit((0, 0.8), (1, 0.2)), 1.0)
     # 0.1 * (0.8 * (0.5, -0.5) + 0.2 * (-0.25, 0.25)) = (0.035, -0.035)
     np.testing.assert_allclose(learner.gradient.weights, [0.035, -0.035], rtol=1e-12)
-    side.press(credit((0, 1.0)), -1.0)  # -0.1 * (0.5, -0.5)
+    side.learn_from_credit(credit((0, 1.0)), -1.0)  # -0.1 * (0.5, -0.5)
     np.testing.assert_allclose(learner.gradient.weights, [-0.015, 0.015], rtol=1e-12)
 
 
@@ -190,24 +190,24 @@ def test_steps_have_the_numbers_of_the_session_and_traces_end_with_the_episode()
     begin(side, 1)
     # A trace of its own: (-0.5, 0.5). Steps 1 to 6 were those of a policy that did not learn.
     decide(side, 1, step=7)
-    side.press(credit((1, 1.0)), 1.0)
+    side.learn_from_credit(credit((1, 1.0)), 1.0)
     assert not learner.gradient.weights.any()
-    side.press(credit((7, 1.0)), 1.0)
+    side.learn_from_credit(credit((7, 1.0)), 1.0)
     np.testing.assert_allclose(learner.gradient.weights, [-0.05, 0.05], rtol=1e-12)
 
 
 def test_a_step_that_nobody_watches_cannot_be_praised():
     side, learner = coached()
     decide(side, 0, step=-1)
-    side.press(credit((-1, 1.0)), 1.0)
-    side.press(credit((0, 1.0)), 1.0)
+    side.learn_from_credit(credit((-1, 1.0)), 1.0)
+    side.learn_from_credit(credit((0, 1.0)), 1.0)
     assert not learner.gradient.weights.any()
 
 
 def test_a_press_on_a_step_nobody_remembers_changes_nothing():
     side, learner = coached()
     decide(side, 0)
-    side.press(credit((7, 1.0)), 1.0)
+    side.learn_from_credit(credit((7, 1.0)), 1.0)
     assert not learner.gradient.weights.any()
 
 

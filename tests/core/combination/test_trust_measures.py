@@ -11,6 +11,8 @@ from core.combination.trust.measures import (
     human_weight,
     next_human_weight,
     pulls,
+    rank_human_weight,
+    rank_test,
     selection_probabilities,
     signed_human_weight,
 )
@@ -175,6 +177,34 @@ def test_negative_performances_count_by_how_far_they_lie_above_the_lowest() -> N
     assert human_weight([-7.0, -7.0], [0.2, 0.6]) == pytest.approx(0.4)
     assert selection_probabilities([-100.0, -40.0, -80.0], [0.0] * 3) == [0.0, 0.75, 0.25]
     assert selection_probabilities([-5.0, -5.0], [0.0, 1.0]) == [pytest.approx(1 / 3), pytest.approx(2 / 3)]
+
+
+@given(
+    st.lists(
+        st.tuples(st.integers(-1000, -1), st.sampled_from([-1.0, -0.5, 0.25, 1.0])), min_size=3, max_size=9
+    )
+)
+def test_rules_do_not_care_where_the_zero_of_negative_performances_lies(pairs) -> None:
+    # All of them lower by 500 points: the differences are what they were, in whole numbers.
+    match = [m for _, m in pairs]
+    here, there = [float(pm) for pm, _ in pairs], [float(pm - 500) for pm, _ in pairs]
+    assert human_weight(here, match) == human_weight(there, match)
+    assert selection_probabilities(here, match) == selection_probabilities(there, match)
+    fixed = {"gain": 2.0, "standard_errors": 1.0}
+    assert signed_human_weight(here, match, **fixed) == signed_human_weight(there, match, **fixed)
+    for signed in (True, False):
+        assert rank_human_weight(here, match, **fixed, signed=signed) == rank_human_weight(
+            there, match, **fixed, signed=signed
+        )
+    assert rank_test(here[:1], here[1:]) == rank_test(there[:1], there[1:])
+
+
+def test_of_negative_performances_the_better_episodes_decide_about_a_signed_weight() -> None:
+    # Praised episodes took 100 steps, blamed ones 200: the participant is right.
+    performance, agreement = [-100.0, -200.0] * 20, [0.5, -0.5] * 20
+    w = signed_human_weight(performance, agreement, gain=1.0, standard_errors=0.0)
+    # Those of -200 are the lowest and count nothing.
+    assert w == pytest.approx(0.5)
 
 
 def test_equation_5_takes_the_plain_mean_where_a_performance_is_negative() -> None:

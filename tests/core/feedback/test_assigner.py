@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from core.feedback.assigner import CreditAssigner, CreditConfig, Sample
+from core.feedback.assigner import CreditAssigner, CreditConfig, FeedbackSample
 from core.feedback.credit import CurrentStep, GammaDelay, PreviousStep, UniformDelay
 from core.numerics.clock import NS_PER_S
 
@@ -22,7 +22,9 @@ def ns(time_s: float) -> int:
     return round(time_s * NS_PER_S)
 
 
-def told(samples: "list[Sample] | tuple[Sample, ...]") -> list[tuple[int, float, float, tuple[int, ...]]]:
+def told(
+    samples: "list[FeedbackSample] | tuple[FeedbackSample, ...]",
+) -> list[tuple[int, float, float, tuple[int, ...]]]:
     return [(sample.step, sample.label, sample.weight, sample.presses) for sample in samples]
 
 
@@ -37,7 +39,7 @@ def session(config: CreditConfig, *, steps: int = 4, step_s: float = 1.0) -> Cre
 def test_individual_scheme_gives_one_sample_per_press_and_step_with_the_share_as_weight() -> None:
     assigner = session(CreditConfig(delay=UniformDelay(0.2, 0.8)))
     # Press at 3.4: window [2.6, 3.2]; step 2 has 0.4/0.6, step 3 0.2/0.6.
-    given = assigner.press(0, ns(3.4), -1.0)
+    given = assigner.add_press(0, ns(3.4), -1.0)
     assert given.steps == (2, 3)
     assert given.shares == pytest.approx((2 / 3, 1 / 3))
     [(step_a, label_a, weight_a, by_a), (step_b, label_b, weight_b, by_b)] = told(list(assigner.samples))
@@ -49,8 +51,8 @@ def test_individual_scheme_gives_one_sample_per_press_and_step_with_the_share_as
 
 def test_aggregate_scheme_gives_one_sample_per_step_with_the_summed_label() -> None:
     assigner = session(CreditConfig(delay=UniformDelay(0.2, 0.8), scheme="aggregate"))
-    assigner.press(0, ns(3.4), -1.0)  # 2/3 to step 2, 1/3 to step 3
-    assigner.press(1, ns(3.6), 1.0)  # window [2.8, 3.4]: 1/3 to step 2, 2/3 to step 3
+    assigner.add_press(0, ns(3.4), -1.0)  # 2/3 to step 2, 1/3 to step 3
+    assigner.add_press(1, ns(3.6), 1.0)  # window [2.8, 3.4]: 1/3 to step 2, 2/3 to step 3
     assert not assigner.samples
     assigner.finish(ns(4))
     # step 2: -2/3 + 1/3, step 3: -1/3 + 2/3; steps 0 and 1 stay silent
@@ -64,14 +66,14 @@ def test_aggregate_scheme_gives_one_sample_per_step_with_the_summed_label() -> N
 def test_ten_presses_add_up_in_the_aggregate_scheme() -> None:
     assigner = session(CreditConfig(scheme="aggregate"))
     for press in range(10):
-        assigner.press(press, ns(3.1) + press, 1.0)
+        assigner.add_press(press, ns(3.1) + press, 1.0)
     assigner.finish(ns(4))
     assert [(sample.step, sample.label) for sample in assigner.samples] == [(2, 10.0)]
 
 
 def test_silence_is_a_zero_label_where_that_is_asked_for() -> None:
     assigner = session(CreditConfig(scheme="aggregate", silence="zero-label"))
-    assigner.press(0, ns(2.5), 1.0)  # previous step: 1
+    assigner.add_press(0, ns(2.5), 1.0)  # previous step: 1
     assigner.finish(ns(9))
     assert told(list(assigner.samples)) == [
         (0, 0.0, 1.0, ()),
@@ -106,19 +108,19 @@ def test_a_press_between_episodes_goes_back_to_the_step_that_was_on_screen() -> 
     for delay in (UniformDelay(), PreviousStep()):
         assigner = session(CreditConfig(delay=delay))
         assigner.step_hidden(3, ns(4))
-        given = assigner.press(0, ns(4.3), 1.0)
+        given = assigner.add_press(0, ns(4.3), 1.0)
         assert given.steps == (3,)
     # Uniform: window [3.5, 4.1], of which [4.0, 4.1] showed nothing.
     assigner = session(CreditConfig(delay=UniformDelay()))
     assigner.step_hidden(3, ns(4))
-    assert assigner.press(0, ns(4.3), 1.0).in_gaps == pytest.approx(0.1 / 0.6)
+    assert assigner.add_press(0, ns(4.3), 1.0).in_gaps == pytest.approx(0.1 / 0.6)
 
 
 def test_a_covered_step_gets_nothing_for_the_time_it_was_covered() -> None:
     assigner = session(CreditConfig(delay=UniformDelay(0.0, 1.0)))
     assigner.step_hidden(3, ns(3.5))
     assigner.step_shown(3, ns(3.7), features(3))
-    given = assigner.press(0, ns(4), 1.0)
+    given = assigner.add_press(0, ns(4), 1.0)
     assert given.steps == (3,)
     assert given.shares == pytest.approx((0.8,))
     assert given.in_gaps == pytest.approx(0.2)
@@ -127,9 +129,9 @@ def test_a_covered_step_gets_nothing_for_the_time_it_was_covered() -> None:
 
 def test_the_account_holds_every_press() -> None:
     assigner = session(CreditConfig(delay=UniformDelay()))
-    assigner.press(0, ns(0.5), 1.0)  # window [-0.3, 0.3]: half before the first step
+    assigner.add_press(0, ns(0.5), 1.0)  # window [-0.3, 0.3]: half before the first step
     assigner.step_hidden(3, ns(4))
-    assigner.press(1, ns(4.5), 1.0)  # window [3.7, 4.3]: half after the last step
+    assigner.add_press(1, ns(4.5), 1.0)  # window [3.7, 4.3]: half after the last step
     account = assigner.account
     assert account.presses == 2
     assert account.before_first == pytest.approx(0.5)
@@ -141,7 +143,7 @@ def test_a_press_reported_far_too_late_is_accounted_for_and_changes_no_sample_gi
     assigner = session(CreditConfig(scheme="aggregate", silence="zero-label"))
     assigner.step_shown(4, ns(9), features(4))
     assert [sample.step for sample in assigner.samples] == [0, 1]
-    late = assigner.press(0, ns(2.5), 1.0)  # speaks of step 1
+    late = assigner.add_press(0, ns(2.5), 1.0)  # speaks of step 1
     assert late.too_late == 1.0
     assert assigner.account.too_late == 1.0
     assert [sample.label for sample in assigner.samples] == [0.0, 0.0]
@@ -149,11 +151,11 @@ def test_a_press_reported_far_too_late_is_accounted_for_and_changes_no_sample_gi
 
 def test_a_burst_counts_as_its_first_press() -> None:
     assigner = session(CreditConfig(merge_within_s=0.3))
-    assert assigner.press(0, ns(3.0), 1.0).merged_into is None
-    assert assigner.press(1, ns(3.2), 1.0).merged_into == 0
-    assert assigner.press(2, ns(3.45), 1.0).merged_into == 0  # 0.25 s after the press before
-    assert assigner.press(3, ns(3.5), -1.0).merged_into is None  # another value
-    assert assigner.press(4, ns(3.6), 1.0).merged_into is None  # the press before said something else
+    assert assigner.add_press(0, ns(3.0), 1.0).merged_into is None
+    assert assigner.add_press(1, ns(3.2), 1.0).merged_into == 0
+    assert assigner.add_press(2, ns(3.45), 1.0).merged_into == 0  # 0.25 s after the press before
+    assert assigner.add_press(3, ns(3.5), -1.0).merged_into is None  # another value
+    assert assigner.add_press(4, ns(3.6), 1.0).merged_into is None  # the press before said something else
     assert [sample.presses for sample in assigner.samples] == [(0,), (3,), (4,)]
     assert (assigner.account.presses, assigner.account.merged) == (3, 2)
 
@@ -161,24 +163,24 @@ def test_a_burst_counts_as_its_first_press() -> None:
 def test_every_press_counts_by_default() -> None:
     assigner = session(CreditConfig())
     for press in range(3):
-        assigner.press(press, ns(3.0) + press, 1.0)
+        assigner.add_press(press, ns(3.0) + press, 1.0)
     assert len(assigner.samples) == 3
 
 
 def test_retracting_the_first_press_of_a_burst_makes_the_second_one_count() -> None:
     assigner = session(CreditConfig(merge_within_s=0.3))
-    assigner.press(0, ns(3.0), 1.0)
-    assigner.press(1, ns(3.2), 1.0)
+    assigner.add_press(0, ns(3.0), 1.0)
+    assigner.add_press(1, ns(3.2), 1.0)
     assigner.retract(0)
     assert [sample.presses for sample in assigner.samples] == [(1,)]
 
 
 def test_take_gives_each_sample_once() -> None:
     assigner = session(CreditConfig())
-    assigner.press(0, ns(3.1), 1.0)
+    assigner.add_press(0, ns(3.1), 1.0)
     assert [sample.presses for sample in assigner.take()] == [(0,)]
     assert not assigner.take()
-    assigner.press(1, ns(3.2), 1.0)
+    assigner.add_press(1, ns(3.2), 1.0)
     assert [sample.presses for sample in assigner.take()] == [(1,)]
     assigner.retract(0)
     assert not assigner.take()
@@ -215,7 +217,7 @@ def sessions(draw: st.DrawFn) -> list[tuple[int | None, Event]]:
             events.append((None, lambda a, s=step, t=now: a.step_hidden(s, t)))
         elif kind == "p":
             value = draw(st.sampled_from([1.0, -1.0]))
-            events.append((press, lambda a, p=press, t=now, v=value: a.press(p, t, v)))
+            events.append((press, lambda a, p=press, t=now, v=value: a.add_press(p, t, v)))
             press += 1
     if draw(st.booleans()):
         events.append((None, lambda a, t=now + 1: a.finish(t)))
@@ -276,7 +278,7 @@ def test_reports_of_the_screen_may_cross_by_a_little() -> None:
     assigner = session(CreditConfig(delay=UniformDelay()))
     assigner.step_hidden(3, ns(4))
     assigner.step_shown(4, ns(3.9), features(4))  # known to be hidden until 4.0: shown from there on
-    given = assigner.press(0, ns(4.5), 1.0)  # window [3.7, 4.3]
+    given = assigner.add_press(0, ns(4.5), 1.0)  # window [3.7, 4.3]
     assert given.shares == pytest.approx((0.5, 0.5))
     assert given.in_gaps == pytest.approx(0.0, abs=1e-12)
 
@@ -304,15 +306,15 @@ def test_what_cannot_be_is_refused_with_the_reason() -> None:
     with pytest.raises(ValueError, match="must not go back"):
         assigner.step_hidden(3, ns(2))
     with pytest.raises(ValueError, match="got nan"):
-        assigner.press(0, ns(3), float("nan"))
-    assigner.press(1, ns(3), 1.0)
+        assigner.add_press(0, ns(3), float("nan"))
+    assigner.add_press(1, ns(3), 1.0)
     with pytest.raises(ValueError, match="given already"):
-        assigner.press(1, ns(3), 1.0)
+        assigner.add_press(1, ns(3), 1.0)
     with pytest.raises(ValueError, match="cannot be retracted"):
         assigner.retract(7)
     assigner.finish(ns(5))
     with pytest.raises(ValueError, match="was finished"):
-        assigner.press(2, ns(6), 1.0)
+        assigner.add_press(2, ns(6), 1.0)
 
 
 def test_a_long_session_keeps_only_the_features_that_a_press_may_still_need():
@@ -320,7 +322,7 @@ def test_a_long_session_keeps_only_the_features_that_a_press_may_still_need():
     for step in range(2000):
         assigner.step_shown(step, step * NS_PER_S, np.full(3, float(step)))
         if step in (500, 501):
-            assigner.press(step, step * NS_PER_S + 600_000_000, 1.0)
+            assigner.add_press(step, step * NS_PER_S + 600_000_000, 1.0)
     kept = set(assigner._features)
     assert {499, 500, 501} & kept
     assert len(kept) < 100
@@ -328,7 +330,7 @@ def test_a_long_session_keeps_only_the_features_that_a_press_may_still_need():
     assert before
     assigner.retract(501)
     assert [sample.features.tolist() for sample in assigner.samples] == before[: len(assigner.samples)]
-    assigner.press(2000, 1999 * NS_PER_S + 600_000_000, -1.0)
+    assigner.add_press(2000, 1999 * NS_PER_S + 600_000_000, -1.0)
     assert assigner.samples[-1].features[0] >= 1998.0
 
 
@@ -337,4 +339,4 @@ def test_a_press_for_a_step_of_long_ago_is_refused_with_the_reason():
     for step in range(300):
         assigner.step_shown(step, step * NS_PER_S, np.zeros(3))
     with pytest.raises(ValueError, match="left the screen more than 60 s ago"):
-        assigner.press(1, 50 * NS_PER_S + 600_000_000, 1.0)
+        assigner.add_press(1, 50 * NS_PER_S + 600_000_000, 1.0)

@@ -41,7 +41,7 @@ def test_a_press_after_a_gap_says_nothing_of_steps_before_it(delay: Delay, schem
     # The program stands still at 2.5 s: a clock that sleeps with the machine moves on by 10 ms only.
     assigner.interrupted(round(2.5 * NS_PER_S))
     shown(assigner, 2, 2.51)
-    given = assigner.press(0, round(2.6 * NS_PER_S), 1.0)
+    given = assigner.add_press(0, round(2.6 * NS_PER_S), 1.0)
     assert set(given.steps) <= {2}
     assert sum(given.shares) + given.before_first + given.in_gaps + given.too_late == pytest.approx(1.0)
     if isinstance(delay, CurrentStep):
@@ -58,7 +58,7 @@ def test_by_hand_what_would_have_fallen_before_the_gap_falls_into_it() -> None:
     shown(assigner, 0, 0.0)
     assigner.interrupted(round(0.5 * NS_PER_S))
     shown(assigner, 1, 0.6)
-    given = assigner.press(0, NS_PER_S, 1.0)
+    given = assigner.add_press(0, NS_PER_S, 1.0)
     # One second back: 0.5 on step 0 before the gap, 0.1 in it, 0.4 on step 1.
     assert (given.steps, given.before_first) == ((1,), 0.0)
     assert given.shares == pytest.approx([0.4])
@@ -69,16 +69,16 @@ def test_a_press_of_before_the_gap_that_comes_late_is_credited_as_ever() -> None
     assigner = CreditAssigner(CreditConfig(delay=CurrentStep()))
     shown(assigner, 0, 0.0)
     assigner.interrupted(NS_PER_S)
-    assert assigner.press(0, NS_PER_S // 2, 1.0).steps == (0,)
+    assert assigner.add_press(0, NS_PER_S // 2, 1.0).steps == (0,)
 
 
 def test_a_burst_does_not_go_on_behind_a_gap() -> None:
     assigner = CreditAssigner(CreditConfig(delay=CurrentStep(), merge_within_s=1.0))
     shown(assigner, 0, 0.0)
-    assigner.press(0, round(0.4 * NS_PER_S), 1.0)
+    assigner.add_press(0, round(0.4 * NS_PER_S), 1.0)
     assigner.interrupted(round(0.5 * NS_PER_S))
     shown(assigner, 0, 0.6)
-    assert assigner.press(1, round(0.7 * NS_PER_S), 1.0).merged_into is None
+    assert assigner.add_press(1, round(0.7 * NS_PER_S), 1.0).merged_into is None
 
 
 @given(
@@ -97,7 +97,7 @@ def test_whenever_the_gap_comes_all_mass_is_accounted_for(
     assigner.interrupted(gap_ms * 10**6)
     back_s = (gap_ms + away_ms + 1) / 1000
     shown(assigner, 4, back_s)
-    given = assigner.press(0, round((back_s + press_ms / 1000) * NS_PER_S), 1.0)
+    given = assigner.add_press(0, round((back_s + press_ms / 1000) * NS_PER_S), 1.0)
     assert not set(given.steps) & set(before)
     assert sum(given.shares) + given.before_first + given.in_gaps == pytest.approx(1.0)
 

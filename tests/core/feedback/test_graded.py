@@ -46,7 +46,7 @@ def test_five_keys_say_minus_2_to_2_from_left_to_right():
 def test_a_press_of_0_counts():
     gate = PressGate(GRADED)
     gate.episode_started()
-    (record,) = gate.press("g", 0)
+    (record,) = gate.judge("g", 0)
     assert (record.value, record.verdict, gate.presses_left) == (0.0, "accepted", 4)
 
 
@@ -61,6 +61,15 @@ def test_any_other_keys_are_refused(graded):
 def test_good_and_bad_have_no_effect_beside_grades():
     with pytest.raises(ConfigurationError, match="good"):
         protocol_from({"keys": {"graded": list("dfghj"), "good": "k"}}, to_run=True)
+
+
+def test_a_grade_is_no_answer_to_a_question():
+    asking = {"per_episode": 1, "keys": ["1", "2", "g"]}
+    with pytest.raises(ConfigurationError, match=r"is one of keys\.graded"):
+        protocol_from({"keys": {"graded": list("dfghj")}, "agent": {"asking": asking}}, to_run=True)
+    asking["keys"] = ["1", "2", "f"]
+    with pytest.raises(ConfigurationError, match=r"is keys\.bad"):
+        protocol_from({"agent": {"asking": asking}}, to_run=True)
 
 
 def assigner(delay, **changes) -> CreditAssigner:

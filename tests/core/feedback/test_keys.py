@@ -21,14 +21,14 @@ def verdicts(gate: PressGate, *presses: tuple[str, int]) -> list[str]:
     return [
         record.verdict if isinstance(record, KeyPressed) else f"retracted {record.press}: {record.reason}"
         for key, time_ms in presses
-        for record in gate.press(key, time_ms * NS_PER_MS)
+        for record in gate.judge(key, time_ms * NS_PER_MS)
     ]
 
 
 def test_a_good_and_a_bad_key_count_with_their_value_and_the_frame_on_screen():
     gate = playing()
-    [good] = gate.press("j", NS_PER_S)
-    [bad] = gate.press("f", 2 * NS_PER_S)
+    [good] = gate.judge("j", NS_PER_S)
+    [bad] = gate.judge("f", 2 * NS_PER_S)
     assert (good.value, bad.value) == (1.0, -1.0)
     assert (good.verdict, good.frame, good.step, good.time_ns) == ("accepted", 3, 2, NS_PER_S)
 
@@ -88,9 +88,9 @@ def test_two_deliberate_presses_are_not_taken_for_a_held_key():
 def test_a_press_that_was_asked_for_wrongly_says_so_once():
     gate = playing()
     gate.wrong_asked = True
-    [other] = gate.press("x", 0)
-    [wrong] = gate.press("f", NS_PER_S)
-    [next_press] = gate.press("j", 2 * NS_PER_S)
+    [other] = gate.judge("x", 0)
+    [wrong] = gate.judge("f", NS_PER_S)
+    [next_press] = gate.judge("j", 2 * NS_PER_S)
     assert (other.asked_wrong, wrong.asked_wrong, next_press.asked_wrong) == (False, True, False)
 
 
@@ -104,7 +104,7 @@ def test_the_budget_is_never_exceeded_and_every_press_is_recorded(presses):
     time_ns, standing, recorded = 0, set(), 0
     for key, gap_ms in presses:
         time_ns += gap_ms * NS_PER_MS
-        for record in gate.press(key, time_ns):
+        for record in gate.judge(key, time_ns):
             if isinstance(record, PressRetracted):
                 standing.remove(record.press)
             else:
@@ -123,7 +123,7 @@ def test_the_budget_is_never_exceeded_and_every_press_is_recorded(presses):
         ({"good": "1"}, "one lower-case letter"),
         ({"good": "J"}, "one lower-case letter"),
         ({"good": "f"}, "three different keys"),
-        ({"wrong_press_rate": 1.5}, "share in"),
+        ({"wrong_press_rate": 1.5}, "fraction in"),
         ({"max_presses_per_episode": -1}, ">= 0"),
     ],
 )

@@ -77,10 +77,10 @@ def test_a_letter_tells_its_alphabet(key: str, alphabet: str) -> None:
 def test_a_press_of_another_layout_counts_and_is_recorded_raw_with_how_it_was_read() -> None:
     gate = PressGate(KeyConfig())
     gate.episode_started()
-    [good] = gate.press("о", NS_PER_S)
-    [bad] = gate.press("а", 2 * NS_PER_S)
-    [other] = gate.press("ж", 3 * NS_PER_S)
-    [latin] = gate.press("j", 4 * NS_PER_S)
+    [good] = gate.judge("о", NS_PER_S)
+    [bad] = gate.judge("а", 2 * NS_PER_S)
+    [other] = gate.judge("ж", 3 * NS_PER_S)
+    [latin] = gate.judge("j", 4 * NS_PER_S)
     assert [(press.key, press.value, press.verdict) for press in (good, bad, other)] == [
         ("о", 1.0, "accepted"),
         ("а", -1.0, "accepted"),
@@ -93,7 +93,7 @@ def test_a_press_of_another_layout_counts_and_is_recorded_raw_with_how_it_was_re
 def test_the_retract_key_of_another_layout_takes_a_press_back() -> None:
     gate = PressGate(KeyConfig())
     gate.episode_started()
-    list(gate.press("ξ", NS_PER_S))
-    pressed, retracted = gate.press("θ", 2 * NS_PER_S)
+    list(gate.judge("ξ", NS_PER_S))
+    pressed, retracted = gate.judge("θ", 2 * NS_PER_S)
     assert isinstance(pressed, KeyPressed)
     assert retracted.press == 0

@@ -181,6 +181,7 @@ def test_people_who_cannot_be_told_apart_are_refused_by_their_names(people, said
         ({"keys": {"graded": ["d", "f", "g", "h", "j"]}}, "graded"),
         ({"keys": {"wrong_press_rate": 0.1}}, "wrong_press_rate asks one participant"),
         ({"others": [{}, {}]}, "at most 1, got 2"),
+        ({"agent": {"asking": {"per_episode": 2}}}, "expected 0 beside several people"),
     ],
 )
 def test_settings_of_one_participant_are_refused_beside_people(changes, said):

@@ -18,7 +18,7 @@ def sessions_of(name: str) -> list[list[tuple[float, float]]]:
     """(value, believed) of each judgement, episode by episode: bursts counted once."""
     trainer, rng, said = SimulatedTrainer(person(name), root_seed=1), stream(2, "actions"), []
     for episode in range(N_EPISODES):
-        trainer.begin_episode(episode)
+        trainer.watch_episode(episode)
         first, said_now = episode * N_STEPS, []
         step = trainer.next_inclined(first, first + N_STEPS)
         while step < first + N_STEPS:
@@ -80,7 +80,7 @@ def test_a_fatal_action_is_never_too_close_to_tell():
 
 def asked(name: str, options: list[int], values: np.ndarray = VALUES, n: int = 2000) -> list[int | None]:
     trainer = SimulatedTrainer(person(name), root_seed=3)
-    trainer.begin_episode(0)
+    trainer.watch_episode(0)
     return [trainer.answer(step, values, options) for step in range(n)]
 
 
@@ -106,7 +106,7 @@ def test_who_cannot_tell_does_not_answer():
 def test_who_has_left_does_not_answer():
     trainer = SimulatedTrainer(person("leaves"), root_seed=3)
     for episode in range(301):
-        trainer.begin_episode(episode)
+        trainer.watch_episode(episode)
     assert trainer.answer(0, VALUES, [1, 2]) is None
 
 

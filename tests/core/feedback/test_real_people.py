@@ -10,7 +10,7 @@ from core.feedback.assigner import CreditAssigner, CreditConfig
 from core.feedback.credit import Delay, parse_delay
 from core.learners.human_config import RidgeModel, SgdModel
 from core.learners.human_reward import HumanRewardModel
-from core.recording.importers.tamer_log import Row, TamerLogError, read_tamer_log
+from core.recording.importers.tamer_rows import Row, TamerLogError, read_tamer_log
 from tests.data_folder import data_folder
 
 RULES = ["previous", "current", "uniform:0.2,0.8", "gamma:2.5,0.3", "gamma:2.0,0.28,0.2"]
@@ -48,7 +48,7 @@ def listened(rows: list[Row], presses: Presses, delay: Delay, **options: object)
     on_screen = -1
     for time_ns, kind, number in sorted(events):
         if kind == 1:
-            assigner.press(number, time_ns, presses[number][1])
+            assigner.add_press(number, time_ns, presses[number][1])
         elif rows[number].board:
             heights = [float(column.bit_length()) for column in rows[number].board]
             assigner.step_shown(number, time_ns, np.array(heights))

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from core.combination.agent import ArlAgent
 from core.combination.config import AgentConfig, Constant
 from core.domain import Choices, Transition
-from core.events import EpisodeEnded, Event, FrameShown, KeyPressed, Output, StepTaken
+from core.events import ActionRecord, EpisodeEnded, Event, FrameShown, KeyPressed, Output, StepTaken
 from core.feedback.credit import PreviousStep, UniformDelay
 from core.feedback.keys import KeyConfig, PressGate
 from core.feedback.samples import CreditConfig
@@ -31,6 +31,10 @@ class Deal:
     seed: int
     number: int
     won: float
+
+
+class PlayedCard(ActionRecord, frozen=True):
+    card: int
 
 
 class Cards:
@@ -65,8 +69,8 @@ class Cards:
     def time(self, state: Deal) -> int:
         return 0
 
-    def detail(self, state: Deal, action: int) -> dict[str, int]:
-        return {"card": action}
+    def action_record(self, state: Deal, action: int) -> PlayedCard:
+        return PlayedCard(action)
 
     def recorded_state(self, state: Deal) -> None:
         return None

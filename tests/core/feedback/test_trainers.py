@@ -22,7 +22,7 @@ def presses_of(
     trainer = SimulatedTrainer(config, root_seed=root_seed)
     said = []
     for episode in range(n_episodes):
-        trainer.begin_episode(episode)
+        trainer.watch_episode(episode)
         for k in range(n_steps):
             step = episode * n_steps + k
             said.append(
@@ -145,7 +145,7 @@ def test_fatigue_halves_the_rate() -> None:
     )
     rates = []
     for episode in range(5):
-        trainer.begin_episode(episode)
+        trainer.watch_episode(episode)
         rates.append(trainer.press_probability)
     # in episode k: 0.4 * 0.5^(k/2)
     assert rates == pytest.approx([0.4, 0.4 / math.sqrt(2), 0.2, 0.2 / math.sqrt(2), 0.1])
@@ -162,7 +162,7 @@ def test_presses_follow_from_seed_episode_and_step_alone() -> None:
     assert presses_of(config) == whole
     assert presses_of(config, root_seed=2) != whole
     late = SimulatedTrainer(config, root_seed=1)
-    late.begin_episode(0)
+    late.watch_episode(0)
     assert late.watch(40, VALUES, BEST, shown_ns=40 * NS_PER_S, hidden_ns=41 * NS_PER_S) == whole[40]
 
 
@@ -179,8 +179,8 @@ def test_a_player_may_skip_the_steps_at_which_nothing_would_be_said() -> None:
     config = TrainerConfig(press_probability=0.05, max_presses=5)
     patient, hasty = SimulatedTrainer(config, root_seed=3), SimulatedTrainer(config, root_seed=3)
     for episode in range(10):
-        patient.begin_episode(episode)
-        hasty.begin_episode(episode)
+        patient.watch_episode(episode)
+        hasty.watch_episode(episode)
         first, end = 300 * episode, 300 * (episode + 1)
         every = [
             patient.watch(k, VALUES, BEST, shown_ns=k * NS_PER_S, hidden_ns=(k + 1) * NS_PER_S)
@@ -229,7 +229,7 @@ def test_what_cannot_be_is_refused_with_the_reason(changes: dict[str, float], re
 
 def test_watching_without_an_episode_or_an_impossible_action_is_refused() -> None:
     trainer = SimulatedTrainer(talkative(), root_seed=1)
-    with pytest.raises(ValueError, match="begin_episode"):
+    with pytest.raises(ValueError, match="watch_episode"):
         trainer.watch(0, VALUES, BEST, shown_ns=0, hidden_ns=1)
     with pytest.raises(ValueError, match="action 8"):
         judgement(VALUES, 8, good_share=0.25)

@@ -1,5 +1,6 @@
 """Gymnasium environments play, are recorded, replayed and asked about as the program's own games are."""
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,8 @@ gymnasium = pytest.importorskip("gymnasium")
 
 from core.interop.gymnasium.config import GymnasiumConfig
 from core.interop.gymnasium.game import GymnasiumDomain
+from core.interop.gymnasium.tiles import JointTiles
+from core.numerics.tile_coding import Range
 from core.plugins import GameError
 from core.registry import game_of
 from core.session.protocol_reading import protocol_from
@@ -23,6 +26,8 @@ SHORT = {
     "session": {"episodes": 2, "unseen_between": 1, "watched_steps": 15, "unseen_steps": 30},
     "trainer": {"knowledge": "myopic", "press_probability": 0.9, "max_presses": 9},
 }
+SHORTER = {**SHORT, "session": {"episodes": 2, "unseen_between": 1, "watched_steps": 3, "unseen_steps": 6}}
+"""For Taxi, whose every copy takes 20 ms: it holds a table of all 3,000 transitions."""
 TAXI = max(name for name in gymnasium.registry if name.startswith("Taxi-"))
 ENVS = ["CartPole-v1", "MountainCar-v0", "FrozenLake-v1", TAXI, "Acrobot-v1"]
 
@@ -42,7 +47,8 @@ class TestContract(DomainContract):
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")
 @pytest.mark.parametrize("env", ENVS)
 def test_an_environment_plays_is_recorded_replayed_and_asked_about(env: str, tmp_path: Path) -> None:
-    protocol = protocol_from({"domain": {"type": "gymnasium", "env": env}, **SHORT})
+    short = SHORTER if env == TAXI else SHORT
+    protocol = protocol_from({"domain": {"type": "gymnasium", "env": env}, **short})
     recording = simulated(tmp_path, protocol)
     read = protocol_from(recording.header.protocol)
     assert read == protocol
@@ -79,25 +85,156 @@ class Unseeded(gymnasium.Env):
         return np.random.default_rng().random(1), 0.0, False, False, {}
 
 
-class NoCopies(Unseeded):
-    def __init__(self) -> None:
-        self.file = Path(__file__).open()  # noqa: SIM115
+class Broken(Unseeded):
+    def step(self, action: int) -> Any:
+        raise RuntimeError("no wheels")
 
-    def __del__(self) -> None:
-        if hasattr(self, "file"):
-            self.file.close()
+
+OWN = "tests.core.interop.own_task"
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")
+@pytest.mark.parametrize(
+    ("settings", "told"),
+    [
+        ({"env": "Pendulum-v1"}, "only discrete ones can be learned here. Needed is a wrapper"),
+        ({"env": "Blackjack-v1"}, r"has the observations Tuple.*\[domain\] phi ="),
+        ({"env": f"{OWN}:make"}, r"has the observations Dict.*\[domain\] phi ="),
+        ({"env": f"{__name__}:image"}, r"has the observations Box\(0, 255, \(84, 84, 3\).*phi"),
+        ({"env": "NoSuch-v7"}, "'NoSuch-v7' cannot be made"),
+        ({"env": "Taxi-v3"}, "use `Taxi-v4` instead"),
+        ({"env": "nowhere:make"}, "there is no function 'nowhere:make'.*present folder"),
+        ({"env": f"{OWN}:nothing"}, f"there is no function '{OWN}:nothing'"),
+        ({"env": f"{OWN}:np"}, "is a module, not a function"),
+        ({"env": f"{__name__}:Unseeded"}, "cannot be seeded"),
+        ({"env": f"{__name__}:Broken"}, "cannot be played: RuntimeError: no wheels"),
+        ({"phi": f"{OWN}:failing"}, "phi failed: KeyError"),
+        ({"phi": f"{OWN}:infinite"}, r"phi gave \(inf,\)"),
+        ({"psi": f"{OWN}:psi", "env": "FrozenLake-v1"}, "psi failed: IndexError"),
+        ({"env": "Acrobot-v1", "joint": True, "tiles": 12}, "the most is 4,194,304"),
+    ],
+)
+def test_what_cannot_be_played_is_refused_with_what_is_needed(settings: dict[str, Any], told: str) -> None:
+    with pytest.raises(GameError, match=told):
+        GymnasiumDomain(GymnasiumConfig(**settings))
+
+
+def image() -> Any:
+    env = Unseeded()
+    env.observation_space = gymnasium.spaces.Box(0, 255, (84, 84, 3), np.uint8)
+    return env
+
+
+@pytest.mark.parametrize("env", [f"{OWN}:make", f"{OWN}:Uncopied"])
+def test_an_environment_of_ones_own_with_features_is_played_recorded_and_replayed(
+    env: str, tmp_path: Path
+) -> None:
+    protocol = protocol_from(
+        {
+            "domain": {
+                "type": "gymnasium",
+                "env": env,
+                "phi": f"{OWN}:phi",
+                "psi": f"{OWN}:psi",
+                "joint": True,
+            },
+            "agent": {"human_model": {"type": "ridge"}},
+            **SHORT,
+        }
+    )
+    recording = simulated(tmp_path, protocol)
+    result = replay_exactly(recording, build_session(protocol, recording.header.root_seed))
+    assert (result.difference, result.outputs) == (None, len(recording.outputs))
+    again = relearn(
+        recording, protocol, watched_steps(recording, protocol), root_seed=recording.header.root_seed
+    )
+    assert again.agent.digest() == recording.outputs[-1].digest
+
+
+def test_features_of_ones_own_are_what_is_seen() -> None:
+    domain = GymnasiumDomain(
+        GymnasiumConfig(f"{OWN}:make", phi=f"{OWN}:phi", psi=f"{OWN}:psi", joint=True, tiles=2, tilings=3)
+    )
+    state = domain.initial(4)
+    place, lamp = state.given["place"], state.given["lamp"]
+    choices = domain.choices(state)
+    assert domain.recorded_state(state) == [place / 8, lamp / 8]
+    towards = 1.0 if lamp > place else -1.0
+    assert choices.observation.tolist() == [place / 8, lamp / 8]
+    assert domain.coder.n_tiles == 3 * 9
+    assert choices.feedback_features.tolist() == [[-towards, 1.0], [towards, 1.0]]
+    assert domain.observation_names == ("phi 0", "phi 1")
+    assert domain.feedback_feature_names == ("psi 0", "psi 1")
+    # The environment's first action is 5.
+    assert domain.detail(state, 1) == {"action": 6, "time": 0}
+
+
+def test_states_are_the_same_by_copies_and_by_seed_and_actions() -> None:
+    copied = GymnasiumDomain(GymnasiumConfig(f"{OWN}:make", phi=f"{OWN}:phi"))
+    replayed = GymnasiumDomain(GymnasiumConfig(f"{OWN}:Uncopied", phi=f"{OWN}:phi"))
+    rng = np.random.default_rng(2)
+    for seed in range(5):
+        first, second = copied.initial(seed), replayed.initial(seed)
+        kept = [(first, second)]
+        for _ in range(30):
+            # Now and then from an earlier state: the one environment has to go back.
+            first, second = kept[int(rng.integers(len(kept)))] if rng.random() < 0.3 else kept[-1]
+            if first.over:
+                break
+            action = int(rng.integers(2))
+            first = copied.transition(first, action).next_state
+            second = replayed.transition(second, action).next_state
+            assert first == second
+            kept.append((first, second))
+
+
+def test_joint_tiles_by_hand() -> None:
+    # Two numbers 0..1, 2 tiles each, 2 tilings; cells are a quarter wide, tiling 1 is shifted by (1, 1) cells
+    # ((1, 3) modulo 2). 3 tiles across: tile = tiles of number 0 + 3 x tiles of number 1.
+    tiles = JointTiles((Range(0.0, 1.0, 0.5), Range(0.0, 1.0, 0.5)), 2)
+    assert tiles.coder.n_tiles == 2 * 9
+    # cells (0, 0): tiling 0 tile (0, 0); tiling 1 tile (1 // 2, 1 // 2) = (0, 0)
+    assert tiles.tiled(np.array([0.1, 0.1])).tolist() == [0, 0]
+    # cells (1, 2): tiling 0 (0, 1) -> 3; tiling 1 (2 // 2, 3 // 2) = (1, 1) -> 4
+    assert tiles.tiled(np.array([0.3, 0.6])).tolist() == [3, 4]
+    # Beyond the range counts as its end: cells (4, 4): (2, 2) -> 8 in both tilings.
+    assert tiles.tiled(np.array([7.0, 1.0])).tolist() == [8, 8]
+    assert tiles.tiled(np.array([-7.0, 0.0])).tolist() == [0, 0]
+
+
+def test_joint_tiles_that_differ_share_fewer_tiles_the_further_apart_they_are() -> None:
+    tiles = JointTiles((Range(0.0, 1.0, 0.125), Range(0.0, 1.0, 0.125)), 8)
+    here = tiles.tiled(np.array([0.51, 0.51]))
+    shared = [
+        int((tiles.tiled(np.array([0.51 + d, 0.51])) == here).sum()) for d in (0.0, 0.03, 0.06, 0.09, 0.13)
+    ]
+    assert shared == sorted(shared, reverse=True)
+    assert (shared[0], shared[-1]) == (8, 0)
 
 
 @pytest.mark.parametrize(
-    ("env", "told"),
+    ("domain", "model", "told"),
     [
-        ("Pendulum-v1", "only discrete ones can be learned"),
-        ("Blackjack-v1", "has the observations"),
-        ("NoSuch-v7", "'NoSuch-v7' cannot be made"),
-        (f"{__name__}:Unseeded", "cannot be seeded"),
-        (f"{__name__}:NoCopies", "cannot be copied"),
+        ({"psi": "a:b"}, "tiles", 'set [agent.human_model] type = "ridge"'),
+        ({}, "ridge", "name features"),
     ],
 )
-def test_what_cannot_be_played_is_refused_with_the_reason(env: str, told: str) -> None:
-    with pytest.raises(GameError, match=told):
-        GymnasiumDomain(GymnasiumConfig(env))
+def test_a_human_model_that_cannot_learn_from_what_it_sees_is_refused(
+    domain: dict[str, Any], model: str, told: str
+) -> None:
+    with pytest.raises(ValueError, match=re.escape(told)):
+        protocol_from({"domain": {"type": "gymnasium", **domain}, "agent": {"human_model": {"type": model}}})
+
+
+def test_what_goes_out_comes_in_by_features() -> None:
+    domain = GymnasiumDomain(GymnasiumConfig(f"{__name__}:primitive_tetris", phi=f"{__name__}:heights"))
+    assert domain.n_actions == 5
+    assert len(domain.initial(0).observation) == 10
+
+
+def primitive_tetris() -> Any:
+    return gymnasium.make("arl/Tetris-v0", actions="primitives")
+
+
+def heights(observation: Any) -> Any:
+    return observation["board"].sum(axis=0) / 20

@@ -246,7 +246,7 @@ def test_about_one_press_in_ten_is_wrong_and_holds_are_judged_seldom():
         for ours, theirs in pairs:
             judgements += 1
             differ += ours.value != theirs.value
-    # 4 standard errors of a share of 0.1.
+    # 4 standard errors of a fraction of 0.1.
     assert abs(differ / judgements - 0.1) < 4 * (0.09 / judgements) ** 0.5
 
 

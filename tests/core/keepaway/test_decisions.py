@@ -95,7 +95,7 @@ def test_a_pass_ends_when_another_keeper_decides():
     caught = 0
     for seed in range(10):
         state = domain.initial(seed)
-        target = domain.detail(state, 1)["target"]
+        target = domain.action_record(state, 1).plain()["target"]
         following = domain.transition(state, 1).next_state
         if domain.terminal(following):
             assert following.ended in (OUT, TAKEN)
@@ -112,12 +112,12 @@ def test_a_step_names_keeper_cycle_and_receiver():
     order = [int(player) for player in state.match.order[state.keeper, :3]]
     assert order[0] == state.keeper
     for action in (1, 2):
-        assert domain.detail(state, action) == {
+        assert domain.action_record(state, action).plain() == {
             "keeper": state.keeper,
             "cycle": state.cycle,
             "target": order[action],
         }
-    assert domain.detail(state, HOLD)["target"] == NO_PLAYER
+    assert domain.action_record(state, HOLD).plain()["target"] == NO_PLAYER
 
 
 def two_at_the_ball() -> KeepawayState:
@@ -156,7 +156,7 @@ def test_two_keepers_with_the_ball_decide_one_after_the_other_in_the_same_moment
     # Both options have begun: the first keeper holds, the second one passes.
     assert seen[0][first, OPTION] == HOLD_BALL
     assert seen[0][second, OPTION] == PASS_BALL
-    assert seen[0][second, TARGET] == domain.detail(between.next_state, 1)["target"]
+    assert seen[0][second, TARGET] == domain.action_record(between.next_state, 1).plain()["target"]
 
 
 def test_an_old_state_can_be_gone_back_to():

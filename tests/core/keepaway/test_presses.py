@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from core.feedback.keys import KeyConfig, PressGate
-from core.keepaway.presses import LOST, WAITING, begin_episode, is_due, make, new_presses, plan
+from core.keepaway.presses import LOST, WAITING, is_due, make, new_presses, plan, renew_budget
 
 MS = 1_000_000
 KEYS = KeyConfig(max_presses_per_episode=2)
@@ -22,12 +22,12 @@ def test_what_counts_is_what_the_gate_lets_through(plans, new_episode_after):
     in_order = sorted(range(len(plans)), key=lambda k: (plans[k][0], k))
     for n_made, number in enumerate(in_order):
         if n_made == new_episode_after:
-            begin_episode(presses)
+            renew_budget(presses)
             gate.episode_started()
         time_ms, value = plans[number]
         assert not is_due(presses, time_ms * MS - 1)
         assert is_due(presses, time_ms * MS)
-        first = list(gate.press("j" if value > 0 else "f", time_ms * MS))
+        first = list(gate.judge("j" if value > 0 else "f", time_ms * MS))
         if len(first) > 1:
             return  # three presses within 160 ms: a held key, which the participants here never make
         assert make(presses) == (first[0].verdict == "accepted")

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from core.feedback.samples import Sample
+from core.feedback.samples import FeedbackSample
 from core.learners.consistency import Consistency
 from core.learners.human_reward import HumanRewardModel, RidgeModel
 from core.numerics.streams import stream
@@ -26,7 +26,7 @@ def foreseen(labels: np.ndarray, features: np.ndarray) -> Consistency:
     consistency = Consistency()
     for step, (x, label) in enumerate(zip(features, labels, strict=True)):
         consistency.note(float(model.weights @ x), float(label), 1.0)
-        model.add(Sample(x, float(label), 1.0, step, (step,)))
+        model.add(FeedbackSample(x, float(label), 1.0, step, (step,)))
     return consistency
 
 

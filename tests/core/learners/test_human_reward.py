@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from core.feedback.samples import Sample
+from core.feedback.samples import FeedbackSample
 from core.learners.human_config import HumanModelConfig, RidgeModel, SgdModel
 from core.learners.human_reward import HumanRewardModel
 from core.numerics.streams import stream
@@ -27,23 +27,23 @@ CONFIGS: list[HumanModelConfig] = [
 ]
 
 
-def sample(features: list[float], label: float, weight: float = 1.0) -> Sample:
-    return Sample(np.array(features, dtype=np.float64), label, weight, 0, (0,))
+def sample(features: list[float], label: float, weight: float = 1.0) -> FeedbackSample:
+    return FeedbackSample(np.array(features, dtype=np.float64), label, weight, 0, (0,))
 
 
-def random_samples(n: int, n_features: int, seed: int = 0) -> list[Sample]:
+def random_samples(n: int, n_features: int, seed: int = 0) -> list[FeedbackSample]:
     rng = stream(seed, "samples")
     rows = rng.integers(-5, 6, size=(n, n_features)).astype(np.float64)
     labels = np.sign(rows @ rng.normal(size=n_features) + rng.normal(size=n))
     weights = rng.uniform(0.1, 1, size=n)
     return [
-        Sample(row, float(label), float(weight), step, (step,))
+        FeedbackSample(row, float(label), float(weight), step, (step,))
         for step, (row, label, weight) in enumerate(zip(rows, labels, weights, strict=True))
     ]
 
 
 def columns(
-    samples: list[Sample],
+    samples: list[FeedbackSample],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     return (
         np.array([one.features for one in samples]),
@@ -52,7 +52,7 @@ def columns(
     )
 
 
-def fitted(config: HumanModelConfig, samples: list[Sample]) -> HumanRewardModel:
+def fitted(config: HumanModelConfig, samples: list[FeedbackSample]) -> HumanRewardModel:
     model = HumanRewardModel(config, len(samples[0].features))
     model.fit(samples)
     return model
@@ -192,7 +192,7 @@ def test_units_of_the_features_do_not_change_a_standardised_model(
     """Predictions stay when every feature is measured in other units and from another zero."""
     samples = random_samples(25, 3)
     moved = [
-        Sample(one.features * factors + shifts, one.label, one.weight, one.step, one.presses)
+        FeedbackSample(one.features * factors + shifts, one.label, one.weight, one.step, one.presses)
         for one in samples
     ]
     rows = np.array([one.features for one in samples])
@@ -213,7 +213,7 @@ def test_a_sample_of_weight_two_counts_as_two_samples() -> None:
     samples = random_samples(10, 3)
     twice = [*samples, samples[4]]
     heavy = list(samples)
-    heavy[4] = Sample(samples[4].features, samples[4].label, 2 * samples[4].weight, 4, (4,))
+    heavy[4] = FeedbackSample(samples[4].features, samples[4].label, 2 * samples[4].weight, 4, (4,))
     assert fitted(RidgeModel(), twice).weights == pytest.approx(
         fitted(RidgeModel(), heavy).weights, abs=1e-12
     )
@@ -231,7 +231,7 @@ def test_ridge_finds_the_weights_behind_noisy_presses() -> None:
     truth = np.array([1.0, -2.0, 0.0, 0.5])
     rows = rng.normal(size=(2000, 4))
     labels = rows @ truth + rng.normal(size=2000)
-    samples = [Sample(row, float(label), 1.0, 0, ()) for row, label in zip(rows, labels, strict=True)]
+    samples = [FeedbackSample(row, float(label), 1.0, 0, ()) for row, label in zip(rows, labels, strict=True)]
     # Standard error of each weight is about 1/sqrt(2000) = 0.022; the penalty adds at most 2/2000.
     assert fitted(RidgeModel(), samples).weights == pytest.approx(truth, abs=4 / math.sqrt(2000) + 0.001)
 

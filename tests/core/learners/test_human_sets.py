@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from core.feedback.samples import Sample
+from core.feedback.samples import FeedbackSample
 from core.learners.human_config import SgdModel, TileModel
 from core.learners.human_reward import HumanRewardModel
 from core.learners.human_sets import human_values, learn_sample, new_human_set
@@ -49,7 +49,7 @@ def test_it_is_the_dense_model_on_binary_features(samples, shared):
         psi = np.zeros_like(tiled.weights)
         for first in windows:
             psi[0 if shared else k, option, first : first + 4] = 1.0
-        dense.add(Sample(psi.ravel(), label, weight, 0, (0,)))
+        dense.add(FeedbackSample(psi.ravel(), label, weight, 0, (0,)))
         learn_sample(tiled, k, windows, option, label, weight)
     np.testing.assert_allclose(tiled.weights.ravel(), dense.weights, rtol=1e-12, atol=1e-15)
     rows = np.zeros((N_OPTIONS, *tiled.weights.shape))

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from core.feedback.samples import Sample
+from core.feedback.samples import FeedbackSample
 from core.learners.human_config import RidgeModel, SgdModel, TileModel
 from core.learners.human_reward import HumanRewardModel
 from core.learners.human_tiles import HumanTileModel, human_model
@@ -17,8 +17,8 @@ from core.numerics.tile_coding import Tiling, from_runs, row_values, runs
 TILING = Tiling(n_weights=60, n_tilings=4)
 
 
-def sample(windows, label: float, weight: float = 1.0) -> Sample:
-    return Sample(np.array(windows, np.float64), label, weight, 0, (0,))
+def sample(windows, label: float, weight: float = 1.0) -> FeedbackSample:
+    return FeedbackSample(np.array(windows, np.float64), label, weight, 0, (0,))
 
 
 def test_a_sample_takes_out_a_share_of_its_error():
@@ -55,7 +55,7 @@ def test_it_is_gradient_descent_on_the_binary_features(seed):
             continue
         label, weight = float(rng.choice([-1.0, 1.0])), float(rng.uniform(0.1, 1.0))
         tiles.add(sample(windows, label, weight))
-        dense.add(Sample(features, label, weight, 0, (0,)))
+        dense.add(FeedbackSample(features, label, weight, 0, (0,)))
     np.testing.assert_allclose(tiles.weights, dense.weights, atol=1e-14)
     assert tiles.weights.any()
 
@@ -79,7 +79,7 @@ def test_a_model_fits_its_domain():
         human_model(RidgeModel(), 2, TILING)
     with pytest.raises(ValueError, match=r"window is 0\.\.56"):
         HumanTileModel(TileModel(), TILING).add(sample([57], 1.0))
-    with pytest.raises(ValueError, match="step_size is a share"):
+    with pytest.raises(ValueError, match="step_size is a fraction"):
         TileModel(step_size=0.0)
 
 

@@ -98,7 +98,7 @@ def test_logits_are_those_of_the_slow_twin(form, w_h):
 @pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("w_h", [0.0, 0.8, -0.8])
 def test_the_score_is_the_gradient_of_the_log_probability(form, w_h):
-    # R's spread stays below 1 here, so the human's part of the linear form does not depend on theta.
+    # R's spread stays below 1 here, so the participant's part of the linear form does not depend on theta.
     rng = stream(5, "score", form)
     rows, theta, human = rng.normal(size=(5, 3)) / 4, rng.normal(size=3) / 2, rng.normal(size=5)
     how = {"human": human, "w_h": w_h, "form": form, "ruled_out": [False, True, False, False, False]}

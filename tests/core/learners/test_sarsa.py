@@ -205,5 +205,5 @@ def test_impossible_settings_are_refused(wrong):
 
 
 def test_an_impossible_exploration_is_refused():
-    with pytest.raises(ValueError, match="share of decisions"):
+    with pytest.raises(ValueError, match="fraction of decisions"):
         SarsaConfig(exploration=2.0)

@@ -73,7 +73,7 @@ with interpreting():
 assert kernels_at_hand() == before
 far = progress()
 assert 0 <= far.compiled <= far.needed
-assert 0.0 <= far.share <= 1.0
+assert 0.0 <= far.fraction <= 1.0
 assert far.needed > 5, far
 """
 

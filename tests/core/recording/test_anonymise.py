@@ -122,10 +122,10 @@ def test_a_press_that_was_taken_back_can_be_followed_in_the_copy(tmp_path: Path)
     gate.reader = KeyReader("ru")
     gate.episode_started()
     start = EpisodeStarted(
-        episode=0, time_ns=0, inputs=0, episode_seed=7, policy=0, form=0, w_r=1.0, trust=0.0, weight=0.25, share=0.0  # noqa: E501
+        episode=0, time_ns=0, inputs=0, episode_seed=7, policy=0, form=0, w_r=1.0, trust=0.0, weight=0.25, handover=0.0  # noqa: E501
     )  # fmt: skip
     keys = ["j", "x", "u", "j", "\u0433"]
-    presses = [event for n, key in enumerate(keys) for event in gate.press(key, n * 10**9)]
+    presses = [event for n, key in enumerate(keys) for event in gate.judge(key, n * 10**9)]
     assert [event.press for event in presses if isinstance(event, PressRetracted)] == [0, 3]
     writer = LineWriter(tmp_path / "P01.jsonl", msgspec.structs.replace(HEADER, origin="live"))
     for event in (start, *presses):

@@ -6,7 +6,8 @@ import pytest
 
 from core.events import EpisodeEnded, FrameShown, KeyPressed, StepTaken
 from core.numerics.clock import NS_PER_S
-from core.recording.importers.tamer_log import TamerLogError, import_tamer_log, read_tamer_log
+from core.recording.importers.tamer_log import import_tamer_log
+from core.recording.importers.tamer_rows import TamerLogError, read_tamer_log
 from core.recording.reader import Recording, read_recording
 from tests.data_folder import data_files, data_folder
 

@@ -58,11 +58,13 @@ COACH = {
     "session": {"watched": "proposed"},
 }
 
+ASKING = {"agent": {"asking": {"share": 0.6, "minimum_decisions": 2}}}
+ASKING_ONCE = {"agent": {"asking": {"share": 0.6, "minimum_decisions": 2, "per_episode": 1}}}
+
 # In simulated sessions none of these changes anything: not a step, not a weight, not a fingerprint.
 WITHOUT_EFFECT = [
     ("tetris", {}, "screen.speed", 0.5),
     ("tetris", {}, "screen.palette", "high-contrast"),
-    ("tetris", {}, "agent.asking.per_episode", 3),
     ("tetris", {}, "agent.asking.share", 0.5),
     ("tetris", {}, "agent.bootstrap.window_decisions", 7),
     ("tetris", {}, "agent.bootstrap.trust.chance", 0.3),
@@ -92,6 +94,9 @@ WITH_EFFECT = [
     ("tetris", {}, "session.watched", "proposed"),
     ("tetris", {}, "session.unseen_steps", 7),
     ("tetris", {}, "trainer.mistake_rate", 1.0),
+    ("tetris", ASKING, "agent.asking.per_episode", 3),
+    ("tetris", ASKING_ONCE, "agent.asking.settle_s", 0.5),
+    ("tetris", ASKING_ONCE, "agent.asking.none_key", "9"),
     ("tetris", {}, "agent.credit.delay", {"type": "current"}),
     ("tetris", {"trainer": {"burst_rate": 1.0}}, "trainer.burst_interval_s", 0.5),
     ("keepaway", {}, "screen.speed", 0.5),

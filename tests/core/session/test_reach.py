@@ -1,4 +1,4 @@
-"""The share of a press that reaches its step: by hand, against credit itself, against the issue of a pace,
+"""The fraction of a press that reaches its step: by hand, against credit itself, against the issue of a pace,
 real delays."""
 
 import csv
@@ -15,7 +15,7 @@ from core.feedback.viewing import Watched
 from core.keepaway.plugin import KEEPAWAY
 from core.numerics.clock import NS_PER_S
 from core.session.protocol import Protocol, ScreenConfig
-from core.session.reach import mean_time_s, reach_of, share_reached
+from core.session.reach import fraction_reached, mean_time_s, reach_of
 from core.tetris.pace import pictures_per_piece
 from core.tetris.plugin import TETRIS
 from tests.data_folder import data_folder
@@ -57,16 +57,16 @@ def at_tick(tick_ms: int, rule: Delay | None = None) -> Protocol:
 
 def test_previous_step_by_hand() -> None:
     # Delays are uniform on [0, 1] s. Step 1 is the last one for 0.4 s, step 2 for the mean of 0.5 s.
-    share = share_reached([seen(0.6), seen(0.4)], PreviousStep(), UniformDelay(0.0, 1.0))
-    assert share == pytest.approx((0.4 + 0.5) / 2)
+    fraction = fraction_reached([seen(0.6), seen(0.4)], PreviousStep(), UniformDelay(0.0, 1.0))
+    assert fraction == pytest.approx((0.4 + 0.5) / 2)
 
 
 def test_step_on_screen_by_hand() -> None:
     # Judged after 0.1 s: there are 0.5 and 0.3 s left; a piece that is judged when it has landed leaves
     # nothing.
     delay = UniformDelay(0.0, 1.0)
-    assert share_reached([seen(0.6, 0.1), seen(0.4, 0.1)], CurrentStep(), delay) == pytest.approx(0.4)
-    assert share_reached([seen(0.6), seen(0.4)], CurrentStep(), delay) == 0.0
+    assert fraction_reached([seen(0.6, 0.1), seen(0.4, 0.1)], CurrentStep(), delay) == pytest.approx(0.4)
+    assert fraction_reached([seen(0.6), seen(0.4)], CurrentStep(), delay) == 0.0
 
 
 def test_density_by_hand() -> None:
@@ -75,27 +75,27 @@ def test_density_by_hand() -> None:
     # s.
     exactly = MeasuredDelays(np.array([0.5]))
     rule = UniformDelay(0.0, 1.0)
-    assert share_reached([seen(0.4, 0.0)] * 3, rule, exactly) == pytest.approx(0.4, abs=0.003)
-    assert share_reached([seen(0.4)] * 3, rule, exactly) == pytest.approx(0.4, abs=0.003)
+    assert fraction_reached([seen(0.4, 0.0)] * 3, rule, exactly) == pytest.approx(0.4, abs=0.003)
+    assert fraction_reached([seen(0.4)] * 3, rule, exactly) == pytest.approx(0.4, abs=0.003)
     # One second on screen, judged at the end: delays 0.5 to 1.5 s, of which the density knows half.
-    assert share_reached([seen(1.0)] * 3, rule, exactly) == pytest.approx(0.5, abs=0.003)
+    assert fraction_reached([seen(1.0)] * 3, rule, exactly) == pytest.approx(0.5, abs=0.003)
 
 
 def test_steps_are_weighted_by_how_often_they_are_judged() -> None:
     delay = UniformDelay(0.0, 1.0)
     steps = [seen(0.2, 0.0, 0.25), seen(0.8, 0.0, 0.75)]
-    assert share_reached(steps, CurrentStep(), delay) == pytest.approx(0.25 * 0.2 + 0.75 * 0.8)
+    assert fraction_reached(steps, CurrentStep(), delay) == pytest.approx(0.25 * 0.2 + 0.75 * 0.8)
     assert mean_time_s(steps) == pytest.approx(0.25 * 0.2 + 0.75 * 0.8)
 
 
 def test_steps_without_time_on_screen_are_left_out() -> None:
     delay = UniformDelay(0.0, 1.0)
     steps = [seen(0.6), seen(0.0), seen(0.4)]
-    assert share_reached(steps, PreviousStep(), delay) == share_reached(
+    assert fraction_reached(steps, PreviousStep(), delay) == fraction_reached(
         [steps[0], steps[2]], PreviousStep(), delay
     )
     with pytest.raises(ValueError, match="two steps on screen"):
-        share_reached([seen(0.6), seen(0.0)], PreviousStep(), delay)
+        fraction_reached([seen(0.6), seen(0.0)], PreviousStep(), delay)
 
 
 @pytest.mark.parametrize("rule", [PreviousStep(), CurrentStep(), GammaDelay(), UniformDelay()])
@@ -107,15 +107,15 @@ def test_equals_credit_of_every_single_press(rule: Delay, judged_s: float | None
     hidden_ns = np.round(np.cumsum(durations_s) * NS_PER_S).astype(np.int64)
     shown_ns = np.concatenate([[0], hidden_ns[:-1]])
     delays_s = rng.gamma(2.5, 0.3, 390)
-    shares = []
+    fractions = []
     for step, delay_s in enumerate(delays_s):
         begins_s = durations_s[step] if judged_s is None else judged_s
         press_ns = int(shown_ns[step] + round((begins_s + delay_s) * NS_PER_S))
-        shares.append(credit(press_ns, shown_ns, hidden_ns, rule).shares[step])
+        fractions.append(credit(press_ns, shown_ns, hidden_ns, rule).shares[step])
     steps = [seen(duration_s, judged_s) for duration_s in durations_s]
-    standard_error = np.std(shares) / np.sqrt(len(shares))
-    assert share_reached(steps, rule, GammaDelay()) == pytest.approx(
-        np.mean(shares), abs=4 * standard_error + 1e-3
+    standard_error = np.std(fractions) / np.sqrt(len(fractions))
+    assert fraction_reached(steps, rule, GammaDelay()) == pytest.approx(
+        np.mean(fractions), abs=4 * standard_error + 1e-3
     )
 
 
@@ -132,17 +132,17 @@ def test_share_of_presses_on_a_piece_at_a_pace(tick_ms: int, paper: float, needs
     """At 80 ms a tick (0.65 s a piece) half of the paper's presses come while the right piece is the last
     one."""
     protocol = at_tick(tick_ms)
-    assert reach_of(protocol).share == pytest.approx(paper, abs=0.015)
-    assert reach_of(protocol, NEEDS_1_S).share == pytest.approx(needs_1_s, abs=0.015)
+    assert reach_of(protocol).fraction == pytest.approx(paper, abs=0.015)
+    assert reach_of(protocol, NEEDS_1_S).fraction == pytest.approx(needs_1_s, abs=0.015)
 
 
 def test_a_density_cannot_give_a_landed_piece_more_than_half() -> None:
     """The delay begins when the piece's time on screen ends: what it needs, its density gives to the next
     piece."""
-    shares = [reach_of(at_tick(tick_ms, GammaDelay())).share for tick_ms in (80, 150, 400)]
-    assert shares == sorted(shares)
-    assert shares[0] == pytest.approx(0.35, abs=0.02)
-    assert 0.49 < shares[-1] < 0.5
+    fractions = [reach_of(at_tick(tick_ms, GammaDelay())).fraction for tick_ms in (80, 150, 400)]
+    assert fractions == sorted(fractions)
+    assert fractions[0] == pytest.approx(0.35, abs=0.02)
+    assert 0.49 < fractions[-1] < 0.5
 
 
 @pytest.mark.jit
@@ -151,8 +151,8 @@ def test_options_of_keepaway() -> None:
     more."""
     reach = reach_of(msgspec.structs.replace(KEEPAWAY, screen=ScreenConfig(speed=1.0)))
     slow = reach_of(msgspec.structs.replace(KEEPAWAY, screen=ScreenConfig(speed=0.5)))
-    assert reach.share == pytest.approx(0.34, abs=0.02)
-    assert slow.share == pytest.approx(0.51, abs=0.02)
+    assert reach.fraction == pytest.approx(0.34, abs=0.02)
+    assert slow.fraction == pytest.approx(0.51, abs=0.02)
     assert slow.step_s == pytest.approx(2 * reach.step_s)
     assert reach.delay == GammaDelay()
 
@@ -163,7 +163,7 @@ def test_real_delays() -> None:
     with (data_folder("evaluation_delays") / "charm.csv").open(encoding="utf-8") as file:
         delays = MeasuredDelays(np.array([float(row["delay_s"]) for row in csv.DictReader(file)]))
     assert delays.cdf(1.0) == pytest.approx(0.5, abs=0.01)
-    for tick_ms, share in ((80, 0.265), (150, 0.60), (200, 0.74)):
+    for tick_ms, fraction in ((80, 0.265), (150, 0.60), (200, 0.74)):
         reach = reach_of(at_tick(tick_ms), delays)
-        assert reach.share == pytest.approx(share, abs=0.02)
+        assert reach.fraction == pytest.approx(fraction, abs=0.02)
         assert reach.enough == (tick_ms == 200)

@@ -1,15 +1,17 @@
 """What-if replay: what changes with the rules, and what must not."""
 
+from dataclasses import replace
+
 import msgspec
 import numpy as np
 import pytest
 
 from core.combination.config import AgentConfig, BootstrapConfig, FixedWeight
-from core.events import EpisodeEnded, SessionEnded
+from core.events import EpisodeEnded, EpisodeStarted, SessionEnded
 from core.feedback.credit import CurrentStep, GammaDelay, PreviousStep
 from core.feedback.samples import CreditConfig
 from core.recording.importers.tamer_log import import_tamer_log, tamer_protocol
-from core.recording.reader import Recording, read_recording
+from core.recording.reader import Recording, RecordingError, read_recording
 from core.session.protocol import Protocol
 from core.session.protocol_reading import protocol_from
 from core.session.what_if import relearn, replay_human_model, watched_steps
@@ -130,3 +132,14 @@ def test_a_press_on_a_step_of_unknown_outcome_is_credited_but_not_learned_from(t
     )
     assert [given.steps for given in replayed.credits] == [[0], [1], [1], [2]]
     assert replayed.human.model.state_bytes()[:8] == (3).to_bytes(8, "little")  # as many samples
+
+
+def test_a_game_that_cannot_have_begun_is_refused(tmp_path):
+    recording = simulated(tmp_path)
+    events = [
+        msgspec.structs.replace(event, episode_seed=10**300) if isinstance(event, EpisodeStarted) else event
+        for event in recording.events
+    ]
+    forged = replace(recording, events=tuple(events))
+    with pytest.raises(RecordingError, match="no game can begin as recorded"):
+        watched_steps(forged, own_protocol(recording))

@@ -10,7 +10,7 @@ from core.tetris.policy_gradient import PolicyGradientGame
 def play_combined(
     theta, v, seed: int, config: TetrisConfig, *weights: EpisodeWeights, piece_cap=PIECE_LIMIT, **settings
 ) -> CombinedGame:
-    """Return a game of environment and human after its end, or `piece_cap` pieces; arguments as in
+    """Return a game of environment and participant after its end, or `piece_cap` pieces; arguments as in
     `CombinedGame`."""
     game = CombinedGame(theta, v, seed, config, *weights, **settings)
     game.advance(piece_cap)

@@ -53,8 +53,8 @@ def test_an_action_is_described_by_piece_orientation_and_column():
     domain = Tetris()
     state = domain.initial(seed_with_first_piece(0))
     # I: ten upright placements come first, then seven flat ones.
-    assert domain.detail(state, 0) == {"piece": 0, "orientation": 0, "column": 0}
-    assert domain.detail(state, 10) == {"piece": 0, "orientation": 1, "column": 0}
+    assert domain.action_record(state, 0).plain() == {"piece": 0, "orientation": 0, "column": 0}
+    assert domain.action_record(state, 10).plain() == {"piece": 0, "orientation": 1, "column": 0}
 
 
 def test_only_what_primitives_can_steer_to_is_offered_where_that_is_asked_for():

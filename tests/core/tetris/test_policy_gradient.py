@@ -46,7 +46,7 @@ def likes(config):
 
 
 def naive_episode(pupil, human, seed, config, weights, chance_seed, handover_seed):
-    """Lines, pieces, agreements with the human's best and worst: over the domain's own steps."""
+    """Lines, pieces, agreements with the participant's best and worst: over the domain's own steps."""
     domain, scales = Tetris(config), placement_scales(config)
     state, agreed, worst = domain.initial(seed), 0, 0
     while not domain.terminal(state):

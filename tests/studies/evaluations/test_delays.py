@@ -14,8 +14,8 @@ from studies.evaluations.delays import (
     by_value,
     credit_on_target,
     evaluations,
+    fractions_of_variance,
     reactions,
-    shares_of_variance,
 )
 from tests.data_folder import REPOSITORY, data_folder
 
@@ -108,16 +108,16 @@ def test_the_ratio_of_a_value_is_that_within_people():
 
 
 def test_shares_of_variance_are_those_of_people_and_of_values():
-    shares = shares_of_variance(made(spread=3.0))
+    shares = fractions_of_variance(made(spread=3.0))
     assert shares["person"] > 0.5
     assert shares["value"] < 0.02
-    assert shares_of_variance(made())["person"] < 0.05
+    assert fractions_of_variance(made())["person"] < 0.05
     x = made(spread=1.0)
     alone = {name: np.full(N, 0.5 + i) for i, name in enumerate(x.times_s)}
     only_people = Delays(
         name="x", source="", licence="", slow_above_s=9.0, times_s=alone, values={}, left_out=0
     )
-    assert shares_of_variance(only_people)["person"] == pytest.approx(1.0)
+    assert fractions_of_variance(only_people)["person"] == pytest.approx(1.0)
 
 
 @pytest.mark.jit

@@ -99,7 +99,7 @@ def test_the_weight_of_the_human_is_what_the_scheme_made_of_trust(tmp_path):
         np.mean(0.98 ** np.arange(180, 200)), rel=0.05
     )
     text = experiment_module("robustness-keepaway").report(results).text
-    _, weights = text.split("Mean weight of the human")
+    _, weights = text.split("Mean weight of the participant")
     assert "| constant w_h = 1 | 1.00 | 1.00 |" in weights
 
 

@@ -76,7 +76,7 @@ def lab(tmp_path_factory: pytest.TempPathFactory, study_file: Path) -> Path:
     for name in ("tetris-linear-equation-4", "keepaway-exponential-equation-4"):
         shutil.copy(REFERENCE / f"{name}.jsonl", folder / f"{name}-old.jsonl")
         shutil.copy(REFERENCE / "version-2" / f"{name}.jsonl", folder / f"{name}.jsonl")
-    run("study", "simulate", study_file, "--participants", 2, "--recordings", folder)
+    run("study", "simulate", study_file, "--participants", 2, "--drawn", "none", "--recordings", folder)
     schedule = make_schedule(TaskConfig(n_practice=2, n_trials=12, catch_rate=0.0), root_seed=3)
     times_s = [0.2 + 0.3 * float(time) for time in stream(1, "times").random(14)]
     write_session(folder, "P01", schedule, times_s)

@@ -171,12 +171,12 @@ def test_calibration_never_narrows_an_interval():
 
 
 def binomial_tolerance(n: int) -> float:
-    """Half-width within which the share of hits lies with probability 0.999 if coverage is 0.95."""
+    """Half-width within which the fraction of hits lies with probability 0.999 if coverage is 0.95."""
     return 3.29 * (0.95 * 0.05 / n) ** 0.5
 
 
 def coverage(truth, family, n_people, n_trials, n_resamples):
-    """Share of simulated participants whose interval holds the truth, by method and quantity."""
+    """Fraction of simulated participants whose interval holds the truth, by method and quantity."""
     true = {name: float(value) for name, value in gamma_quantities(*truth).items()}
     hits: dict[tuple[str, str], int] = {}
     for person in range(n_people):

@@ -1,6 +1,6 @@
 """Recordings made for tests of the viewer: what a live session writes, and any sequence of events."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import msgspec
@@ -60,7 +60,7 @@ def started(time_ns: int, episode: int = 0) -> EpisodeStarted:
         w_r=1.0,
         trust=0.0,
         weight=0.25,
-        share=0.0,
+        handover=0.0,
     )
 
 
@@ -137,4 +137,21 @@ def live_events() -> list[Event]:
     ]
 
 
-__all__ = ["KEEPAWAY", "MS", "RECORDINGS", "TETRIS", "Header", "live_events", "write"]
+def large(path: Path, n_steps: int = 330_000) -> Path:
+    """Write a recording of three events a step, a million by default, in games of 50 steps."""
+
+    def events() -> Iterator[Event]:
+        for step in range(n_steps):
+            now = step * 1000 * MS
+            if step % 50 == 0:
+                yield started(now, step // 50)
+            yield taken(now, step, step % 9, step // 50)
+            yield FrameShown(frame=step, step=step, flushed_ns=now + MS)
+            yield pressed(now + 500 * MS, step, step)
+            if step % 50 == 49:
+                yield ended(now + 900 * MS, step // 50)
+
+    return write(path, events())
+
+
+__all__ = ["KEEPAWAY", "MS", "RECORDINGS", "TETRIS", "Header", "large", "live_events", "write"]

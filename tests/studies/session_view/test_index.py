@@ -7,6 +7,7 @@ import shutil
 import time
 from pathlib import Path
 
+import msgspec
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -15,6 +16,7 @@ from hypothesis import strategies as st
 from core.events import (
     CreditGiven,
     EpisodeStarted,
+    Event,
     FrameShown,
     KeyPressed,
     Resumed,
@@ -24,9 +26,20 @@ from core.events import (
 )
 from core.recording.reader import RecordingError, read_recording
 from studies.session_view import index as indexing
-from studies.session_view.index import SUFFIX, VERDICTS, open_index
+from studies.session_view.building import VERDICTS
+from studies.session_view.index import SUFFIX, open_index
 from studies.session_view.session import SessionView, open_session
-from tests.studies.session_view.made import MS, RECORDINGS, TETRIS, live_events, pressed, taken, write
+from tests.studies.session_view.made import (
+    MS,
+    RECORDINGS,
+    TETRIS,
+    ended,
+    live_events,
+    pressed,
+    started,
+    taken,
+    write,
+)
 
 
 def same(session: SessionView, path: Path) -> None:
@@ -44,7 +57,7 @@ def same(session: SessionView, path: Path) -> None:
     assert [session.step_taken(row) for row in range(len(session.steps))] == of[StepTaken]
     assert [session.game_started(row) for row in range(len(session.games))] == of[EpisodeStarted]
     for row, event in enumerate(of[KeyPressed]):
-        press = session.press(row)
+        press = session.press_at(row)
         assert (press.number, press.time_ns, press.key, press.step) == (
             event.press,
             event.time_ns,
@@ -202,3 +215,17 @@ def plainly_seen(events: list, at: int) -> tuple[int, bool]:
             case Resumed(time_ns=time_ns) if time_ns <= at:
                 covered = False
     return step, covered
+
+
+@pytest.mark.parametrize(
+    ("events", "told"),
+    [
+        ([msgspec.structs.replace(started(0), episode_seed=10**300)], "no session records what stands at"),
+        ([msgspec.structs.replace(taken(0, 0, 0), step=2**40)], "no session records what stands at"),
+        ([ended(5)], "a table of 0 episodes has no row -1"),
+    ],
+    ids=["seed", "step", "end"],
+)
+def test_what_no_table_can_hold_is_refused(tmp_path: Path, events: list[Event], told: str) -> None:
+    with pytest.raises(RecordingError, match=told):
+        open_index(write(tmp_path / "impossible.jsonl", events))

@@ -36,9 +36,14 @@ def test_frames_shown_again_after_a_pause_are_not_counted_twice(session: Session
 
 
 def test_what_became_of_presses(session: SessionView) -> None:
-    assert [session.press(row).kind for row in range(4)] == ["good", "refused", "taken back", "no feedback"]
-    assert session.press(1).words == "good, refused: covered"
-    assert session.press(2).words == "bad, taken back"
+    assert [session.press_at(row).kind for row in range(4)] == [
+        "good",
+        "refused",
+        "taken back",
+        "no feedback",
+    ]
+    assert session.press_at(1).words == "good, refused: covered"
+    assert session.press_at(2).words == "bad, taken back"
 
 
 def test_stretches_of_the_timeline(session: SessionView) -> None:
@@ -88,10 +93,10 @@ class TestTransport:
         assert transport.tick() == (950 + 100 + 200) * MS
 
     def test_it_jumps_to_the_nth_press(self, transport: Transport) -> None:
-        assert transport.press(3)
+        assert transport.go_to_press(3)
         assert transport.time_ns == 6800 * MS
-        assert not transport.press(4)
-        assert not transport.press(0)
+        assert not transport.go_to_press(4)
+        assert not transport.go_to_press(0)
 
     def test_it_stays_within_the_recording(self, transport: Transport) -> None:
         transport.seek(-5)
@@ -108,7 +113,7 @@ class TestCredit:
         delay = session.protocol.agent.credit.delay
         compared = 0
         for row in range(len(session.presses)):
-            press = session.press(row)
+            press = session.press_at(row)
             if press.kind in ("good", "bad"):
                 recorded = strip_of(session, press, delay, recorded=True)
                 worked_out = strip_of(session, press, delay)
@@ -124,7 +129,7 @@ class TestCredit:
     )
     def test_shares_and_what_fell_outside_make_one(self, delay, session: SessionView) -> None:
         for row in (0, 1, 2):
-            strip = strip_of(session, session.press(row), delay)
+            strip = strip_of(session, session.press_at(row), delay)
             assert sum(strip.shares.values()) + strip.outside == pytest.approx(1.0, abs=1e-9)
             density = strip.density(40)
             assert density.shape == (40,)
@@ -132,10 +137,10 @@ class TestCredit:
 
     def test_by_hand(self, session: SessionView) -> None:
         # Step 0 was on screen from 1000 to 1400 and from 5410 to 6000 ms; press 2 came at 6800 ms.
-        strip = strip_of(session, session.press(2), UniformDelay(0.2, 1.0))
+        strip = strip_of(session, session.press_at(2), UniformDelay(0.2, 1.0))
         assert strip.shares == pytest.approx({0: 0.25, 1: 0.75})
-        assert strip_of(session, session.press(2), PreviousStep()).shares == {0: 1.0}
-        assert strip_of(session, session.press(2), CurrentStep()).shares == {1: 1.0}
+        assert strip_of(session, session.press_at(2), PreviousStep()).shares == {0: 1.0}
+        assert strip_of(session, session.press_at(2), CurrentStep()).shares == {1: 1.0}
 
     def test_nothing_is_credited_beyond_a_gap(self, tmp_path: Path) -> None:
         from tests.studies.session_view.made import pressed
@@ -143,7 +148,7 @@ class TestCredit:
         events = live_events()
         events.insert(-3, pressed(9100 * MS, 9, -1))
         session = open_session(write(tmp_path / "gap.jsonl", events))
-        strip = strip_of(session, session.press(4), UniformDelay(2.0, 4.0))
+        strip = strip_of(session, session.press_at(4), UniformDelay(2.0, 4.0))
         assert strip.shares == {}
         assert strip.outside == pytest.approx(1.0)
 

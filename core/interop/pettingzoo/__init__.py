@@ -1,0 +1,1 @@
+"""The program's Keepaway as a PettingZoo environment (extra `pettingzoo`)."""
