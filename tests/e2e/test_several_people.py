@@ -139,7 +139,7 @@ def sit_through(terminal: Terminal, folder: Path, *people: TrainerConfig) -> str
     (path,) = folder.glob("*.jsonl")
     keyboard = AtOneKeyboard(path, *people)
     while "Thank you" not in terminal.text:
-        terminal.pump(0.02)
+        assert terminal.pump(0.02), terminal.text
         if PAUSED in terminal.text:  # a busy machine held the program up
             terminal.press(" ")
             terminal.wait_for("Game ", "Thank you")
