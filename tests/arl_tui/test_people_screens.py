@@ -127,11 +127,13 @@ async def test_each_grade_is_answered_with_its_word(
     async with app.run_test(size=SIZE) as pilot:
         await begin(pilot, link, graded, steps=1)
         await pilot.press(key)
+        await settle(pilot)  # until the press is in the file
         bar = app.play.feedback
         assert (bar.word, bar.presses_left) == (word, 4)
         assert lines(bar)[-1].split() == ["d", "--", "f", "-", "g", "0", "h", "+", "j", "++", "u", "back"]
         assert app.screen is app.play  # h is a grade, not the help page
         await pilot.press("u")
+        await settle(pilot)
         assert bar.word == "TAKEN BACK"
 
 
