@@ -9,10 +9,10 @@ from textual.app import App, ComposeResult
 from textual.containers import Vertical
 
 from arl_tui.app.link import TakenFor
-from arl_tui.screens.covers import HelpScreen
+from arl_tui.screens.covers import HelpScreen, PauseScreen
 from arl_tui.widgets.feedback_bar import FeedbackBar
 from arl_tui.widgets.people_bar import PeopleBar
-from core.events import KeyPressed, PressRetracted
+from core.events import KeyPressed, PressRetracted, TimeGap
 from core.feedback.keys import KeyConfig
 from core.feedback.people import PersonConfig
 from core.session.protocol import Protocol
@@ -127,11 +127,13 @@ async def test_each_grade_is_answered_with_its_word(
     async with app.run_test(size=SIZE) as pilot:
         await begin(pilot, link, graded, steps=1)
         await pilot.press(key)
+        await settle(pilot)  # until the press is in the file
         bar = app.play.feedback
         assert (bar.word, bar.presses_left) == (word, 4)
         assert lines(bar)[-1].split() == ["d", "--", "f", "-", "g", "0", "h", "+", "j", "++", "u", "back"]
         assert app.screen is app.play  # h is a grade, not the help page
         await pilot.press("u")
+        await settle(pilot)
         assert bar.word == "TAKEN BACK"
 
 
@@ -145,3 +147,34 @@ async def test_the_words_of_grades_can_be_drawn_large() -> None:
                 )
                 bar.show_press(press, 3)
                 assert all(line for line in lines(bar)[:2])
+
+
+async def test_a_gap_in_time_pauses_a_game_of_several_people_and_it_goes_on(
+    link: FakeLink, protocol: Protocol, tmp_path: Path
+) -> None:
+    """Presses before, at a gap under whose page a game begins, and after it."""
+    app = app_for(crowd(protocol), link, tmp_path)
+    async with app.run_test(size=SIZE) as pilot:
+        worker = await begin(pilot, link, crowd(protocol), steps=1)
+        await pilot.press("j", "p")
+        now_ns = app.live._clock.now_ns()
+        gaps = [TimeGap(last_ns=now_ns, time_ns=now_ns + 1)]
+        app.live.find_gap = lambda: gaps.pop() if gaps else None
+        app.live.notice_gap()
+        await settle(pilot)
+        assert isinstance(app.screen, PauseScreen)
+        await pilot.press("w")
+        worker.start_episode()
+        await settle(pilot)
+        await pilot.press("space")
+        await settle(pilot)
+        assert app.screen is app.play
+        app.live.uncover()
+        await pilot.press("j", "x")
+        bar = app.play.feedback
+        assert isinstance(bar, PeopleBar)
+        assert [bar.said_to(person)[0] for person in (0, 2)] == ["GOOD", "VERY BAD"]
+        app.live.give_up("end of the test")
+        await settle(pilot)
+    verdicts = [e.verdict for e in recorded(tmp_path).events if isinstance(e, KeyPressed) and e.person >= 0]
+    assert verdicts[2:] == ["covered", "accepted", "accepted"]

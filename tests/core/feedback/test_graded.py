@@ -63,6 +63,15 @@ def test_good_and_bad_have_no_effect_beside_grades():
         protocol_from({"keys": {"graded": list("dfghj"), "good": "k"}}, to_run=True)
 
 
+def test_a_grade_is_no_answer_to_a_question():
+    asking = {"per_episode": 1, "keys": ["1", "2", "g"]}
+    with pytest.raises(ConfigurationError, match=r"is one of keys\.graded"):
+        protocol_from({"keys": {"graded": list("dfghj")}, "agent": {"asking": asking}}, to_run=True)
+    asking["keys"] = ["1", "2", "f"]
+    with pytest.raises(ConfigurationError, match=r"is keys\.bad"):
+        protocol_from({"agent": {"asking": asking}}, to_run=True)
+
+
 def assigner(delay, **changes) -> CreditAssigner:
     """Four steps of a second each, from 0 s."""
     found = CreditAssigner(CreditConfig(delay=delay, **changes))
@@ -74,9 +83,9 @@ def assigner(delay, **changes) -> CreditAssigner:
 def test_credit_goes_by_the_density_of_the_value_and_the_label_by_the_value():
     """At 3.0 s: 2 speaks of the last second (step 2), 0 of the one before (step 1), -1 of step 0."""
     credit = assigner(BY_VALUE)
-    assert credit.press(0, ns(3.0), 2.0).steps == (2,)
-    assert credit.press(1, ns(3.0), 0.0).steps == (1,)
-    assert credit.press(2, ns(3.0), -1.0).steps == (0,)
+    assert credit.add_press(0, ns(3.0), 2.0).steps == (2,)
+    assert credit.add_press(1, ns(3.0), 0.0).steps == (1,)
+    assert credit.add_press(2, ns(3.0), -1.0).steps == (0,)
     assert [(sample.step, sample.label, sample.weight) for sample in credit.samples] == [
         (2, 2.0, pytest.approx(1.0)),
         (1, 0.0, pytest.approx(1.0)),
@@ -88,7 +97,7 @@ def test_aggregate_credit_waits_for_the_slowest_value():
     """A step's sample is given out when no press of any value can reach it: after 3 s, not after 1 s."""
     credit = assigner(BY_VALUE, scheme="aggregate")
     credit.step_shown(4, ns(4.0), np.array([4.0]))
-    given_late = credit.press(0, ns(4.0), -1.0)  # of what was shown from 1.0 to 2.0 s
+    given_late = credit.add_press(0, ns(4.0), -1.0)  # of what was shown from 1.0 to 2.0 s
     assert (given_late.steps, given_late.too_late) == ((1,), 0.0)
 
 
@@ -102,7 +111,7 @@ def test_one_density_for_every_value_is_the_same_as_one_for_all(values, at_s):
     found = []
     for delay in (one, same):
         credit = assigner(delay)
-        found.append([credit.press(n, ns(at_s), value) for n, value in enumerate(values)])
+        found.append([credit.add_press(n, ns(at_s), value) for n, value in enumerate(values)])
     assert found[0] == found[1]
 
 

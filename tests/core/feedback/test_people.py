@@ -32,7 +32,7 @@ def gate(*people: PersonConfig) -> PeopleGate:
 
 
 def pressed(who: PeopleGate, keys: str, every_ms: int = 1000) -> list[KeyPressed | PressRetracted]:
-    return [record for n, key in enumerate(keys) for record in who.press(key, n * every_ms * MS)]
+    return [record for n, key in enumerate(keys) for record in who.judge(key, n * every_ms * MS)]
 
 
 def test_each_key_is_its_owners_and_says_what_it_says_for_them():
@@ -71,10 +71,10 @@ def test_two_who_press_at_once_do_not_count_as_a_held_key():
     """Both keys every 40 ms apart: of one keyboard, but of two people."""
     who = gate(ADA, CY)
     records = [
-        *who.press("j", 0),
-        *who.press("n", 20 * MS),
-        *who.press("j", 1000 * MS),
-        *who.press("n", 1001 * MS),
+        *who.judge("j", 0),
+        *who.judge("n", 20 * MS),
+        *who.judge("j", 1000 * MS),
+        *who.judge("n", 1001 * MS),
     ]
     assert [record.verdict for record in records if isinstance(record, KeyPressed)] == ["accepted"] * 4
 
@@ -116,7 +116,7 @@ def test_of_any_people_each_press_is_as_if_its_owner_were_alone(order, keys, n, 
     ]
     together = PeopleGate(people)
     together.episode_started()
-    records = [record for at, key in enumerate(keys) for record in together.press(key, at * every_ms * MS)]
+    records = [record for at, key in enumerate(keys) for record in together.judge(key, at * every_ms * MS)]
     for person, own in enumerate(people):
         alone = PressGate(own, person=person)
         alone.episode_started()
@@ -124,7 +124,7 @@ def test_of_any_people_each_press_is_as_if_its_owner_were_alone(order, keys, n, 
             record
             for at, key in enumerate(keys)
             if key in own.letters
-            for record in alone.press(key, at * every_ms * MS)
+            for record in alone.judge(key, at * every_ms * MS)
         ]
         mine = {
             record.press for record in records if isinstance(record, KeyPressed) and record.person == person
@@ -181,6 +181,7 @@ def test_people_who_cannot_be_told_apart_are_refused_by_their_names(people, said
         ({"keys": {"graded": ["d", "f", "g", "h", "j"]}}, "graded"),
         ({"keys": {"wrong_press_rate": 0.1}}, "wrong_press_rate asks one participant"),
         ({"others": [{}, {}]}, "at most 1, got 2"),
+        ({"agent": {"asking": {"per_episode": 2}}}, "expected 0 beside several people"),
     ],
 )
 def test_settings_of_one_participant_are_refused_beside_people(changes, said):
