@@ -10,7 +10,7 @@ from textual.geometry import Size
 from arl_tui.app.link import Practised
 from arl_tui.app.plain_app import PlainApp
 from arl_tui.palette import HIGH_CONTRAST, SIXTEEN, palette_for
-from arl_tui.screens.covers import BreakScreen, PauseScreen
+from arl_tui.screens.covers import BreakScreen
 from arl_tui.screens.play import MOVES_S
 from arl_tui.session_app import ArlApp
 from arl_tui.themes import NAMES, ThemeError, theme_in_use
@@ -282,17 +282,3 @@ async def test_a_break_between_blocks_waits_for_the_participant(
         await settle(pilot)
     reasons = [event.reason for event in recorded(tmp_path).events if isinstance(event, ScreenCleared)]
     assert reasons == ["pause"]
-
-
-async def test_a_page_that_has_been_left_is_not_written_to(
-    app: ArlApp, link: FakeLink, protocol: Protocol
-) -> None:
-    async with app.run_test(size=SIZE) as pilot:
-        await begin(pilot, link, protocol)
-        await pilot.press("p")
-        page = app.screen
-        assert isinstance(page, PauseScreen)
-        page.leave(True)
-        await pilot.pause()
-        await page.remove()
-        page._tell_more()  # as a resize that comes last asks for it: it ended the app
