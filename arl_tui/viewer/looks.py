@@ -37,14 +37,11 @@ class Board:
     """The wall as the learner sees it."""
 
 
-<<<<<<< HEAD
 def board_of(wall: Wall, lines: int, pieces: int) -> Board:
     """Return a board of which nobody knows which step placed what."""
     return Board(wall, (), lines, pieces, wall.board)
 
 
-=======
->>>>>>> w/int
 def tick_number(session: SessionView, moment: Moment, n_ticks: int, tick_ns: int) -> int:
     """Return which of a step's pictures was on screen.
 

@@ -9,11 +9,7 @@ from msgspec import UNSET
 from arl_tui.games.registry import screens_of
 from arl_tui.games.rendering import TickView
 from arl_tui.games.tetris.renderer import TetrisRenderer
-<<<<<<< HEAD
 from arl_tui.viewer.looks import Board, Look, board_of, tick_number
-=======
-from arl_tui.viewer.looks import Board, Look, tick_number
->>>>>>> w/int
 from arl_tui.viewer.rendered import RenderedPictures
 from core.events import StepTaken
 from core.feedback.keys import NS_PER_MS
@@ -34,14 +30,6 @@ KEPT_EVERY: Final = 64
 """Of so many boards of a game one is kept, from which the others are found."""
 LOOK_BACK: Final = 24
 """Pieces of an imported log that are followed back to tell which cell belongs to which piece."""
-<<<<<<< HEAD
-=======
-
-
-def board_of(wall: Wall, lines: int, pieces: int) -> Board:
-    """Return a board of which nobody knows which step placed what."""
-    return Board(wall, (), lines, pieces, wall.board)
->>>>>>> w/int
 
 
 class Pictures(Protocol):

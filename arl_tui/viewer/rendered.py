@@ -31,11 +31,7 @@ class RenderedPictures:
         self._game = -1
         self._next = -1
         self._opening: tuple[TickView, ...] = ()
-<<<<<<< HEAD
-        self._shots: tuple[TickView, ...] = ()
-=======
         self._ticks: tuple[TickView, ...] = ()
->>>>>>> w/int
         self._otherwise = ""
 
     def at(self, moment: Moment) -> Look:
@@ -47,13 +43,8 @@ class RenderedPictures:
         self._play_to(int(self._session.steps["episode"][moment.step]), moment.step)
         if not self._ticks:
             return Look(self._renderer.picture, self._otherwise)
-<<<<<<< HEAD
-        n = tick_number(self._session, moment, len(self._shots), self._renderer.tick_ns)
-        return Look(self._shots[n].view, self._otherwise)
-=======
         n = tick_number(self._session, moment, len(self._ticks), self._renderer.tick_ns)
         return Look(self._ticks[n].view, self._otherwise)
->>>>>>> w/int
 
     def _between(self, moment: Moment) -> Look:
         """Return the last picture of the game before, or the first of one whose steps have not begun."""
