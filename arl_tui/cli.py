@@ -2,6 +2,8 @@
 at once.
 """
 
+import sys
+
 import click
 
 from arl_tui.command_line import Arl, Listed
@@ -49,8 +51,21 @@ COMMANDS = (
 )
 
 
+class ArlWithHome(Arl):
+    """The command `arl`: without a command it opens the home page, where there is a terminal."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Read the arguments; see `click.Group.parse_args`."""
+        if not args and not ctx.resilient_parsing and sys.stdin.isatty() and sys.stdout.isatty():
+            from arl_tui.commands.start import run_home
+
+            run_home()
+            ctx.exit()
+        return super().parse_args(ctx, args)
+
+
 @click.group(
-    cls=Arl,
+    cls=ArlWithHome,
     listed=COMMANDS,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
 )

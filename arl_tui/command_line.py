@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import Any, TextIO, TypeVar
+from typing import TYPE_CHECKING, Any, TextIO, TypeVar
 
 import click
 
@@ -15,6 +15,9 @@ from arl_tui.home import VARIABLE, recordings_folder
 from arl_tui.themes import NAMES, theme_in_use
 from arl_tui.themes import VARIABLE as THEME_VARIABLE
 from core.system.foreign_text import printable_lines
+
+if TYPE_CHECKING:
+    from arl_tui.settings import Settings
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -254,6 +257,31 @@ def why_not_writable(path: Path, *, folder: bool, made: bool = False) -> str | N
     if not os.access(there, os.W_OK | os.X_OK):
         return f"{path} cannot be written: the folder {there} is read-only. Choose another place"
     return None
+
+
+language_option = click.option(
+    "--language",
+    type=click.Choice(["en", "de"]),
+    help="Language of the participant's screens: English or German. By default that of the protocol, and "
+    "without a file that of settings.toml. LANG does not matter.",
+)
+
+
+def needed_settings() -> "Settings":
+    """Return what the user has set for all sessions, and use their keys from now on.
+
+    Raises:
+        click.ClickException: the file cannot be used.
+    """
+    from arl_tui.language import change_keys
+    from arl_tui.settings import read_settings, settings_file
+
+    try:
+        settings = read_settings(settings_file())
+    except ValueError as error:
+        raise click.ClickException(str(error)) from error
+    change_keys(settings.changed_keys)
+    return settings
 
 
 _DEFAULT_SHOWN = f"${VARIABLE}/recordings, else arl/recordings in the user's data folder"

@@ -1,20 +1,27 @@
-"""What a press says, in words of participants: for every screen that names it."""
+"""What a press says, in words of participants and their language: for every screen that names it."""
 
 from collections.abc import Mapping
 
+from arl_tui.language import later, tr
 from core.feedback.keys import KeyConfig
 
-_WORDS = {2.0: "very good", 1.0: "good", 0.0: "neither", -1.0: "bad", -2.0: "very bad"}
+_WORDS = {
+    2.0: later("very good"),
+    1.0: later("good"),
+    0.0: later("neither"),
+    -1.0: later("bad"),
+    -2.0: later("very bad"),
+}
 _SIGNS = {2.0: "++", 1.0: "+", 0.0: "0", -1.0: "-", -2.0: "--"}
 
 
 def word_of(value: float) -> str:
     """Return what a press of this value says: "good"; "good (3)" for one that no key here says."""
-    return _WORDS.get(value, f"{kind_of(value)} ({value:g})")
+    return tr(_WORDS[value]) if value in _WORDS else f"{tr(kind_of(value))} ({value:g})"
 
 
 def kind_of(value: float) -> str:
-    """Return "good", "bad" or "neither"."""
+    """Return "good", "bad" or "neither": the kind, in English whatever the language."""
     return "good" if value > 0 else "bad" if value < 0 else "neither"
 
 
@@ -25,7 +32,7 @@ def short_words(keys: KeyConfig) -> list[tuple[str, str]]:
     """
     if keys.graded:
         return [(key, _SIGNS[value]) for key, value in keys.meanings.items()]
-    return [(keys.good, "good"), (keys.bad, "bad")]
+    return [(keys.good, tr("good")), (keys.bad, tr("bad"))]
 
 
 def told(said: Mapping[float, int], keys: KeyConfig) -> str:

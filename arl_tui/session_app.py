@@ -19,6 +19,7 @@ from arl_tui.app.once import after
 from arl_tui.app.outcome import SessionControls, SessionOutcome
 from arl_tui.games.pace import pace_facts, pace_warning
 from arl_tui.games.registry import words_of
+from arl_tui.language import changed_keys
 from arl_tui.palette import palette_for
 from arl_tui.recordings import create_new, rescue, rescue_whole
 from arl_tui.screens.closing import ClosingScreen
@@ -94,7 +95,9 @@ class ArlApp(SessionControls):
         self._clock = clock or MonotonicClock()
         self._flush_clock = FlushClock(self._clock)
         screen = setup.protocol.screen
-        super().__init__(driver_class=stamped_driver(self._flush_clock), theme=screen.theme)
+        super().__init__(
+            driver_class=stamped_driver(self._flush_clock), theme=screen.theme, language=screen.language
+        )
         self.setup = setup
         self.live = LiveSession(
             keys=setup.protocol.keys_of_people,
@@ -220,6 +223,8 @@ class ArlApp(SessionControls):
         if self.theme_name != "dark":
             terminal = terminal | {"theme": self.theme_name}
         protocol = self.setup.protocol
+        if changed_keys():
+            terminal["own_keys"] = ", ".join(f"{name} {key}" for name, key in changed_keys().items())
         return Header(
             origin="live",
             created_utc=created_utc,

@@ -2,12 +2,13 @@
 
 from dataclasses import dataclass
 
+from arl_tui.language import bold_cap, later, tr, trn
 from studies.reaction_time.protocol import NO, YES
 
 
 @dataclass(frozen=True, slots=True)
 class Words:
-    """The words of one game."""
+    """The words of one game in English, marked with `later`; whoever shows one of them translates it."""
 
     heading: str
     """Title of the first screen."""
@@ -22,23 +23,30 @@ class Words:
     performance: str
     """What is counted, as a label before figures."""
     units: tuple[str, str]
-    """Unit of what is counted, for one and for several."""
+    """Unit of what is counted, for one and for several, marked with `later_n`."""
     steps: str
     """What the steps of a game are, in the plural."""
     step: str
     """The same for one."""
-    question: str = "What should the computer do now?"
+    question: str = later("What should the computer do now?")
     """What the agent asks when it offers options; at most 31 characters."""
 
     def told(self, performance: float) -> str:
         """Return a performance with its unit."""
         figure = f"{performance:.4g}"
-        return f"{figure} {self.units[0] if figure == '1' else self.units[1]}"
+        return f"{figure} {trn(*self.units, 1 if figure == '1' else 2)}"
+
+    @property
+    def unit(self) -> str:
+        """The unit of several, in the language in use."""
+        return trn(*self.units, 2)
 
 
 @dataclass(frozen=True, slots=True)
 class JudgingWords:
-    """What participants are told of a game in the feedback-lag task, in markup."""
+    """What participants are told of a game in the feedback-lag task, in English, in markup, marked with
+    `later`. `{no}` and `{yes}` stand for the keys.
+    """
 
     instruction: str
     """What is seen, and which key says what."""
@@ -46,9 +54,6 @@ class JudgingWords:
     """Which key says what, in two lines."""
 
 
-_KEYS = {"space": "Space", NO: NO.upper(), YES: YES.upper()}
-
-
-def cap(key: str) -> str:
-    """Return a key as it is printed on the keyboard, in markup."""
-    return f"[reverse b] {_KEYS.get(key, key)} [/]"
+def judging_text(text: str) -> str:
+    """Return a text about the tasks of a calibration with its keys, in the language in use."""
+    return tr(text, no=bold_cap(NO), yes=bold_cap(YES), space=bold_cap("space"))

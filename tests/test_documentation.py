@@ -201,7 +201,13 @@ def test_a_piece_of_an_example_is_in_it():
     pieces = [(block, found[1]) for block in BLOCKS if (found := PIECE.match(block.not_run))]
     assert len(pieces) >= 2
     for block, program in pieces:
-        assert block.text in (REPOSITORY / program).read_text(encoding="utf-8"), block.where
+        source = (REPOSITORY / program).read_text(encoding="utf-8")
+        assert without_margins(block.text) in without_margins(source), block.where
+
+
+def without_margins(text: str) -> str:
+    """Return the lines that are not empty, without what they are indented by."""
+    return "\n".join(line.strip() for line in text.splitlines() if line.strip())
 
 
 # --- names, links, indexes ----------------------------------------------------------------------------------

@@ -2,8 +2,11 @@
 
 import os
 
+from arl_tui.language import later, tr
 from core.feedback.layouts import alphabet_of
 
+ALPHABETS = (later("Cyrillic"), later("Greek"), later("Hebrew"), later("Arabic"), later("Fullwidth"))
+"""Those whose keyboards are most frequent; another one has the name that Unicode gives it."""
 UNSURE = ("slash", "semicolon")
 """What the key of q sends under Hebrew and Greek: it may also be meant as it stands."""
 
@@ -25,11 +28,15 @@ class ForeignKeys:
         self._unsure = self._unsure + 1 if key in UNSURE and not read else 0
         if not alphabet and self._unsure != 2:
             return None
-        letters = f"{alphabet} letters" if alphabet else "other letters"
-        return f"Is your keyboard set to {letters}? Change it to English (Latin) letters"
+        if not alphabet:
+            return tr("Is your keyboard set to other letters? Change it to English (Latin) letters")
+        return tr(
+            "Is your keyboard set to {alphabet} letters? Change it to English (Latin) letters",
+            alphabet=tr(alphabet),
+        )
 
 
-def language() -> str:
+def language_of_environment() -> str:
     """Return the language of this environment by ISO 639, as "bg"; "" where it is not said."""
     named = next((value for name in ("LC_ALL", "LC_CTYPE", "LANG") if (value := os.environ.get(name))), "")
     code = named.partition(".")[0].partition("_")[0]

@@ -10,16 +10,20 @@ import signal
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any, NoReturn, TypeVar
+from typing import Any, ClassVar, NoReturn, TypeVar
 
 from textual import events
 from textual.app import App
+from textual.binding import BindingType
 from textual.driver import Driver
 
 from arl_tui.app.driver import own_driver
-from arl_tui.app.foreign_keys import ForeignKeys, language
+from arl_tui.app.foreign_keys import ForeignKeys, language_of_environment
+from arl_tui.app.key_help import HELP, KeyHelp
 from arl_tui.app.terminal_guard import QUIET, TerminalGuard
 from arl_tui.app.theme_colours import THEMES
+from arl_tui.language import tr, use
+from arl_tui.own_keys import keymap
 from arl_tui.themes import theme_in_use
 from core.feedback.layouts import KeyReader
 
@@ -31,23 +35,29 @@ ENDING_SIGNALS = ("SIGHUP", "SIGINT", "SIGTERM")
 class PlainApp(App[Result], inherit_bindings=False):
     """An app that shows what it is told to, and hears of every change of the window's size."""
 
+    BINDINGS: ClassVar[list[BindingType]] = [HELP]
     ENABLE_COMMAND_PALETTE = False
     ALLOW_SELECT = False
     AUTO_FOCUS = None
 
-    def __init__(self, driver_class: type[Driver] | None = None, *, theme: str = "dark") -> None:
+    def __init__(
+        self, driver_class: type[Driver] | None = None, *, theme: str = "dark", language: str = "en"
+    ) -> None:
         """Prepare.
 
         Args:
             driver_class: that of all apps by default.
             theme: of the pages (`arl_tui.themes`), unless the environment names another.
+            language: of all words that this app shows (`arl_tui.language.LANGUAGES`).
         """
         trust_the_terminal()
+        use(language)
         no_color = os.environ.get("NO_COLOR")
-        self.reader = KeyReader(language())
+        self.reader = KeyReader(language_of_environment())
         """Finds the Latin letter on a key where the keyboard is set to another alphabet."""
         self._foreign_keys = ForeignKeys()
         super().__init__(driver_class=driver_class or own_driver())
+        self.set_keymap(keymap())
         if no_color is not None:
             os.environ["NO_COLOR"] = no_color  # Textual takes it away, and a study's next app needs it
         for each in THEMES.values():
@@ -129,6 +139,11 @@ class PlainApp(App[Result], inherit_bindings=False):
             self._guard.tell(QUIET)
             os._exit(128 + (self.ended_by or signal.SIGTERM))
 
+    def action_page_help(self) -> None:
+        """Say what the keys of this page do."""
+        if self.screen_stack and not isinstance(self.screen, KeyHelp):
+            self.push_screen(KeyHelp(self.screen))
+
     # --- size -----------------------------------------------------------------------------------------------
 
     async def on_event(self, event: events.Event) -> None:
@@ -149,7 +164,7 @@ class PlainApp(App[Result], inherit_bindings=False):
 
     def tell_about_keys(self, advice: str) -> None:
         """Show advice about the keyboard over the page; an app with a game may show it beside that."""
-        self.notify(advice, title="Keyboard", severity="warning", timeout=8.0)
+        self.notify(advice, title=tr("Keyboard"), severity="warning", timeout=8.0)
 
     def on_resize(self, event: events.Resize) -> None:
         """Tell the screen of its size.

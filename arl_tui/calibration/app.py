@@ -24,11 +24,13 @@ from arl_tui.calibration.pages import (
     page_before,
 )
 from arl_tui.calibration.plan import PLANNED, CalibrationSetup, Part, new_parts, unfinished
+from arl_tui.calibration.texts import key_reminder
 from arl_tui.calibration.trial_screen import SMALLEST, TrialScreen
 from arl_tui.calibration.trial_store import TrialStore
 from arl_tui.calibration.views import BoxView
 from arl_tui.games.registry import screens_called
 from arl_tui.games.trial_view import TrialView
+from arl_tui.language import later
 from arl_tui.palette import palette_for
 from arl_tui.screens.covers import SmallWindowScreen, fits_into
 from arl_tui.screens.page import PageScreen
@@ -81,7 +83,7 @@ class CalibrationApp(PlainApp[CalibrationOutcome]):
         """
         self._clock = clock or MonotonicClock()
         self._flush_clock = FlushClock(self._clock)
-        super().__init__(driver_class=stamped_driver(self._flush_clock), theme=theme)
+        super().__init__(driver_class=stamped_driver(self._flush_clock), theme=theme, language=setup.language)
         self._setup = setup
         self._helper = helper
         self._timing = timing
@@ -228,7 +230,7 @@ class CalibrationApp(PlainApp[CalibrationOutcome]):
             )
             self._garbage.first_paint()
             if not await self.push_screen_wait(screen) and (
-                self._stopping or not await self._ask(PausePage())
+                self._stopping or not await self._ask(PausePage(key_reminder(schedule.config)))
             ):
                 return False
             view = view.renewed()
@@ -242,7 +244,7 @@ class CalibrationApp(PlainApp[CalibrationOutcome]):
         answer = await self._wait_for(
             screens_called(schedule.config.game).judging_module,
             schedule,
-            WaitingPage("Getting ready", "The game is being prepared: some seconds."),
+            WaitingPage(later("Getting ready"), later("The game is being prepared: some seconds.")),
         )
         if answer is None:
             return None
@@ -280,6 +282,8 @@ class CalibrationApp(PlainApp[CalibrationOutcome]):
         found |= timing_facts(self._setup.recordings, terminal, wall_time_utc())
         name, resolution_ns = facts.clock_facts()
         found |= {"clock": name, "clock_resolution_ns": str(resolution_ns), PLANNED: self._setup.planned}
+        if self._setup.language != "en":
+            found["language"] = self._setup.language
         if self._setup.hindrances:
             found["hindrances"] = " and ".join(self._setup.hindrances)
         return found
@@ -305,7 +309,7 @@ class CalibrationApp(PlainApp[CalibrationOutcome]):
             participant=self._setup.participant,
             files=tuple(str(path) for path in self._store.complete),
         )
-        page = WaitingPage("That was it", "Your times are being worked out ...")
+        page = WaitingPage(later("That was it"), later("Your times are being worked out ..."))
         try:
             answer = await self._wait_for("arl_tui.calibration.fitting", order, page)
         except HelperError as error:

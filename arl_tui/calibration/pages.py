@@ -11,8 +11,10 @@ from textual.widgets import Static
 from arl_tui.calibration.fitting import Fitted
 from arl_tui.calibration.plan import Part, Unfinished, minutes_left
 from arl_tui.calibration.texts import SOMETIMES_NOTHING, TITLES, instruction
+from arl_tui.language import later, tr, trn
 from arl_tui.participants import FEEDBACK_LAG, SIMPLE, TaskDelay
 from arl_tui.screens.page import PageScreen
+from arl_tui.words import judging_text
 from studies.reaction_time.protocol import BlockPlan, Schedule
 
 ENTER_OR_STOP: list[BindingType] = [
@@ -25,7 +27,8 @@ class Reading(PageScreen):
     """A page that is left with yes or no."""
 
     BINDINGS: ClassVar[list[BindingType]] = ENTER_OR_STOP
-    CALL = "Press [reverse] Enter [/] to go on, [reverse] Q [/] to stop"
+    CALL = later("Press {key_enter} to go on, {key_stop} to stop")
+    """In English, marked with `later`."""
 
     def paragraphs(self) -> Iterable[str]:
         """Return the text, in markup."""
@@ -34,7 +37,7 @@ class Reading(PageScreen):
     def body(self) -> Iterable[Widget]:
         """Return the text and what can be pressed."""
         yield Static("\n\n".join(self.paragraphs()))
-        yield Static(self.CALL, classes="call")
+        yield Static(tr(self.CALL), classes="call")
 
     def action_answer(self, yes: bool) -> None:
         """Leave with the answer."""
@@ -44,8 +47,8 @@ class Reading(PageScreen):
 class HindrancePage(Reading, inherit_bindings=False):
     """Something stands between keyboard and program: measuring needs an explicit yes."""
 
-    HEADING = "The times measured here may be wrong"
-    CALL = "Press [reverse] Y [/] to measure all the same, [reverse] Q [/] to leave"
+    HEADING = later("The times measured here may be wrong")
+    CALL = later("Press {key_yes} to measure all the same, {key_stop} to leave")
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("y", "answer(True)", "Measure", id="hindrance.yes", tooltip="Measure all the same"),
         Binding("n,q,ctrl+q,ctrl+c", "answer(False)", "Leave", id="hindrance.no", tooltip="Leave"),
@@ -57,19 +60,20 @@ class HindrancePage(Reading, inherit_bindings=False):
 
     def paragraphs(self) -> Iterable[str]:
         """Return what stands in between, and what that does."""
-        yield "Between your keyboard and this program there is [b]" + " and ".join(self._hindrances) + "[/]."
-        yield (
+        between = tr(" and ").join(tr(each) for each in self._hindrances)
+        yield tr("Between your keyboard and this program there is [b]{between}[/].", between=between)
+        yield tr(
             "It holds pictures and key presses up by an unknown time, which can differ from press to press. "
             "For a measurement open a terminal on this computer itself and run the command there."
         )
-        yield "If you go on, this is written down with the measurement."
+        yield tr("If you go on, this is written down with the measurement.")
 
 
 class OldSessionPage(Reading, inherit_bindings=False):
     """A half session of another day."""
 
-    HEADING = "An unfinished session"
-    CALL = "Press [reverse] N [/] to begin a new one, [reverse] C [/] to continue the old one"
+    HEADING = later("An unfinished session")
+    CALL = later("Press {key_new} to begin a new one, {key_continue} to continue the old one")
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("c", "answer(True)", "Continue", id="old.continue", tooltip="Continue the old session"),
         Binding("n,enter", "answer(False)", "New", id="old.new", tooltip="Begin a new session"),
@@ -83,16 +87,19 @@ class OldSessionPage(Reading, inherit_bindings=False):
         """Return how old it is and how far it got."""
         done = sum(len(part.done) for part in self._old.parts)
         total = sum(len(part.schedule.trials) for part in self._old.parts)
-        yield (
-            f"This participant stopped [b]{self._old.age_h:.0f} hours ago[/] after {done} of {total} trials. "
-            "Another day is another measurement, so a new session is better. The old one is kept in any case."
+        yield tr(
+            "This participant stopped [b]{hours:.0f} hours ago[/] after {done} of {total} trials. Another "
+            "day is another measurement, so a new session is better. The old one is kept in any case.",
+            hours=self._old.age_h,
+            done=done,
+            total=total,
         )
 
 
 class WelcomePage(Reading):
     """What will happen."""
 
-    HEADING = "How fast do you react?"
+    HEADING = later("How fast do you react?")
 
     def __init__(self, parts: Sequence[Part], participant: str, *, resumed: bool) -> None:
         super().__init__()
@@ -103,22 +110,23 @@ class WelcomePage(Reading):
     def paragraphs(self) -> Iterable[str]:
         """Return the explanation."""
         if self._resumed:
-            yield "[b]Welcome back.[/] We go on where you stopped."
+            yield tr("[b]Welcome back.[/] We go on where you stopped.")
         n, minutes = len(self._parts), max(1, round(minutes_left(self._parts)))
-        tasks = "one short task" if n == 1 else f"{n} short tasks"
-        titles = ", ".join(TITLES[part.schedule.config.task] for part in self._parts)
-        length = "a minute" if minutes == 1 else f"{minutes} minutes"
-        yield (
-            f"You will do {tasks} ({titles}), together about [b]{length}[/], with breaks. "
-            "Each begins with an explanation and some practice."
+        yield tr(
+            "You will do {tasks} ({titles}), together about [b]{length}[/], with breaks. "
+            "Each begins with an explanation and some practice.",
+            tasks=trn("one short task", "{n} short tasks", n),
+            titles=", ".join(tr(TITLES[part.schedule.config.task]) for part in self._parts),
+            length=trn("a minute", "{n} minutes", minutes),
         )
-        yield (
-            "Sit comfortably, look at the middle of the screen, and leave your fingers on [reverse b] F [/], "
-            "[reverse b] J [/] and [reverse b] Space [/]. Press a key once and let it go at once."
+        yield judging_text(
+            "Sit comfortably, look at the middle of the screen, and leave your fingers on {no}, {yes} and "
+            "{space}. Press a key once and let it go at once."
         )
-        yield (
+        yield tr(
             "[dim]Your key presses and their times are written to a file on this computer under the code[/] "
-            f"[b]{self._participant}[/][dim]. You can pause or stop at any time; what is done is kept.[/]"
+            "[b]{code}[/][dim]. You can pause or stop at any time; what is done is kept.[/]",
+            code=self._participant,
         )
 
 
@@ -137,16 +145,19 @@ class InstructionPage(Reading):
         config = self._schedule.config
         if self._block.practice:
             count = len(self._block.trials)
-            times = "once" if count == 1 else f"{count} times"
-            ending = f"First {times} for practice: you are told how you did."
+            ending = trn(
+                "First once for practice: you are told how you did.",
+                "First {n} times for practice: you are told how you did.",
+                count,
+            )
         elif self._resumed or not config.n_practice:
-            ending = "This counts: you are not told how you did."
+            ending = tr("This counts: you are not told how you did.")
         else:
-            yield "[b]Practice is over.[/] From now on it counts, and you are not told how you did."
+            yield tr("[b]Practice is over.[/] From now on it counts, and you are not told how you did.")
             ending = ""
         yield instruction(config)
         if config.catch_rate and config.task != "go/no-go":
-            yield SOMETIMES_NOTHING
+            yield tr(SOMETIMES_NOTHING)
         if ending:
             yield ending
 
@@ -154,7 +165,7 @@ class InstructionPage(Reading):
 class BreakPage(Reading):
     """A rest between two blocks."""
 
-    HEADING = "A break"
+    HEADING = later("A break")
 
     def __init__(self, done: int, total: int) -> None:
         super().__init__()
@@ -164,10 +175,12 @@ class BreakPage(Reading):
     def paragraphs(self) -> Iterable[str]:
         """Return how much is done."""
         filled = round(30 * self._done / self._total)
-        yield "Rest your eyes for a moment. Take as long as you like."
-        yield (
-            f"This task: [$primary]{'━' * filled}[/][dim]{'━' * (30 - filled)}[/] {self._done} of "
-            f"{self._total}"
+        yield tr("Rest your eyes for a moment. Take as long as you like.")
+        yield tr(
+            "This task: {bar} {done} of {all}",
+            bar=f"[$primary]{'━' * filled}[/][dim]{'━' * (30 - filled)}[/]",
+            done=self._done,
+            all=self._total,
         )
 
 
@@ -190,11 +203,18 @@ def page_before(schedule: Schedule, block: BlockPlan, n_done: int, *, fresh: boo
 class PausePage(Reading):
     """The participant has asked for a pause, in the middle of a trial."""
 
-    HEADING = "Pause"
+    HEADING = later("Pause")
+
+    def __init__(self, reminder: str = "") -> None:
+        """Prepare; `reminder` says which key means what, in the language in use."""
+        super().__init__()
+        self._reminder = reminder
 
     def paragraphs(self) -> Iterable[str]:
-        """Return what becomes of the trial."""
-        yield "Take as long as you like. The last one will come again; nothing else is lost if you stop."
+        """Return which key means what, and what becomes of the trial."""
+        if self._reminder:
+            yield self._reminder
+        yield tr("Take as long as you like. The last one will come again; nothing else is lost if you stop.")
 
 
 class WaitingPage(PageScreen):
@@ -211,7 +231,7 @@ class WaitingPage(PageScreen):
 
     def body(self) -> Iterable[Widget]:
         """Return the text."""
-        yield Static(self._text)
+        yield Static(tr(self._text))
 
     def action_give_up(self) -> None:
         """Leave without what was waited for."""
@@ -221,7 +241,7 @@ class WaitingPage(PageScreen):
 class SummaryPage(Reading, inherit_bindings=False):
     """How it went: each task's delay in plain words, and where everything is."""
 
-    CALL = "Press [reverse] Enter [/] to leave"
+    CALL = later("Press {key_enter} to leave")
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("enter,q,ctrl+q,ctrl+c", "answer(True)", "Leave", id="summary.leave", tooltip="Leave")
     ]
@@ -231,7 +251,7 @@ class SummaryPage(Reading, inherit_bindings=False):
         self._fitted = fitted
         self._finished = finished
         self._trouble = trouble
-        self.HEADING = "Thank you!" if trouble is None else "The session had to end early"
+        self.HEADING = later("Thank you!") if trouble is None else later("The session had to end early")
 
     def body(self) -> Iterable[Widget]:
         """Return what happened."""
@@ -242,28 +262,42 @@ class SummaryPage(Reading, inherit_bindings=False):
     def paragraphs(self) -> Iterable[str]:
         """Return the results."""
         if not self._finished:
-            yield "What you have done is kept. To go on within 12 hours, run the same command again."
+            yield tr("What you have done is kept. To go on within 12 hours, run the same command again.")
         for delay in self._fitted.delays:
             yield result_words(delay)
         tasks = {delay.task for delay in self._fitted.delays}
         if {SIMPLE, FEEDBACK_LAG} <= tasks:
-            yield "[dim]Reacting is not judging: the agent is taught with the delay of judging.[/]"
+            yield tr("[dim]Reacting is not judging: the agent is taught with the delay of judging.[/]")
         for task in self._fitted.failures:
-            yield f"[b]{title_of(task)}[/]: no result. The experimenter sees why."
+            yield tr("[b]{task}[/]: no result. The experimenter sees why.", task=title_of(task))
 
 
 def title_of(task: str) -> str:
     """Return what the participant knows a task as; `task` may be followed by a comma and more."""
     name, comma, more = task.partition(",")
-    titles = {"all": "All tasks"} | {str(known): title for known, title in TITLES.items()}
+    titles = {"all": tr("All tasks")} | {str(known): tr(title) for known, title in TITLES.items()}
     return f"{titles.get(name, name)}{comma}{more}"
 
 
 def result_words(delay: TaskDelay) -> str:
     """Return one task's result in plain words, in markup; warnings stand in the terminal only."""
     mean = delay.mean_s
-    told = (
-        f"[b]{TITLES[delay.task]}[/]: on average you took [b]{mean.estimate:.2f} s[/] (95 % sure: "
-        f"{mean.low:.2f} to {mean.high:.2f} s; {delay.n_observed} answers"
+    said = {
+        "task": tr(TITLES[delay.task]),
+        "mean": mean.estimate,
+        "low": mean.low,
+        "high": mean.high,
+        "answers": delay.n_observed,
+    }
+    if not delay.n_censored:
+        return tr(
+            "[b]{task}[/]: on average you took [b]{mean:.2f} s[/] (95 % sure: {low:.2f} to {high:.2f} s; "
+            "{answers} answers).",
+            **said,
+        )
+    return tr(
+        "[b]{task}[/]: on average you took [b]{mean:.2f} s[/] (95 % sure: {low:.2f} to {high:.2f} s; "
+        "{answers} answers, {missing} without one).",
+        missing=delay.n_censored,
+        **said,
     )
-    return told + (f", {delay.n_censored} without one)." if delay.n_censored else ").")

@@ -44,7 +44,9 @@ class CalibrationSetup:
     root_seed: int
     recordings: Path
     hindrances: tuple[str, ...] = ()
-    """What stands between keyboard and program, in words; measuring needs an explicit yes then."""
+    """What stands between keyboard and program, in English; measuring needs an explicit yes then."""
+    language: str = "en"
+    """Of the words on screen."""
 
     @property
     def planned(self) -> str:

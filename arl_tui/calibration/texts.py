@@ -1,44 +1,45 @@
 """What the participant is told, in plain words."""
 
 from arl_tui.games.registry import screens_called
-from arl_tui.words import cap
-from studies.reaction_time.protocol import NO, YES, Task, TaskConfig, TrialRecord
+from arl_tui.language import key_for, key_name, later, tr
+from arl_tui.words import judging_text
+from studies.reaction_time.protocol import Task, TaskConfig, TrialRecord
 
 TITLES: dict[Task, str] = {
-    "simple": "React",
-    "choice": "Left or right",
-    "go/no-go": "Press or hold back",
-    "memory search": "Was it there?",
-    "visual search": "Find the T",
-    "recognition": "Old or new word",
-    "feedback lag": "Judge the computer",
+    "simple": later("React"),
+    "choice": later("Left or right"),
+    "go/no-go": later("Press or hold back"),
+    "memory search": later("Was it there?"),
+    "visual search": later("Find the T"),
+    "recognition": later("Old or new word"),
+    "feedback lag": later("Judge the computer"),
 }
 INSTRUCTIONS: dict[Task, str] = {
-    "simple": (
+    "simple": later(
         "Look at the small cross. After a while a large [b]X[/] appears instead of it.\n\n"
-        f"Press {cap('space')} as soon as you see it."
+        "Press {space} as soon as you see it."
     ),
-    "choice": (
+    "choice": later(
         "Look at the small cross. After a while an arrow appears instead of it.\n\n"
-        f"Arrow to the left:  press {cap(NO)}\nArrow to the right: press {cap(YES)}"
+        "Arrow to the left:  press {no}\nArrow to the right: press {yes}"
     ),
-    "go/no-go": (
+    "go/no-go": later(
         "Look at the small cross. After a while a ring [b]O[/] or a cross [b]X[/] appears.\n\n"
-        f"Ring:  press {cap('space')} as soon as you see it\nCross: press nothing, and wait"
+        "Ring:  press {space} as soon as you see it\nCross: press nothing, and wait"
     ),
-    "memory search": (
+    "memory search": later(
         "You see a few letters, one after another: keep them in mind. Then a small cross, then one more "
         "letter.\n\n"
-        f"It was among them:     press {cap(YES)}\nIt was not among them: press {cap(NO)}"
+        "It was among them:     press {yes}\nIt was not among them: press {no}"
     ),
-    "visual search": (
+    "visual search": later(
         "After a small cross many letters appear, nearly all of them [b]L[/].\n\n"
-        f"There is a [b]T[/] among them: press {cap(YES)}\nThere is none:           press {cap(NO)}"
+        "There is a [b]T[/] among them: press {yes}\nThere is none:           press {no}"
     ),
-    "recognition": (
+    "recognition": later(
         "First you see a list of words, one after another: keep them in mind. Then words come one by one, "
-        f"each after a small cross.\n\nThe word was in the list:     press {cap(YES)}\n"
-        f"The word was not in the list: press {cap(NO)}"
+        "each after a small cross.\n\nThe word was in the list:     press {yes}\n"
+        "The word was not in the list: press {no}"
     ),
 }
 
@@ -46,54 +47,65 @@ INSTRUCTIONS: dict[Task, str] = {
 def instruction(config: TaskConfig) -> str:
     """Return how a task goes, in markup."""
     if config.task == "feedback lag":
-        return screens_called(config.game).judging.instruction
-    return INSTRUCTIONS[config.task]
+        return judging_text(screens_called(config.game).judging.instruction)
+    return judging_text(INSTRUCTIONS[config.task])
 
 
 def key_reminder(config: TaskConfig) -> str:
     """Return which key says what, in markup."""
     if config.task == "feedback lag":
-        return screens_called(config.game).judging.reminder
-    return KEY_REMINDERS[config.task]
+        return judging_text(screens_called(config.game).judging.reminder)
+    return judging_text(KEY_REMINDERS[config.task])
 
 
-SOMETIMES_NOTHING = (
+SOMETIMES_NOTHING = later(
     "Be quick, but wait until you really see something: [b]now and then nothing comes[/], and then nothing "
     "is to be pressed."
 )
 KEY_REMINDERS: dict[Task, str] = {
-    "simple": f"{cap('space')} when you see X",
-    "choice": f"{cap(NO)} left    {cap(YES)} right",
-    "go/no-go": f"{cap('space')} at O    nothing at X",
-    "memory search": f"{cap(NO)} not among them    {cap(YES)} among them",
-    "visual search": f"{cap(NO)} no T    {cap(YES)} a T",
-    "recognition": f"{cap(NO)} new    {cap(YES)} in the list",
+    "simple": later("{space} when you see X"),
+    "choice": later("{no} left    {yes} right"),
+    "go/no-go": later("{space} at O    nothing at X"),
+    "memory search": later("{no} not among them    {yes} among them"),
+    "visual search": later("{no} no T    {yes} a T"),
+    "recognition": later("{no} new    {yes} in the list"),
 }
-SESSION_KEYS = "[b]P[/] pause   [b]Q[/] stop"
-LET_GO = "Please let go of the key."
+LET_GO = later("Please let go of the key.")
+
+
+def session_keys() -> str:
+    """Return the keys that interrupt the trials, in markup."""
+    pause, stop = (f"[b]{key_name(key_for(action))}[/]" for action in ("pause", "stop"))
+    return f"{pause} {tr('pause')}   {stop} {tr('stop')}"
 
 
 def practice_word(record: TrialRecord) -> str:
     """Return what the participant is told after a practice trial, in markup."""
     if not record.expected_keys:
         if record.key is None:
-            return "[$text-success]Right: nothing was to be pressed.[/]"
-        shown = "Nothing had come" if record.catch else "This was the one to hold back at"
-        return f"[$text-warning]{shown}: wait next time.[/]"
+            return f"[$text-success]{tr('Right: nothing was to be pressed.')}[/]"
+        if record.catch:
+            return warned(tr("Nothing had come: wait next time."))
+        return warned(tr("This was the one to hold back at: wait next time."))
     if record.early_presses and record.status != "ok":
-        return "[$text-warning]Too early: wait until you see it.[/]"
+        return warned(tr("Too early: wait until you see it."))
     match record.status:
         case "ok":
             assert record.rt_s is not None
-            return f"[$text-success]{record.rt_s * 1000:.0f} thousandths of a second[/]"
+            took = tr("{ms:.0f} thousandths of a second", ms=record.rt_s * 1000)
+            return f"[$text-success]{took}[/]"
         case "anticipation":
-            return "[$text-warning]Too early: wait until you see it.[/]"
+            return warned(tr("Too early: wait until you see it."))
         case "time-out":
-            return "[$text-warning]Too slow.[/]"
+            return warned(tr("Too slow."))
         case "wrong key":
-            other = (
-                "Most people would say the opposite." if record.task == "feedback lag" else "The other key."
-            )
-            return f"[$text-warning]{other}[/]"
+            if record.task == "feedback lag":
+                return warned(tr("Most people would say the opposite."))
+            return warned(tr("The other key."))
         case "repeat":
-            return f"[$text-warning]{LET_GO}[/]"
+            return warned(tr(LET_GO))
+
+
+def warned(text: str) -> str:
+    """Return a text as what went wrong in a practice trial, in markup."""
+    return f"[$text-warning]{text}[/]"

@@ -17,8 +17,9 @@ from textual.screen import Screen
 from textual.widgets import Static
 
 from arl_tui.app.garbage import GarbageControl
-from arl_tui.calibration.texts import LET_GO, SESSION_KEYS, key_reminder, practice_word
+from arl_tui.calibration.texts import LET_GO, key_reminder, practice_word, session_keys
 from arl_tui.games.trial_view import TrialView
+from arl_tui.language import tr
 from arl_tui.screens.covers import fits_into
 from core.numerics.clock import NS_PER_S, Clock, seconds
 from studies.reaction_time.protocol import BlockPlan, Schedule, TrialPlan, TrialRecord
@@ -40,7 +41,8 @@ class TrialScreen(Screen[bool], inherit_bindings=False):
     AUTO_FOCUS = None
     ALLOW_SELECT = False
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("p,q,ctrl+q,ctrl+c", "interrupt", "Pause", id="trial.pause", tooltip="Pause, or stop"),
+        # Help comes on the page that says that the trial waits.
+        Binding("p,q,f1,ctrl+q,ctrl+c", "interrupt", "Pause", id="trial.pause", tooltip="Pause, or stop"),
     ]
     DEFAULT_CSS = """
     TrialScreen { align: center middle; }
@@ -101,7 +103,7 @@ class TrialScreen(Screen[bool], inherit_bindings=False):
         """Lay out stimulus, one line of words, and the keys."""
         task = self._schedule.config.task
         reminder = Static(key_reminder(self._schedule.config), id="reminder")
-        session = Static(SESSION_KEYS, id="session")
+        session = Static(session_keys(), id="session")
         if task == "feedback lag":
             with Horizontal(id="trial", classes="game"):
                 yield self._view.widget
@@ -205,7 +207,7 @@ class TrialScreen(Screen[bool], inherit_bindings=False):
                 presented_ns = now_ns
             elif action.kind == "release keys":
                 self._view.wait(plan, 0)
-                self._word.update(LET_GO if seconds(now_ns - begun_ns) > PATIENCE_S else "")
+                self._word.update(tr(LET_GO) if seconds(now_ns - begun_ns) > PATIENCE_S else "")
             due_ns = action.until_ns
             if trial.phase == "foreperiod" or (plan.catch and trial.phase == "shown"):
                 if started_ns is None:
@@ -267,9 +269,11 @@ class TrialScreen(Screen[bool], inherit_bindings=False):
     def _tell_progress(self, plan: TrialPlan) -> None:
         if self._block.practice:
             position = self._block.trials.index(plan) + 1
-            self._progress.update(f"Practice: {position} of {len(self._block.trials)}")
+            self._progress.update(
+                tr("Practice: {position} of {trials}", position=position, trials=len(self._block.trials))
+            )
             return
         scored = [
             trial.index for block in self._schedule.blocks if not block.practice for trial in block.trials
         ]
-        self._progress.update(f"{scored.index(plan.index) + 1} of {len(scored)}")
+        self._progress.update(tr("{done} of {all}", done=scored.index(plan.index) + 1, all=len(scored)))

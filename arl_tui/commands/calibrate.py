@@ -5,14 +5,16 @@ import secrets
 import shlex
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from arl_tui.command_line import say
-from arl_tui.commands.play import need_terminal, read_protocol
+from arl_tui.commands.play import in_language, need_terminal, read_protocol
 from arl_tui.drawing_rate import FRAMES_PER_S
+from arl_tui.language import later
 from arl_tui.recordings import CALIBRATION_FOLDER
 
 if TYPE_CHECKING:
@@ -21,9 +23,9 @@ if TYPE_CHECKING:
     from studies.reaction_time.protocol import TaskConfig
 
 HINDRANCES = {
-    "ssh": "a network connection (SSH)",
-    "tmux": "a terminal multiplexer (tmux)",
-    "screen": "a terminal multiplexer (screen)",
+    "ssh": later("a network connection (SSH)"),
+    "tmux": later("a terminal multiplexer (tmux)"),
+    "screen": later("a terminal multiplexer (screen)"),
 }
 
 
@@ -39,6 +41,7 @@ def run_calibration(
     refit: bool = False,
     game: str = "tetris",
     protocol: Path | None = None,
+    language: str | None = None,
 ) -> None:
     """Run the tasks in this terminal, print what they would be, or fit what has been measured."""
     from arl_tui.calibration.plan import CalibrationSetup, configure, new_parts, task_names
@@ -71,7 +74,8 @@ def run_calibration(
     check_files(setup.recordings, participant)
     from arl_tui.calibration.app import CalibrationApp
 
-    app = CalibrationApp(setup)
+    sessions = in_language(sessions, language, written=protocol is not None)
+    app = CalibrationApp(replace(setup, language=sessions.screen.language))
     outcome = app.run_in_terminal()
     if app.ended_by is not None:
         raise SystemExit(128 + app.ended_by)

@@ -4,7 +4,15 @@ from pathlib import Path
 
 import click
 
-from arl_tui.command_line import FILE, GAMES, pseudonym, recordings_option, seed_option, theme_option
+from arl_tui.command_line import (
+    FILE,
+    GAMES,
+    language_option,
+    pseudonym,
+    recordings_option,
+    seed_option,
+    theme_option,
+)
 
 
 @click.command(short_help="Measure how long a participant takes to react and to judge.")
@@ -19,6 +27,7 @@ from arl_tui.command_line import FILE, GAMES, pseudonym, recordings_option, seed
 @click.option("--trials", type=click.IntRange(1), help="Scored trials per task; 40 by default.")
 @click.option("--practice", type=click.IntRange(0), help="Practice trials per task; 8 by default.")
 @seed_option
+@language_option
 @recordings_option(to_write=True)
 @click.option("--dry-run", is_flag=True, help="Print every trial as it would be run, and stop.")
 @click.option(
@@ -45,6 +54,7 @@ def calibrate(
     trials: int | None,
     practice: int | None,
     seed: int | None,
+    language: str | None,
     recordings: Path,
     dry_run: bool,
     game: str,
@@ -68,4 +78,5 @@ def calibrate(
         refit=refit,
         game=game,
         protocol=protocol,
+        language=language,
     )

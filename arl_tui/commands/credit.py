@@ -151,6 +151,12 @@ def with_credit(protocol: Protocol, choice: CreditChoice) -> Protocol:
     return msgspec.structs.replace(protocol, agent=agent, delay_of="rule")
 
 
+def credited_alike(protocol: Protocol) -> Protocol:
+    """Return the protocol with one credit rule for everybody at the keyboard: `agent.credit.delay`."""
+    people = tuple(msgspec.structs.replace(person, delay=None) for person in protocol.people)
+    return msgspec.structs.replace(protocol, people=people)
+
+
 def what_if_delays(texts: Sequence[str], recording: Recording, protocol: Protocol) -> dict[Delay, str]:
     """Return the credit rules of a what-if, each with where it comes from in words; print those of
     participants.

@@ -10,7 +10,7 @@ import click
 from arl_tui.app import facts
 from arl_tui.command_line import say
 from arl_tui.commands.exact import read_or_stop, run_again
-from arl_tui.commands.play import run_live
+from arl_tui.commands.play import in_language, run_live
 from arl_tui.games.registry import screens_called, words_of
 from arl_tui.recordings import create_new
 from core.feedback.config import TrainerConfig
@@ -31,7 +31,9 @@ def demo_protocol(game: str, participant: TrainerConfig | None = None) -> Protoc
     return screens_called(game).demo(participant)
 
 
-def run_demo(game: str, *, person_name: str | None, seed: int | None, recordings: Path) -> None:
+def run_demo(
+    game: str, *, person_name: str | None, seed: int | None, recordings: Path, language: str | None = None
+) -> None:
     """Show the whole path; in a terminal on screen, elsewhere as fast as the machine can."""
     try:
         protocol = demo_protocol(game, person(person_name) if person_name else None)
@@ -39,6 +41,7 @@ def run_demo(game: str, *, person_name: str | None, seed: int | None, recordings
         raise click.BadParameter(str(error), param_hint="--person") from error
     root_seed = secrets.randbits(63) if seed is None else seed
     if sys.stdin.isatty() and sys.stdout.isatty():
+        protocol = in_language(protocol, language, written=False)
         outcome = run_live(
             protocol, participant=PARTICIPANT, seed=root_seed, recordings=recordings, simulated=True
         )

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from arl_tui.command_line import GAMES, recordings_option, seed_option, theme_option
+from arl_tui.command_line import GAMES, language_option, recordings_option, seed_option, theme_option
 
 
 @click.command(short_help="See the whole path in a minute: watch, press, record, replay.")
@@ -17,13 +17,14 @@ from arl_tui.command_line import GAMES, recordings_option, seed_option, theme_op
     "slow, tiring or leaves.",
 )
 @seed_option
+@language_option
 @recordings_option(to_write=True)
 @theme_option
-def demo(game: str, person: str | None, seed: int | None, recordings: Path) -> None:
+def demo(game: str, person: str | None, seed: int | None, language: str | None, recordings: Path) -> None:
     """Show the whole path in about a minute: watch, press, record, replay, summary.
 
     A simulated participant presses keys; you may press, too. Without a terminal the same happens unseen.
     """
     from arl_tui.commands.demo import run_demo
 
-    run_demo(game, person_name=person, seed=seed, recordings=recordings)
+    run_demo(game, person_name=person, seed=seed, recordings=recordings, language=language)

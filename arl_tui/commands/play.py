@@ -11,8 +11,10 @@ from typing import TYPE_CHECKING
 import click
 import msgspec
 
-from arl_tui.command_line import say
+from arl_tui.command_line import needed_settings, say
 from arl_tui.drawing_rate import FRAMES_PER_S
+from arl_tui.own_keys import clash_with_feedback
+from arl_tui.settings import settings_file
 from arl_tui.signing import NoKey, signer_in_use
 from core.session.practice import practice_of
 from core.session.protocol import Protocol
@@ -33,11 +35,12 @@ def play_session(
     episodes: int | None,
     recordings: Path,
     credit: str | None = None,
+    language: str | None = None,
     practice: bool = False,
 ) -> None:
     """Run a live session in this terminal and say where its recording is; a practice before it if wanted."""
     need_terminal("arl play", instead="arl demo")
-    chosen = read_protocol(protocol, game)
+    chosen = in_language(read_protocol(protocol, game), language, written=protocol is not None)
     if episodes is not None:
         chosen = with_episodes(chosen, episodes)
     if chosen.others and not chosen.people:
@@ -80,9 +83,10 @@ def practised(protocol: Protocol, *, participant: str, seed: int | None, recordi
 
 
 def need_terminal(command: str, *, instead: str) -> None:
-    """Stop with a message where keys cannot be read or pictures not be shown."""
+    """Stop with a message where keys cannot be read or pictures not be shown; take the user's keys over."""
     if not (sys.stdin.isatty() and sys.stdout.isatty()):
         raise click.ClickException(f"{command} needs a terminal to draw in and a keyboard; try `{instead}`")
+    needed_settings()
 
 
 def read_protocol(path: Path | None, game: str | None = None) -> Protocol:
@@ -102,6 +106,30 @@ def read_protocol(path: Path | None, game: str | None = None) -> Protocol:
             f"[domain] type"
         )
     return protocol
+
+
+def in_language(protocol: Protocol, language: str | None, *, written: bool) -> Protocol:
+    """Return the protocol with the language of its screens.
+
+    Args:
+        protocol: as it is so far.
+        language: as asked for on the command line; None: nothing was.
+        written: the protocol comes from a file, which says the language for everybody.
+    """
+    if language is None:
+        if written:
+            return protocol
+        language = needed_settings().language
+    screen = msgspec.structs.replace(protocol.screen, language=language)
+    return msgspec.structs.replace(protocol, screen=screen)
+
+
+def refuse_clash(protocol: Protocol) -> None:
+    """Stop with a message where a key that the user has set for the program is one for feedback."""
+    letters = {letter for keys in protocol.keys_of_people for letter in keys.letters}
+    reason = clash_with_feedback(needed_settings().changed_keys, letters)
+    if reason:
+        raise click.ClickException(f"{settings_file()}: {reason}")
 
 
 def with_episodes(protocol: Protocol, episodes: int) -> Protocol:
@@ -175,6 +203,7 @@ def live_app(
         part: where in a visit the session is, in words ("Block 2 of 3").
         on_gone: called where the window is closed and this process is about to end.
     """
+    refuse_clash(protocol)
     try:
         signer_in_use()
     except NoKey as error:

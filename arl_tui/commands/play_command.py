@@ -6,6 +6,7 @@ import click
 
 from arl_tui.command_line import (
     GAMES,
+    language_option,
     protocol_option,
     pseudonym,
     recordings_option,
@@ -45,6 +46,7 @@ from arl_tui.command_line import (
     "file; the "
     "rest of the session is recorded beside it.",
 )
+@language_option
 @recordings_option(to_write=True)
 @theme_option
 @click.pass_context
@@ -58,6 +60,7 @@ def play(
     episodes: int | None,
     credit: str | None,
     resume: Path | None,
+    language: str | None,
     recordings: Path,
 ) -> None:
     """Watch an agent learn GAME, and tell it by key presses what you think of it."""
@@ -76,5 +79,6 @@ def play(
         episodes=episodes,
         recordings=recordings,
         credit=credit,
+        language=language,
         practice=practice,
     )

@@ -2,7 +2,7 @@
 
 import click
 
-from arl_tui.command_line import seed_option, theme_option
+from arl_tui.command_line import language_option, seed_option, theme_option
 
 
 @click.command(short_help="Play Tetris or Keepaway yourself, with the agent's own moves.")
@@ -12,7 +12,8 @@ from arl_tui.command_line import seed_option, theme_option
 @click.option(
     "--games", type=click.IntRange(1, 1000), default=3, show_default=True, help="How many games are played."
 )
-def practice(game: str, seed: int | None, games: int) -> None:
+@language_option
+def practice(game: str, seed: int | None, games: int, language: str | None) -> None:
     """Play GAME yourself, with the agent's own moves.
 
     In Tetris you move, turn and drop pieces; in Keepaway you say whom the keeper with the ball passes to.
@@ -20,4 +21,4 @@ def practice(game: str, seed: int | None, games: int) -> None:
     """
     from arl_tui.commands.practice import practise
 
-    practise(game, seed=seed, games=games)
+    practise(game, seed=seed, games=games, language=language)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from arl_tui.command_line import say
-from arl_tui.commands.credit import what_if_delays
+from arl_tui.commands.credit import credited_alike, what_if_delays
 from arl_tui.commands.exact import (
     GETTING_READY,
     need_outputs,
@@ -98,6 +98,8 @@ def replay_recording(
         for each in idle(chosen, DEFAULTS[chosen.game], ["what-if"]):
             say(f"Beware: {each}.", err=True)
     delays = what_if_delays(credits or [chosen.delay_of], recording, chosen)
+    if credits and "rule" not in credits:
+        chosen = credited_alike(chosen)
     rows = compare(
         recording.path,
         chosen,

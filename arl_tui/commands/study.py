@@ -12,6 +12,7 @@ from arl_tui.command_line import recordings_option, say, theme_option
 
 if TYPE_CHECKING:
     from arl_tui.study.simulated import Drawn
+    from core.session.protocol import Language
     from studies.lab.ledger import Ledger
     from studies.lab.read import LoadedStudy
 
@@ -34,12 +35,19 @@ def study() -> None:
     show_default=True,
     help="Which: two conditions in ten minutes, or one of the paper's figures with people.",
 )
-def new(folder: Path, name: str) -> None:
+@click.option(
+    "--language",
+    type=click.Choice(["en", "de"]),
+    default="en",
+    show_default=True,
+    help="Language of everything that participants read: English or German.",
+)
+def new(folder: Path, name: str, language: "Language") -> None:
     """Copy a ready study, complete with texts, to FOLDER."""
     from studies.lab.ready_studies import copy_ready_study
 
     with _plain_errors():
-        files = copy_ready_study(name, folder)
+        files = copy_ready_study(name, folder, language)
     for file in files:
         say(str(file))
     say(f"Next: arl study check {shlex.quote(str(files[0]))}")
@@ -116,7 +124,7 @@ def run(file: Path, code: str | None, recordings: Path) -> None:
     with _plain_errors():
         loaded, ledger = _open(file, recordings)
         code = code or drawn_code(loaded.study, ledger)
-        terminal = Terminal(player(loaded), theme=loaded.theme)
+        terminal = Terminal(player(loaded), theme=loaded.theme, language=loaded.study.language)
         result = run_sitting(loaded, ledger, code, terminal, software=software())
     said = {
         "finished": "finished the sitting",

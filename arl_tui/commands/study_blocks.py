@@ -143,7 +143,7 @@ def _session(
         games=games,
         presses=tally.good + tally.bad,
         taken_back=tally.taken_back,
-        unit=words.units[1],
+        unit=words.unit,
         trouble=outcome.trouble or "",
         remark=outcome.warning,
     )
@@ -175,6 +175,7 @@ def _calibrate(loaded: LoadedStudy, call: BlockCall, step: Calibration) -> Playe
         root_seed=call.seed,
         recordings=call.folder,
         hindrances=tuple(HINDRANCES[name] for name in hindrances()),
+        language=loaded.study.language,
     )
     app = CalibrationApp(setup, theme=loaded.theme)
     app.before_leaving = call.on_gone

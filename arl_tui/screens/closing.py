@@ -11,6 +11,7 @@ from textual.widgets import Static
 from arl_tui.app.outcome import SessionControls, SessionOutcome
 from arl_tui.app.tally import beginning_and_end
 from arl_tui.feedback_words import told
+from arl_tui.language import later, tr, trn
 from arl_tui.screens.page import PageScreen
 from arl_tui.words import Words
 from core.session.protocol import Protocol
@@ -56,9 +57,9 @@ class ClosingScreen(PageScreen):
         self._protocol = protocol
         self._show_file = show_file
         self._words = words
-        self.HEADING = "That was the practice" if practice else "Thank you!"
+        self.HEADING = later("That was the practice") if practice else later("Thank you!")
         if outcome.trouble is not None:
-            self.HEADING = "The session had to end early"
+            self.HEADING = later("The session had to end early")
 
     def body(self) -> Iterable[Widget]:
         """Return what happened, where it is recorded, and what went wrong."""
@@ -74,34 +75,39 @@ class ClosingScreen(PageScreen):
         if outcome.trouble is None and len(outcome.tally.practised) >= 2 and not several:
             from arl_tui.widgets.learning_curve import LearningCurve  # here: nobody needs it before the end
 
-            yield Static(f"\nIn practice, {self._words.units[1]} per game, block by block:")
+            yield Static("\n" + tr("In practice, {unit} per game, block by block:", unit=self._words.unit))
             yield LearningCurve(outcome.tally.practised)
         if outcome.recording is not None:
             yield Static(Text(how_much_recorded(outcome)), classes="path")
-        yield Static("Press [reverse] Enter [/] to leave", classes="call")
+        yield Static(tr("Press {key_enter} to leave"), classes="call")
 
     def _what_happened(self) -> str:
         tally = self.outcome.tally
         if not tally.steps:
-            return "No game was shown."
+            return tr("No game was shown.")
         games = len(tally.performances)
         lines = ", ".join(f"{performance:.4g}" for performance in tally.performances) or "-"
         what_was_told = self._told()
         if tally.taken_back:
-            what_was_told += f" ({tally.taken_back} taken back)"
-        practised = f"On its own it practised {tally.unseen} games.\n" if tally.unseen else ""
-        return (
-            f"You watched {games} {'game' if games == 1 else 'games'} ({tally.steps} {self._words.steps}).\n"
-            f"{self._words.performance}: {lines}\n{self._change()}"
-            f"What you told the computer: {what_was_told}\n"
-            f"{practised}{self._weight()}"
-        ).rstrip()
+            what_was_told += " " + tr("({taken_back} taken back)", taken_back=tally.taken_back)
+        steps = f"{tally.steps} {tr(self._words.steps)}"
+        said = [
+            trn("You watched {n} game ({steps}).", "You watched {n} games ({steps}).", games, steps=steps),
+            f"{tr(self._words.performance)}: {lines}",
+            *self._change(),
+            tr("What you told the computer: {told}", told=what_was_told),
+        ]
+        if tally.unseen:
+            said.append(
+                trn("On its own it practised {n} game.", "On its own it practised {n} games.", tally.unseen)
+            )
+        return "\n".join([*said, self._weight()]).rstrip()
 
     def _told(self) -> str:
         """Return how often each key was pressed, of several people a line for each."""
         protocol, tally = self._protocol, self.outcome.tally
         if protocol is None:
-            return f"good {tally.good}, bad {tally.bad}"
+            return tr("good {good}, bad {bad}", good=tally.good, bad=tally.bad)
         of_each = [
             told({value: n for (who, value), n in tally.said.items() if who == person}, keys)
             for person, keys in enumerate(protocol.keys_of_people)
@@ -112,19 +118,25 @@ class ClosingScreen(PageScreen):
             f"\n  {person.name}: {text}" for person, text in zip(protocol.people, of_each, strict=True)
         )
 
-    def _change(self) -> str:
+    def _change(self) -> list[str]:
         """Return how the agent played at the beginning and at the end, where there are games to compare."""
         performances = self.outcome.tally.performances
         if len(performances) < FEWEST_COMPARED:
-            return ""
+            return []
         first, last = beginning_and_end(performances)
-        return f"At the beginning {self._words.told(first)} per game, at the end {self._words.told(last)}.\n"
+        return [
+            tr(
+                "At the beginning {first} per game, at the end {last}.",
+                first=self._words.told(first),
+                last=self._words.told(last),
+            )
+        ]
 
     def _weight(self) -> str:
         weight = self.outcome.tally.weight
         if not self._show_weight or weight is None:
             return ""
-        return f"Weight of your feedback in the last game: {weight:.2g}"
+        return tr("Weight of your feedback in the last game: {weight:.2g}", weight=weight)
 
     def action_leave(self) -> None:
         """Close the program."""
@@ -137,14 +149,26 @@ def how_much_recorded(outcome: SessionOutcome) -> str:
     The terminal names the file afterwards: names of files and folders may tell the condition.
     """
     kept = outcome.kept
-    what = "The session" if outcome.trouble is None else "Everything up to this moment"
     if kept is not None and kept.written < kept.recorded:
-        what = "What could be written"
-    told = f"{what} is recorded."
+        told = tr("What could be written is recorded.")
+    elif outcome.trouble is None:
+        told = tr("The session is recorded.")
+    else:
+        told = tr("Everything up to this moment is recorded.")
     if kept is None:
         return told
     if kept.synced >= kept.recorded:
-        return f"{told}\nAll {kept.recorded} events are on the disk."
+        return told + "\n" + tr("All {events} events are on the disk.", events=kept.recorded)
     missing = kept.recorded - kept.written
-    lost = f", {missing} could not be written to it" if missing else ""
-    return f"{told}\n{kept.synced} of {kept.recorded} events are known to be on the disk{lost}."
+    if not missing:
+        return f"{told}\n" + tr(
+            "{synced} of {events} events are known to be on the disk.",
+            synced=kept.synced,
+            events=kept.recorded,
+        )
+    return f"{told}\n" + tr(
+        "{synced} of {events} events are known to be on the disk, {missing} could not be written to it.",
+        synced=kept.synced,
+        events=kept.recorded,
+        missing=missing,
+    )

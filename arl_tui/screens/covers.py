@@ -9,6 +9,7 @@ from textual.geometry import Size
 from textual.widget import Widget
 from textual.widgets import Static
 
+from arl_tui.language import key_for, key_name, later, tr, trn
 from arl_tui.screens.page import PageScreen, bar, keys_of_all, presses_of_all, session_keys
 from core.session.protocol import Protocol
 
@@ -16,7 +17,7 @@ from core.session.protocol import Protocol
 class PauseScreen(PageScreen):
     """The game waits."""
 
-    HEADING = "Pause"
+    HEADING = later("Pause")
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("p,space,enter,escape", "back", "Go on", id="pause.back", tooltip="Go on with the game")
     ]
@@ -34,11 +35,15 @@ class PauseScreen(PageScreen):
         """Return the text."""
         if self._gap_s is not None:
             yield Static(
-                f"The computer slept or was held up for {self._gap_s:.0f} seconds, so the game has been "
-                f"paused.\n"
+                trn(
+                    "The computer slept or was held up for {n} second, so the game has been paused.",
+                    "The computer slept or was held up for {n} seconds, so the game has been paused.",
+                    round(self._gap_s),
+                )
+                + "\n"
             )
-        yield Static("The game waits for you. Take as long as you like; key presses do not count now.")
-        yield Static("Press [reverse] P [/] or [reverse] Space [/] to go on", classes="call")
+        yield Static(tr("The game waits for you. Take as long as you like; key presses do not count now."))
+        yield Static(tr("Press {key_pause} or {key_space} to go on"), classes="call")
 
     def action_back(self) -> None:
         """Go on."""
@@ -48,7 +53,7 @@ class PauseScreen(PageScreen):
 class BreakScreen(PageScreen):
     """Between two blocks of a session: nothing happens until the participant goes on."""
 
-    HEADING = "Time for a break"
+    HEADING = later("Time for a break")
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("space,enter", "back", "Go on", id="break.back", tooltip="Go on with the next block")
     ]
@@ -65,9 +70,10 @@ class BreakScreen(PageScreen):
 
     def body(self) -> Iterable[Widget]:
         """Return the text."""
-        yield Static(f"{self._done} of {self._count} games are done.\n{bar(self._done / self._count)}\n")
-        yield Static("Look away from the screen, and stretch. The game waits for you.")
-        yield Static("Press [reverse] Space [/] to go on", classes="call")
+        told = tr("{done} of {all} games are done.", done=self._done, all=self._count)
+        yield Static(f"{told}\n{bar(self._done / self._count)}\n")
+        yield Static(tr("Look away from the screen, and stretch. The game waits for you."))
+        yield Static(tr("Press {key_space} to go on"), classes="call")
 
     def action_back(self) -> None:
         """Go on."""
@@ -77,7 +83,7 @@ class BreakScreen(PageScreen):
 class HelpScreen(PageScreen):
     """All keys and what they do."""
 
-    HEADING = "Help"
+    HEADING = later("Help")
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("h,f1,space,enter,escape", "back", "Go on", id="help.back", tooltip="Go on with the game")
     ]
@@ -87,7 +93,7 @@ class HelpScreen(PageScreen):
 
         Args:
             protocol: which keys mean what, and how many presses there are.
-            rules: what happens in the game and what is to be judged, in markup.
+            rules: what happens in the game and what is to be judged, in English and markup.
         """
         super().__init__()
         self._protocol = protocol
@@ -95,15 +101,19 @@ class HelpScreen(PageScreen):
 
     def body(self) -> Iterable[Widget]:
         """Return the text."""
-        yield Static(self._rules)
+        yield Static(tr(self._rules))
         yield Static(keys_of_all(self._protocol))
         yield Static(
-            f"\nYou have {presses_of_all(self._protocol)}. A press counts once, however "
-            f"long you "
-            "hold the key. If a press does not count, the screen says why.\n"
+            "\n"
+            + tr(
+                "You have {presses}. A press counts once, however long you hold the key. If a press does not "
+                "count, the screen says why.",
+                presses=presses_of_all(self._protocol),
+            )
+            + "\n"
         )
         yield Static(session_keys(*self._protocol.keys_of_people))
-        yield Static("Press [reverse] H [/] or [reverse] Space [/] to go on", classes="call")
+        yield Static(tr("Press {key_help} or {key_space} to go on"), classes="call")
 
     def action_back(self) -> None:
         """Go on."""
@@ -113,7 +123,7 @@ class HelpScreen(PageScreen):
 class StopScreen(PageScreen):
     """Asks whether to stop."""
 
-    HEADING = "Stop the session?"
+    HEADING = later("Stop the session?")
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("y", "stop", "Stop", id="stop.yes", tooltip="Stop and save"),
         Binding("n,space,enter,escape", "back", "Go on", id="stop.no", tooltip="Go on with the game"),
@@ -121,10 +131,8 @@ class StopScreen(PageScreen):
 
     def body(self) -> Iterable[Widget]:
         """Return the text."""
-        yield Static("What has happened so far is kept and counts in full.")
-        yield Static(
-            "Press [reverse] Y [/] to stop, [reverse] N [/] or [reverse] Space [/] to go on", classes="call"
-        )
+        yield Static(tr("What has happened so far is kept and counts in full."))
+        yield Static(tr("Press {key_stop_yes} to stop, {key_no} or {key_space} to go on"), classes="call")
 
     def action_stop(self) -> None:
         """Stop."""
@@ -138,7 +146,7 @@ class StopScreen(PageScreen):
 class SmallWindowScreen(PageScreen):
     """Asks for a larger window, and leaves by itself when it is there; answers False to stop."""
 
-    HEADING = "This window is too small"
+    HEADING = later("This window is too small")
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("q,ctrl+q,ctrl+c", "stop", "Stop", id="small.stop", tooltip="Stop; what is done is kept")
     ]
@@ -150,8 +158,13 @@ class SmallWindowScreen(PageScreen):
     def body(self) -> Iterable[Widget]:
         """Return the text."""
         yield Static(
-            f"{self._needed.width} columns and {self._needed.height} lines are needed. It goes on when the "
-            "window is larger, or the letters are smaller. Q stops."
+            tr(
+                "{columns} columns and {lines} lines are needed. It goes on when the window is larger, or "
+                "the letters are smaller. {stop} stops.",
+                columns=self._needed.width,
+                lines=self._needed.height,
+                stop=key_name(key_for("stop")),
+            )
         )
 
     def action_stop(self) -> None:

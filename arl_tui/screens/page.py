@@ -11,6 +11,7 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from arl_tui.feedback_words import short_words, word_of
+from arl_tui.language import bold_cap, key_for, later, tr, trn
 from core.feedback.keys import KeyConfig
 from core.session.protocol import Protocol
 
@@ -19,21 +20,28 @@ MOST_LINES = 3
 PAGE_WIDTH = 74
 """Columns of a page in the smallest window."""
 
-MORE = "more below: ↓ and Page Down"
+IN_SESSION = {"pause": "space", "help": "f1", "stop": "ctrl+q,ctrl+c"}
+"""What can be done during a game (`arl_tui.language.OWN_KEYS`), and the keys that are there for it even if
+the program's own key is one for feedback."""
+MORE = later("more below: ↓ and Page Down")
 PAGE_LINES = 10
 """How far the page keys move a text, lines."""
+
+key_cap = bold_cap
+"""A key as it is printed on the keyboard, in markup."""
 
 
 class PageScreen(Screen[bool], inherit_bindings=False):
     """A titled box in the middle of the screen; opaque, so that a game beneath it is not seen."""
 
     HEADING = ""
+    """In English, marked with `later`."""
     _left = False
 
     def compose(self) -> ComposeResult:
         """Lay out the title and what is under it; what can be pressed stays in sight below a long text."""
         with VerticalScroll(classes="page", can_focus=False):
-            yield Static(self.HEADING, classes="title")
+            yield Static(tr(self.HEADING), classes="title")
             yield from self.body()
 
     def on_resize(self, event: events.Resize) -> None:
@@ -43,7 +51,7 @@ class PageScreen(Screen[bool], inherit_bindings=False):
     def _tell_more(self) -> None:
         for scroll in self.query(VerticalScroll):
             below = scroll.max_scroll_y > 0 and scroll.scroll_target_y < scroll.max_scroll_y
-            scroll.border_subtitle = MORE if below else ""
+            scroll.border_subtitle = tr(MORE) if below else ""
 
     def on_key(self, event: events.Key) -> None:
         """Move a text that is longer than the window."""
@@ -75,20 +83,17 @@ def bar(fraction: float) -> str:
     return f"{'━' * done}[dim]{'─' * (BAR_WIDTH - done)}[/] {fraction:.0%}"
 
 
-def key_cap(key: str) -> str:
-    """Return a key as it is printed on the keyboard, in markup."""
-    return f"[reverse b] {key.upper()} [/]"
-
-
 def feedback_keys(keys: KeyConfig) -> str:
     """Return the feedback keys and what they mean, one or two per line, in markup."""
     if keys.graded:
         grades = "  ".join(f"{key_cap(key)} {word_of(value)}" for key, value in keys.meanings.items())
-        return f"  {grades}\n  {key_cap(keys.retract)} take my last press back"
-    return (
-        f"  {key_cap(keys.good)}  [$text-success]good[/] - the computer did well\n"
-        f"  {key_cap(keys.bad)}  [$text-error]bad[/] - the computer did badly\n"
-        f"  {key_cap(keys.retract)}  take my last press back"
+        return f"  {grades}\n  {key_cap(keys.retract)} " + tr("take my last press back")
+    return "\n".join(
+        [
+            f"  {key_cap(keys.good)}  " + tr("[$text-success]good[/] - the computer did well"),
+            f"  {key_cap(keys.bad)}  " + tr("[$text-error]bad[/] - the computer did badly"),
+            f"  {key_cap(keys.retract)}  " + tr("take my last press back"),
+        ]
     )
 
 
@@ -99,7 +104,7 @@ def keys_of_all(protocol: Protocol) -> str:
     if not protocol.people:
         return feedback_keys(protocol.keys)
     widest = max(len(person.name) for person in protocol.people)
-    back = "take back" if len(protocol.people) <= MOST_LINES else "back"
+    back = tr("take back") if len(protocol.people) <= MOST_LINES else tr("back")
     entries, widths = [], []
     for person, keys in zip(protocol.people, protocol.keys_of_people, strict=True):
         caps = [*short_words(keys), (keys.retract, back)]
@@ -117,17 +122,29 @@ def presses_of_all(protocol: Protocol) -> str:
     """Return how many presses there are in each game, in words: "5 presses in each game"."""
     most = [keys.max_presses_per_episode for keys in protocol.keys_of_people]
     if len(most) == 1:
-        return f"{most[0]} presses in each game"
+        return trn("{n} press in each game", "{n} presses in each game", most[0])
     if len(set(most)) == 1:
-        return f"{most[0]} presses each in every game"
-    of_each = (f"{person.name} {n}" for person, n in zip(protocol.people, most, strict=True))
-    return f"so many presses in each game: {', '.join(of_each)}"
+        return trn("{n} press each in every game", "{n} presses each in every game", most[0])
+    of_each = ", ".join(f"{person.name} {n}" for person, n in zip(protocol.people, most, strict=True))
+    return tr("so many presses in each game: {of_each}", of_each=of_each)
 
 
 def session_keys(*keys: KeyConfig) -> str:
     """Return the keys that steer the session, one per line, in markup; `keys` are those of each person."""
+    pause, guide, leave = (key_cap(session_key(action, *keys)) for action in IN_SESSION)
+    return "  " + "    ".join(
+        [f"{pause}  {tr('pause')}", f"{guide}  {tr('help')}", f"{leave}  {tr('stop the session')}"]
+    )
+
+
+def session_key(action: str, *keys: KeyConfig) -> str:
+    """Return the key that steers the session: the program's own, or, where that is a key for feedback, the
+    one that is always there.
+
+    Args:
+        action: one of `IN_SESSION`.
+        keys: for feedback, of each person.
+    """
+    own = key_for(action)
     used = {letter for each in keys for letter in each.letters}
-    pause = "Space" if "p" in used else "P"
-    guide = "F1" if "h" in used else "H"
-    leave = "Ctrl+Q" if "q" in used else "Q"
-    return f"  {key_cap(pause)}  pause    {key_cap(guide)}  help    {key_cap(leave)}  stop the session"
+    return IN_SESSION[action].split(",")[0] if own in used else own

@@ -18,6 +18,7 @@ from arl_tui.app.outcome import SessionControls
 from arl_tui.app.tally import weight_in_use
 from arl_tui.games.panel import Progress
 from arl_tui.games.registry import screens_of, words_of
+from arl_tui.language import key_for, key_name, tr
 from arl_tui.palette import Palette
 from arl_tui.screens.count_down import CountDown
 from arl_tui.screens.covers import (
@@ -28,7 +29,7 @@ from arl_tui.screens.covers import (
     StopScreen,
     fits_into,
 )
-from arl_tui.screens.page import PageScreen, bar, session_keys
+from arl_tui.screens.page import IN_SESSION, PageScreen, bar, session_key, session_keys
 from arl_tui.screens.question import Questioning
 from arl_tui.widgets.feedback_bar import HOLD_S, FeedbackBar
 from arl_tui.widgets.people_bar import PeopleBar
@@ -47,13 +48,8 @@ from core.events import (
 )
 from core.session.protocol import Protocol
 
-COMMANDS: dict[str, tuple[str, str]] = {
-    # action: (letter, keys that are there even if the letter is a feedback key)
-    "pause": ("p", "space"),
-    "guide": ("h", "f1"),
-    "leave": ("q", "ctrl+q,ctrl+c"),
-}
-
+ACTIONS = {"pause": "pause", "help": "guide", "stop": "leave"}
+"""Name of an action of this screen by what it does (`arl_tui.screens.page.IN_SESSION`)."""
 
 MOVES_S = 0.5
 """How often something moves while unseen episodes are played, seconds."""
@@ -65,9 +61,9 @@ class PlayScreen(Screen[None], inherit_bindings=False):
 
     BINDING_GROUP_TITLE = "Session"
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding(COMMANDS["pause"][1], "pause", "Pause", id="play.pause", tooltip="Let the game wait"),
-        Binding(COMMANDS["guide"][1], "guide", "Help", id="play.help", tooltip="Show all keys"),
-        Binding(COMMANDS["leave"][1], "leave", "Stop", id="play.stop", tooltip="Stop the session"),
+        Binding(IN_SESSION["pause"], "pause", "Pause", id="play.pause", tooltip="Let the game wait"),
+        Binding(IN_SESSION["help"], "guide", "Help", id="play.help", tooltip="Show all keys"),
+        Binding(IN_SESSION["stop"], "leave", "Stop", id="play.stop", tooltip="Stop the session"),
     ]
 
     def __init__(self, protocol: Protocol, live: LiveSession, palette: Palette, *, part: str = "") -> None:
@@ -118,8 +114,13 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         self._said = ""
         self._silence_shown = False
         self._disk_failed = False
+        self._keys_of_people = keys
         used = {letter for each in keys for letter in each.letters}
-        self._letters = {letter: action for action, (letter, _) in COMMANDS.items() if letter not in used}
+        self._letters = {
+            key_for(name): action for name, action in ACTIONS.items() if key_for(name) not in used
+        }
+        self._commands = {key for fixed in IN_SESSION.values() for key in fixed.split(",")}
+        self._commands |= {key_for(name) for name in ACTIONS}
 
     def compose(self) -> ComposeResult:
         """Lay everything out in fixed sizes."""
@@ -165,7 +166,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
             case Preparing(fraction=fraction) if self._live.phase == "running":
                 self._practised = None
                 self._moved += 1
-                self._say(f"{self._sign()} One moment, this first time:\n{bar(fraction)}")
+                self._say(f"{self._sign()} {tr('One moment, this first time:')}\n{bar(fraction)}")
             case Practised():
                 self._practised = occurrence
                 self._tell_practised()
@@ -178,7 +179,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
                 self.feedback.rest(True)
                 self._practised = None
                 self._questioning.over()
-                self._say("Stopping: everything is being saved ...")
+                self._say(tr("Stopping: everything is being saved ..."))
 
     def go_on_after(self, outputs: Iterable[Output]) -> None:
         """Count the games that were finished before the session broke off."""
@@ -224,10 +225,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         if self._questioning.on_screen and press.value is not None:
             self._questioning.hint()
             return
-        is_command = any(
-            (press.read_as or press.key) in (letter, *keys.split(",")) for letter, keys in COMMANDS.values()
-        )
-        if press.verdict != "other" or not is_command:
+        if press.verdict != "other" or (press.read_as or press.key) not in self._commands:
             self.feedback.show_press(press, self._live.left_of(press))
         self.feedback.ask_wrong(self._live.gate.wrong_asked)
         self._tell_presses_left()
@@ -247,7 +245,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
             self._human_weights.append(weight_in_use(episode))
         self.feedback.begin_game(self._live.presses_left)
         self._tell_presses_left()
-        self.panel.title(f"Game {self._watched}")
+        self.panel.title(tr("Game {number}", number=self._watched))
         self.panel.unmark()
         self._practised = None
         self._say("")
@@ -266,7 +264,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
             return
         self._live.count_down()
         self.feedback.rest(True)
-        self._count_down.start(f"Game {self._watched}", self._go_on)
+        self._count_down.start(tr("Game {number}", number=self._watched), self._go_on)
 
     def _go_on(self) -> None:
         """Let the game go on, and draw once more: what was drawn before came too early to count."""
@@ -281,22 +279,23 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         self.feedback.rest(True)
         self.panel.presses_left(None)
         lines = self._words.told(episode.performance)
-        self.panel.title("Game over" if episode.ended == "termination" else "End of this game")
+        self.panel.title(tr("Game over") if episode.ended == "termination" else tr("End of this game"))
         if self._watched >= self._episodes or self._live.phase != "running":
-            self._say(f"That was the last game: {lines}.")
+            self._say(tr("That was the last game: {performance}.", performance=lines))
         elif self._unseen:
             self._result = f"{lines}."
             self._practised, self._moved = Practised(done=0, count=self._unseen), 0
             self._tell_practised()
         else:
-            self._say(f"{lines}. The next game is about to begin.")
+            self._say(tr("{performance}. The next game is about to begin.", performance=lines))
 
     def _tell_practised(self) -> None:
         """Say how many of the unseen games are played: the share is true, and the sign moves meanwhile."""
         far = self._practised
         if far is None or self._silence_shown:
             return
-        told = f"{self._sign()} Practising: {far.done} of {far.count} games\n{bar(far.done / far.count)}"
+        practising = tr("Practising: {done} of {all} games", done=far.done, all=far.count)
+        told = f"{self._sign()} {practising}\n{bar(far.done / far.count)}"
         self._say(f"{self._result}\n{told}".strip())
 
     def _sign(self) -> str:
@@ -318,16 +317,20 @@ class PlayScreen(Screen[None], inherit_bindings=False):
     def show_disk_failure(self) -> None:
         """Say that nothing counts from here on, because it cannot be recorded."""
         self.feedback.show_not_saved()
-        self._say("[b]The recording cannot be written.[/]\nThe session ends here.")
+        self._say(tr("[b]The recording cannot be written.[/]\nThe session ends here."))
         self._disk_failed = True
 
     def show_silence(self, silent_s: float | None) -> None:
         """Say for how long the learner has not answered, seconds; None: it does."""
         if silent_s is not None:
             self._silence_shown = True
-            waits = "Still practising" if not self._playing else "The computer has not answered"
-            key = "Q" if "q" in self._letters else "Ctrl+Q"
-            self._status.update(f"{waits} for {silent_s:.0f} s.\n{key} ends the session; all is kept.")
+            told = (
+                tr("The computer has not answered for {seconds:.0f} s.", seconds=silent_s)
+                if self._playing
+                else tr("Still practising for {seconds:.0f} s.", seconds=silent_s)
+            )
+            key = key_name(session_key("stop", *self._keys_of_people))
+            self._status.update(f"{told}\n" + tr("{key} ends the session; all is kept.", key=key))
         elif self._silence_shown:
             self._say(self._said)
 

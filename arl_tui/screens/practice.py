@@ -15,6 +15,7 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from arl_tui.app.plain_app import PlainApp
+from arl_tui.language import key_for, key_name, later, tr, trn
 from arl_tui.palette import STANDARD, Palette, palette_for
 from arl_tui.screens.covers import SmallWindowScreen, fits_into
 from arl_tui.screens.page import PageScreen, key_cap
@@ -30,34 +31,37 @@ POLL_S = 1 / 30
 BESIDE, KEYS_END = 38, 20
 """Columns beside the board, and lines down to the end of what stands there."""
 
-KEYS_HELP = """\
+KEYS_HELP = later(
+    """\
   [b]← →[/b] or [b]a d[/b]    move
    [b]↑[/b]  or  [b]r[/b]     turn clockwise
    [b]↓[/b]  or [b]space[/b]  drop
 
-  [b]p[/b] pause  [b]h[/b] help  [b]q[/b] stop
-  [b]n[/b] new game
+  [b]{pause}[/b] pause  [b]{help}[/b] help  [b]{stop}[/b] stop
+  [b]{new}[/b] new game
 
   Full rows disappear. Do not let
   the pile reach the top."""
-HEADING = "Practice: play Tetris yourself"
-RULES = (
+)
+HEADING = later("Practice: play Tetris yourself")
+RULES = later(
     "You play the game that the computer plays, with its own four moves. One piece after another falls. Full "
     "rows disappear: the more, the better. A game ends when the pile reaches the top.\n"
 )
 ROWS = (
-    ("←", "or A: one column to the left"),
-    ("→", "or D: one column to the right"),
-    ("↑", "or W, R: turn clockwise"),
-    ("↓", "or S, Space: drop"),
-    ("P", "pause, and go on"),
-    ("N", "a new game"),
-    ("H", "this page"),
-    ("Q", "stop"),
+    ("←", later("or A: one column to the left")),
+    ("→", later("or D: one column to the right")),
+    ("↑", later("or W, R: turn clockwise")),
+    ("↓", later("or S, Space: drop")),
 )
-ONE_GAME = "\nOne game. Nothing is recorded."
-GAMES = "\n{games} games. Nothing is recorded."
-CALL = "Press [reverse] Space [/] to go on, [reverse] Q [/] to leave"
+OWN_ROWS = (
+    ("pause", later("pause, and go on")),
+    ("new", later("a new game")),
+    ("help", later("this page")),
+    ("stop", later("stop")),
+)
+"""The program's own keys, by name, and what they do."""
+CALL = later("Press {key_space} to go on, {key_stop} to leave")
 """What participants read; the keys of pause, help and stop are those of a session."""
 
 
@@ -77,11 +81,15 @@ class PracticeHelp(PageScreen):
 
     def body(self) -> Iterable[Widget]:
         """Return the text."""
-        yield Static(RULES)
-        yield Static("\n".join(f"  {key_cap(key)}  {meaning}" for key, meaning in ROWS))
+        yield Static(tr(RULES))
+        rows = [(key, meaning) for key, meaning in ROWS]
+        rows += [(key_name(key_for(name)), meaning) for name, meaning in OWN_ROWS]
+        yield Static("\n".join(f"  {key_cap(key)}  {tr(meaning)}" for key, meaning in rows))
         if self._n_games is not None:
-            yield Static(ONE_GAME if self._n_games == 1 else GAMES.format(games=self._n_games))
-        yield Static(CALL, classes="call")
+            yield Static(
+                "\n" + trn("One game. Nothing is recorded.", "{n} games. Nothing is recorded.", self._n_games)
+            )
+        yield Static(tr(CALL), classes="call")
 
     def action_back(self) -> None:
         """Go on."""
@@ -194,7 +202,7 @@ class PracticeScreen(Screen[None], inherit_bindings=False):
         self._gravity = Gravity(round(fall_s * 1e9), clock or MonotonicClock())
         self._board = TetrisBoard(rows, columns, palette=palette, around=Size(BESIDE + 2, 2))
         self._next = NextPiece(palette=palette)
-        self._stats = StatsPanel("Practice", lines_high=2)
+        self._stats = StatsPanel(later("Practice"), lines_high=2)
         self._poll: Timer | None = None
 
     def compose(self) -> ComposeResult:
@@ -204,7 +212,11 @@ class PracticeScreen(Screen[None], inherit_bindings=False):
             with Vertical():
                 yield self._next
                 yield self._stats
-                yield Static(KEYS_HELP, id="keys")
+                yield Static(tr(KEYS_HELP, **self._letters()), id="keys")
+
+    @staticmethod
+    def _letters() -> dict[str, str]:
+        return {name: key_for(name) for name in ("pause", "help", "new", "stop")}
 
     def on_mount(self) -> None:
         """Show the game and let time count."""
@@ -238,7 +250,7 @@ class PracticeScreen(Screen[None], inherit_bindings=False):
             return
         if self._gravity.running:
             self._gravity.stop()
-            self._board.cover("PAUSE\n\npress p to go on")
+            self._board.cover(tr("PAUSE\n\npress {pause} to go on", pause=key_for("pause")))
         else:
             self._board.uncover()
             self._gravity.start()
@@ -291,10 +303,13 @@ class PracticeScreen(Screen[None], inherit_bindings=False):
         self._stats.show(Figures(lines=picture.counts.lines, pieces=picture.counts.pieces))
         if picture.over and not self._board.covered:
             self._gravity.stop()
-            rows = "1 row" if picture.counts.lines == 1 else f"{picture.counts.lines} rows"
             last = self._games is not None and self._begun >= self._games
-            call = "n go on" if last else "n new game  q stop"
-            self._board.cover(f"GAME OVER\n{rows} cleared\n\n{call}", whole=False)
+            over = trn("GAME OVER\n{n} row cleared", "GAME OVER\n{n} rows cleared", picture.counts.lines)
+            new, stop = key_for("new"), key_for("stop")
+            call = (
+                tr("{new} go on", new=new) if last else tr("{new} new game  {stop} stop", new=new, stop=stop)
+            )
+            self._board.cover(f"{over}\n\n{call}", whole=False)
 
 
 class PracticeApp(PlainApp[int]):
@@ -314,13 +329,15 @@ class PracticeApp(PlainApp[int]):
         clock: Clock | None = None,
         games: int | None = None,
         explain: bool = False,
+        language: str = "en",
     ) -> None:
-        """Prepare a game; the arguments are those of PracticeScreen, the palette by name.
+        """Prepare a game; the arguments are those of PracticeScreen, the palette by name, and the language of
+        the words.
 
         Raises:
             ValueError: there is no such palette, or the board is too small.
         """
-        super().__init__()
+        super().__init__(language=language)
         self.practice = PracticeScreen(
             seed=seed,
             rows=rows,

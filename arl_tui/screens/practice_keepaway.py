@@ -7,30 +7,34 @@ from textual.binding import Binding, BindingType
 from textual.widget import Widget
 from textual.widgets import Static
 
+from arl_tui.language import key_for, key_name, later, tr, trn
 from arl_tui.screens.page import PageScreen, key_cap
 from arl_tui.screens.watch import WatchScreen
-from core.keepaway.pitch import END_REASONS
 
 if TYPE_CHECKING:
     from arl_tui.games.keepaway.playback import Source
     from core.keepaway.practice import KeeperPractice
 
-HEADING = "Practice: keep the ball yourself"
-RULES = (
+HEADING = later("Practice: keep the ball yourself")
+RULES = later(
     "You play the game that the computer plays. The keepers ([b]K[/]) pass a ball among themselves, and the "
     "takers ([b]T[/]) want it. A game ends when a taker has it, or it leaves the square: the longer you keep "
     "it, the better. You decide for the keeper who has the ball: it holds the ball until you say whom it "
     "passes to.\n"
 )
-ONE_GAME = "One game. Nothing is recorded."
-GAMES = "{games} games. Nothing is recorded."
-PASS, HOLD = "pass to {keeper}", "hold the ball: press nothing"
-ROWS = (("P", "pause, and go on"), ("H", "this page"), ("Q", "stop"))
-CALL = "Press [reverse] Space [/] to go on, [reverse] Q [/] to leave"
-PANEL = "[b]Practice[/]\n\nGame {game} of {games}"
-TITLE = "Game {game}"
-KEPT = "Kept {seconds} s"
-PAUSED = "[reverse] PAUSED [/]"
+PASS, HOLD = later("pass to {keeper}"), later("hold the ball: press nothing")
+ROWS = (
+    ("pause", later("pause, and go on")),
+    ("help", later("this page")),
+    ("stop", later("stop")),
+)
+"""The program's own keys, by name, and what they do."""
+CALL = later("Press {key_space} to go on, {key_stop} to leave")
+PANEL = later("[b]Practice[/]\n\nGame {game} of {games}")
+KEPT = later("Kept {seconds} s")
+PAUSED = later("[reverse] PAUSED [/]")
+ENDS = (later("ongoing"), later("out"), later("taken"))
+"""As `core.keepaway.pitch.END_REASONS`, which a test compares."""
 """What participants read; the keys and marks are those of a session."""
 
 
@@ -55,13 +59,13 @@ class KeeperHelp(PageScreen):
 
     def body(self) -> Iterable[Widget]:
         """Return the text."""
-        yield Static(RULES)
-        rows = [(str(k), PASS.format(keeper=f"K{k}")) for k in range(1, self._keepers + 1)]
+        yield Static(tr(RULES))
+        rows = [(str(k), tr(PASS, keeper=f"K{k}")) for k in range(1, self._keepers + 1)]
         text = [f"  {key_cap(key)}  {meaning}" for key, meaning in rows]
-        yield Static("\n".join([*text, f"       {HOLD}", ""]))
-        yield Static("\n".join(f"  {key_cap(key)}  {meaning}" for key, meaning in ROWS) + "\n")
-        yield Static(ONE_GAME if self._n_games == 1 else GAMES.format(games=self._n_games))
-        yield Static(CALL, classes="call")
+        yield Static("\n".join([*text, f"       {tr(HOLD)}", ""]))
+        yield Static("\n".join(f"  {key_cap(key_for(name))}  {tr(meaning)}" for name, meaning in ROWS) + "\n")
+        yield Static(trn("One game. Nothing is recorded.", "{n} games. Nothing is recorded.", self._n_games))
+        yield Static(tr(CALL), classes="call")
 
     def action_back(self) -> None:
         """Go on."""
@@ -94,9 +98,12 @@ class KeeperPracticeScreen(WatchScreen, inherit_bindings=False):
             games: leave after so many, >= 1.
             options: of `WatchScreen`: size, speed, palette, clock.
         """
-        super().__init__(HEADING, episodes=games, **options)
+        super().__init__(tr(HEADING), episodes=games, **options)
         passes = " ".join(map(str, range(1, keepers + 1)))
-        self.keys = ((passes, "pass"), ("P", "pause"), ("H", "help"), ("Q", "stop"))
+        self.keys = (
+            (passes, tr("pass")),
+            *((key_name(key_for(name)), tr(name)) for name in ("pause", "help", "stop")),
+        )
         self._keepers, self._n_games = keepers, games
         self._practice: KeeperPractice | None = None
 
@@ -109,7 +116,7 @@ class KeeperPracticeScreen(WatchScreen, inherit_bindings=False):
     def draw(self) -> None:
         """Draw the picture that is due, named as games of a session are."""
         if self.playback is not None:
-            self.pitch.title = TITLE.format(game=self.playback.picture().episode)
+            self.pitch.title = tr("Game {number}", number=self.playback.picture().episode)
         super().draw()
 
     def action_pass(self, keeper: int) -> None:
@@ -128,12 +135,12 @@ class KeeperPracticeScreen(WatchScreen, inherit_bindings=False):
         playback = self.playback
         if playback is None:
             return
-        yield PANEL.format(game=min(len(playback.ends) + 1, self._n_games), games=self._n_games)
+        yield tr(PANEL, game=min(len(playback.ends) + 1, self._n_games), games=self._n_games)
         for seconds, end in playback.ends:
-            yield f"{KEPT.format(seconds=f'{seconds:.1f}')}: {END_REASONS[end]}"
+            yield f"{tr(KEPT, seconds=f'{seconds:.1f}')}: {tr(ENDS[end])}"
         yield ""
         for k in range(1, self._keepers + 1):
-            yield f"{key_cap(str(k))}  {PASS.format(keeper=f'K{k}')}"
-        yield f"     {HOLD}"
+            yield f"{key_cap(str(k))}  {tr(PASS, keeper=f'K{k}')}"
+        yield f"     {tr(HOLD)}"
         if playback.paused:
-            yield f"\n{PAUSED}"
+            yield f"\n{tr(PAUSED)}"

@@ -15,21 +15,22 @@ from arl_tui.app.live_session import LiveSession
 from arl_tui.app.once import after
 from arl_tui.games.panel import DrawsOptions, Panel
 from arl_tui.games.registry import screens_of
+from arl_tui.language import later, tr
 from arl_tui.screens.page import key_cap
 from arl_tui.widgets.feedback_bar import FeedbackBar
 from core.events import QuestionAnswered, QuestionPosed
 from core.feedback.asking_config import AskingConfig
 from core.session.protocol import Protocol
 
-ANSWERS = "answer the computer's questions; {none} none of these"
-TITLE = "A question for you"
-COMING = "A question comes: you may judge\nthe last {step} first."
-NONE_OF_THESE = "none of these"
-TIME_LEFT = "{seconds} s left"
-WHAT_TO_DO = "Press {keys} or {last} to answer"
-WAITS = "The game waits for your answer."
-CHOSEN = "Thank you: the computer learns from your answer."
-NOT_CHOSEN = "No answer, and that is fine. The game goes on."
+ANSWERS = later("answer the computer's questions; {none} none of these")
+TITLE = later("A question for you")
+COMING = later("A question comes: you may judge\nthe last {step} first.")
+NONE_OF_THESE = later("none of these")
+TIME_LEFT = later("{seconds} s left")
+WHAT_TO_DO = later("Press {keys} or {last} to answer")
+WAITS = later("The game waits for your answer.")
+CHOSEN = later("Thank you: the computer learns from your answer.")
+NOT_CHOSEN = later("No answer, and that is fine. The game goes on.")
 """What participants read, except for the options themselves (`GameScreens.option`)."""
 TICK_S = 0.25
 """How often the time that is left is looked at, seconds."""
@@ -40,7 +41,7 @@ BAR_WIDTH = 20
 def about_questions(asking: AskingConfig) -> str:
     """Return what participants are told of questions before the first game; in markup."""
     keys = " ".join(key_cap(key) for key in asking.keys[: asking.options])
-    return f"  {keys}  {ANSWERS.format(none=key_cap(asking.none_key))}"
+    return f"  {keys}  {tr(ANSWERS, none=key_cap(asking.none_key))}"
 
 
 class QuestionBar(Static, inherit_bindings=False, can_focus=False):
@@ -60,7 +61,7 @@ class QuestionBar(Static, inherit_bindings=False, can_focus=False):
 
     def __init__(self) -> None:
         super().__init__(id="question")
-        self.border_title = TITLE
+        self.border_title = tr(TITLE)
         self._drawn = False
 
     def render_lines(self, crop: Region) -> list[Strip]:
@@ -125,7 +126,7 @@ class Questioning:
 
     def coming(self) -> str:
         """Return what stands beside the game before a question."""
-        return COMING.format(step=self._screens.words.step)
+        return tr(COMING, step=tr(self._screens.words.step))
 
     def ask(self, ask_now: AskNow) -> None:
         """Show the question at once, or when the page is gone that lies over the game."""
@@ -165,7 +166,7 @@ class Questioning:
         if answered is None:
             return ""
         self.answered_press = answered.press
-        return CHOSEN if answered.chosen >= 0 else NOT_CHOSEN
+        return tr(CHOSEN if answered.chosen >= 0 else NOT_CHOSEN)
 
     def _clear(self) -> None:
         if self._timer is not None:
@@ -187,21 +188,21 @@ class Questioning:
     def _write(self, left_s: float) -> None:
         assert self._posed is not None, "a question is on screen"
         keys = self._asking.keys[: len(self._posed.options)]
-        lines = [f"[b]{self._screens.words.question}[/]", ""]
+        lines = [f"[b]{tr(self._screens.words.question)}[/]", ""]
         lines += [
             f" {key_cap(key)}  {self._screens.option(detail, self._protocol)}"
             for key, detail in zip(keys, self._posed.details, strict=True)
         ]
-        lines += [f" {key_cap(self._asking.none_key)}  {NONE_OF_THESE}", ""]
+        lines += [f" {key_cap(self._asking.none_key)}  {tr(NONE_OF_THESE)}", ""]
         lines += [self._time(left_s), self._call(keys)]
         self.bar.update("\n".join(lines))
 
     def _time(self, left_s: float) -> str:
         full = max(0, min(BAR_WIDTH, math.ceil(BAR_WIDTH * left_s / self._asking.limit_s)))
-        seconds = TIME_LEFT.format(seconds=max(0, math.ceil(left_s)))
+        seconds = tr(TIME_LEFT, seconds=max(0, math.ceil(left_s)))
         return f"{'━' * full}[dim]{'─' * (BAR_WIDTH - full)}[/] {seconds}"
 
     def _call(self, keys: Sequence[str]) -> str:
         if not self._hint:
-            return WAITS
-        return f"[b]{WHAT_TO_DO.format(keys=', '.join(keys), last=self._asking.none_key)}[/]"
+            return tr(WAITS)
+        return f"[b]{tr(WHAT_TO_DO, keys=', '.join(keys), last=self._asking.none_key)}[/]"

@@ -18,9 +18,10 @@ from textual.widgets import Static
 
 from arl_tui.app.plain_app import PlainApp
 from arl_tui.games.keepaway.playback import Playback, Source
+from arl_tui.language import bold_cap, tr
 from arl_tui.palette import STANDARD, palette_for
 from arl_tui.screens.covers import SmallWindowScreen, fits_into
-from arl_tui.screens.page import PageScreen, key_cap
+from arl_tui.screens.page import PageScreen
 from arl_tui.themes import theme_in_use
 from arl_tui.widgets.pitch import PitchWidget
 from arl_tui.widgets.pitch_colours import legend
@@ -74,7 +75,7 @@ class HelpPage(PageScreen):
         )
         widest = max(len(key) for key, _ in rows)
         for key, meaning in rows:
-            yield Static(f"  {key_cap(key)}{' ' * (widest - len(key))}  {meaning}")
+            yield Static(f"  {bold_cap(key)}{' ' * (widest - len(key))}  {meaning}")
         yield Static("Press [reverse] Space [/] to go on", classes="call")
 
     def action_back(self) -> None:
@@ -165,7 +166,7 @@ class WatchScreen(Screen[None], inherit_bindings=False):
     def on_mount(self) -> None:
         """Say that the match is not ready yet."""
         if self.playback is None:
-            self.pitch.cover("Getting ready ...\n\nThe first time this may take half a minute")
+            self.pitch.cover(tr("Getting ready ...\n\nThe first time this may take half a minute"))
         self.query_one("#panel", Static).update(self._heading)
         self._timer = self.set_interval(FRAME_S, self.draw)
 
@@ -308,15 +309,16 @@ class WatchApp(PlainApp[str]):
     CSS_PATH = "../app.tcss"
     TITLE = "arl watch"
 
-    def __init__(self, view: WatchScreen, prepare: Callable[[], Source]) -> None:
+    def __init__(self, view: WatchScreen, prepare: Callable[[], Source], *, language: str = "en") -> None:
         """Prepare.
 
         Args:
             view: the screen.
             prepare: makes the match; takes a minute where everything has to be compiled first, and is called
                 in another thread.
+            language: of the words on screen that participants read.
         """
-        super().__init__()
+        super().__init__(language=language)
         self.view = view
         self.trouble: Exception | None = None
         """Why the match could not be prepared."""

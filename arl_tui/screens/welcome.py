@@ -12,6 +12,7 @@ from arl_tui.app.link import Preparing, Ready
 from arl_tui.app.outcome import SessionControls
 from arl_tui.games.pace import pace_line, pace_warning
 from arl_tui.games.registry import words_of
+from arl_tui.language import later, tr, trn
 from arl_tui.screens.page import PageScreen, keys_of_all, presses_of_all
 from arl_tui.screens.question import about_questions
 from core.numerics.clock import NS_PER_S, Clock, MonotonicClock
@@ -19,7 +20,7 @@ from core.session.protocol import Protocol
 
 AT_SCREEN_S = 10.0
 """Whoever pressed the start key at most this long ago is taken to look at the screen still."""
-CALL = "Press [reverse] Enter [/] to start, [reverse] Q [/] to leave"
+CALL = later("Press {key_enter} to start, {key_stop} to leave")
 
 
 class WelcomeScreen(PageScreen):
@@ -73,39 +74,55 @@ class WelcomeScreen(PageScreen):
     def body(self) -> Iterable[Widget]:
         """Return the explanation."""
         keys, session = self._protocol.keys, self._protocol.session
-        games = "one game" if session.episodes == 1 else f"{session.episodes} games"
+        games = trn("one game", "{n} games", session.episodes)
         words = self._words
         if self._practice:
-            yield Static("[b]Practice[/]: nothing counts, the game is slow, and marks what you judged.\n")
+            yield Static(
+                tr("[b]Practice[/]: nothing counts, the game is slow, and marks what you judged.") + "\n"
+            )
         if self._games_done:
-            yield Static(f"[b]Your session goes on after {self._games_done} of {games}.[/]\n")
-        practises = words.practises if session.unseen_between else ""
-        yield Static(words.welcome.format(games=games, practises=practises))
+            yield Static(
+                tr("[b]Your session goes on after {done} of {games}.[/]", done=self._games_done, games=games)
+                + "\n"
+            )
+        practises = tr(words.practises) if session.unseen_between else ""
+        yield Static(tr(words.welcome, games=games, practises=practises))
         asking = self._protocol.agent.asking
         answers = f"\n{about_questions(asking)}" if asking.per_episode else ""
         yield Static(f"\n{keys_of_all(self._protocol)}{answers}\n")
         # The page is full in the smallest window: a line for answers takes the room of the last sentence.
-        last = "" if answers else " Nothing you press is wrong: only your opinion counts."
+        last = "" if answers else " " + tr("Nothing you press is wrong: only your opinion counts.")
         yield Static(
-            f"You have [b]{presses_of_all(self._protocol)}[/], so save them for what matters, and press as "
-            f"soon as you have made up your mind.{last}"
+            tr(
+                "You have [b]{presses}[/], so save them for what matters, and press as soon as you have "
+                "made up your mind.",
+                presses=presses_of_all(self._protocol),
+            )
+            + last
         )
         if keys.wrong_press_rate > 0:
             yield Static(
-                "\nNow and then the screen asks you to press the [b]wrong[/] key on purpose. Please do it "
-                "then: "
-                "we want to know how the computer copes with mistakes."
+                "\n"
+                + tr(
+                    "Now and then the screen asks you to press the [b]wrong[/] key on purpose. Please do it "
+                    "then: we want to know how the computer copes with mistakes."
+                )
             )
         if self._simulated:
             yield Static(
-                "\nThis is a demonstration: a [b]simulated person[/] presses keys as well. You may press, "
-                "too, "
-                "or just watch."
+                "\n"
+                + tr(
+                    "This is a demonstration: a [b]simulated person[/] presses keys as well. You may press, "
+                    "too, or just watch."
+                )
             )
         yield Static(
-            "\n[dim]Your key presses and their times are written to a file on this computer under the "
-            "code[/] "
-            f"[b]{self._participant}[/][dim]. You can pause or stop at any time.[/]"
+            "\n"
+            + tr(
+                "[dim]Your key presses and their times are written to a file on this computer under the "
+                "code[/] [b]{code}[/][dim]. You can pause or stop at any time.[/]",
+                code=self._participant,
+            )
         )
         pace = Static(id="pace")
         pace.display = False  # an empty line would not fit into the smallest window
@@ -125,7 +142,11 @@ class WelcomeScreen(PageScreen):
         """Say that the start key works; start at once where it has just been pressed."""
         self._worker_ready = ready
         waited = self._asked_ns is not None
-        if waited and self._clock.now_ns() - (self._asked_ns or 0) <= AT_SCREEN_S * NS_PER_S:
+        if (
+            waited
+            and self.is_current
+            and self._clock.now_ns() - (self._asked_ns or 0) <= AT_SCREEN_S * NS_PER_S
+        ):
             cast(SessionControls, self.app).begin()
             return
         if waited:
@@ -150,18 +171,22 @@ class WelcomeScreen(PageScreen):
     def _call(self) -> str:
         """Return two lines: what can be pressed, and how far the preparation is."""
         if self._worker_ready is not None:
-            line = f"Ready. {CALL}" if self._asked_ns is not None else CALL
+            line = tr(CALL) if self._asked_ns is None else f"{tr('Ready.')} {tr(CALL)}"
             # The warning takes the room of the second line: nothing moves without one.
             if self._warning():
                 return line
             pace = "" if self._simulated else pace_line(self._protocol, self._worker_ready)
             return f"{line}\n[dim]{pace and f'For the experimenter: {pace}'}[/]"
-        far = "getting ready"
+        far = tr("getting ready")
         if self._progress is not None and self._progress.compiled:
-            far = f"getting ready: {self._progress.compiled} of about {self._progress.needed} parts"
+            far = tr(
+                "getting ready: {done} of about {needed} parts",
+                done=self._progress.compiled,
+                needed=self._progress.needed,
+            )
         if self._asked_ns is None:
-            return f"{CALL}\n[dim]{far}[/]"
-        return f"Please wait: the first time this may take half a minute\n[dim]{far}[/]"
+            return f"{tr(CALL)}\n[dim]{far}[/]"
+        return f"{tr('Please wait: the first time this may take half a minute')}\n[dim]{far}[/]"
 
     def action_start(self) -> None:
         """Start, or as soon as the worker is ready."""

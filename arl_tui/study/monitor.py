@@ -9,15 +9,15 @@ from textual.binding import Binding, BindingType
 from textual.containers import VerticalScroll
 from textual.widgets import Input, Static
 
-from arl_tui.app.plain_app import PlainApp
+from arl_tui.app.with_palette import PaletteApp
 from studies.lab.watching import RunningRow
 
 LOOK_S = 1.0
 """How often the files are looked at, seconds."""
-KEYS = "[reverse] N [/] note   [reverse] Q [/] leave"
+KEYS = "[reverse] N [/] note   [reverse] Q [/] leave   [reverse] F1 [/] help   [reverse] Ctrl+P [/] commands"
 
 
-class Monitor(PlainApp[None]):
+class Monitor(PaletteApp[None]):
     """Shows what the files say, once a second; asks nobody and disturbs nothing."""
 
     TITLE = "arl study status"

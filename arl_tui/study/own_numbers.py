@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from arl_tui.app.tally import beginning_and_end
+from arl_tui.language import tr
 from arl_tui.study import words
 
 
@@ -22,14 +23,17 @@ def own_numbers(numbers: Numbers) -> Iterator[str]:
     """Yield what a participant did, and how the agent played, a remark each; no condition is named."""
     if not numbers.blocks:
         return
-    counted = [words.NUMBERS.format(games=sum(map(len, numbers.blocks)), presses=numbers.presses)]
+    counted = [tr(words.NUMBERS, games=sum(map(len, numbers.blocks)), presses=numbers.presses)]
     if numbers.taken_back:
-        counted.append(words.TAKEN_BACK.format(presses=numbers.taken_back))
+        counted.append(tr(words.TAKEN_BACK, presses=numbers.taken_back))
     yield " ".join(counted)
     template = words.HOW_IT_PLAYED if len(numbers.blocks) == 1 else words.HOW_IT_PLAYED_IN_BLOCK
     lines = []
     for number, games in enumerate(numbers.blocks, start=1):
         first, last = beginning_and_end(games)
-        unit = numbers.unit.capitalize() if len(numbers.blocks) == 1 else numbers.unit
-        lines.append(template.format(number=number, unit=unit, first=f"{first:.3g}", last=f"{last:.3g}"))
+        unit = numbers.unit[:1].upper() + numbers.unit[1:] if len(numbers.blocks) == 1 else numbers.unit
+        values = {"unit": unit, "first": f"{first:.3g}", "last": f"{last:.3g}"}
+        if len(numbers.blocks) > 1:
+            values["number"] = str(number)
+        lines.append(tr(template, **values))
     yield "\n".join(lines)

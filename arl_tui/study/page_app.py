@@ -25,6 +25,7 @@ class PageApp(PlainApp[Results]):
         on_result: Callable[[int, object], None] = lambda number, result: None,
         *,
         theme: str = "dark",
+        language: str = "en",
     ) -> None:
         """Prepare.
 
@@ -32,8 +33,9 @@ class PageApp(PlainApp[Results]):
             pages: each is made when its turn comes.
             on_result: called with the number of a page, from 0, and its result before the next page is shown.
             theme: of the pages (`arl_tui.themes`).
+            language: of the words that are not the study's own.
         """
-        super().__init__(theme=theme)
+        super().__init__(theme=theme, language=language)
         self._pages = list(pages)
         self._on_result = on_result
         self.results: Results = []

@@ -11,6 +11,8 @@ from textual.screen import ModalScreen, Screen
 from textual.widget import Widget
 from textual.widgets import Markdown, Static
 
+from arl_tui.app.key_help import HELP
+from arl_tui.language import cap, key_for, later, tr
 from arl_tui.study import words
 from core.numerics.clock import Clock, seconds
 
@@ -62,8 +64,8 @@ class StudyPage(Screen[object], inherit_bindings=False):
 
     def call(self) -> str:
         """Return the line that says which keys work, in markup."""
-        verb = words.GO_ON if self.at_end else words.READ_ON
-        return f"{verb}, {words.STOP}"
+        verb = tr(words.GO_ON) if self.at_end else tr(words.READ_ON)
+        return f"{verb}, {tr(words.STOP)}"
 
     @property
     def at_end(self) -> bool:
@@ -123,8 +125,9 @@ class StopPage(ModalScreen[bool], inherit_bindings=False):
     """Asks whether to stop, and says what happens to the data."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("y", "answer(True)", "Stop", id="stop.yes", tooltip="Stop the study"),
-        Binding("n,escape,enter", "answer(False)", "Go on", id="stop.no", tooltip="Go on"),
+        Binding("y", "answer(True)", "Stop", id="study-stop.yes", tooltip="Stop the study"),
+        Binding("n,escape,enter", "answer(False)", "Go on", id="study-stop.no", tooltip="Go on"),
+        HELP,
     ]
 
     def __init__(self, code: str) -> None:
@@ -134,12 +137,16 @@ class StopPage(ModalScreen[bool], inherit_bindings=False):
     def compose(self) -> ComposeResult:
         """Lay out the question."""
         with VerticalScroll(classes="page", can_focus=False):
-            yield Static(words.STOP_HEADING, classes="title")
-            yield Static(words.STOP_TEXT.format(code=self._code))
+            yield Static(tr(words.STOP_HEADING), classes="title")
+            yield Static(tr(words.STOP_TEXT, code=self._code))
 
     def action_answer(self, yes: bool) -> None:
         """Leave with the answer."""
         self.dismiss(yes)
+
+    async def action_page_help(self) -> None:
+        """Say what the keys of this page do: the app's own binding does not reach a modal page."""
+        await self.app.run_action("page_help")
 
 
 class TextPage(StudyPage):
@@ -159,6 +166,7 @@ class ConsentPage(StudyPage):
     declines.
     """
 
+    MORE_KEYS = (("↑ ↓", later("Go to another statement")),)
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("y", "answer(True)", "Yes", id="consent.yes", tooltip="Agree to the statement"),
         Binding("n", "answer(False)", "No", id="consent.no", tooltip="Do not agree to the statement"),
@@ -176,7 +184,7 @@ class ConsentPage(StudyPage):
             code: of the participant.
             part: where in the sitting this is, in words.
         """
-        super().__init__(words.CONSENT, code=code, part=part)
+        super().__init__(tr(words.CONSENT), code=code, part=part)
         self._text = text
         self.n_statements = len(statements) + len(optional)
         self._statements = [*statements, *optional]
@@ -188,7 +196,7 @@ class ConsentPage(StudyPage):
     def contents(self) -> Iterable[Widget]:
         """Return text and statements."""
         yield Markdown(self._text, open_links=False)
-        yield Static(words.CONSENT_HELP)
+        yield Static(tr(words.CONSENT_HELP))
         for number in range(len(self._statements)):
             yield Static(self._line(number), id=f"statement-{number}", classes="statement")
 
@@ -224,14 +232,14 @@ class ConsentPage(StudyPage):
     def done(self) -> None:
         """Leave with the answers, if each statement has one."""
         if None in self._answers:
-            self._remark = words.CONSENT_OPEN
+            self._remark = tr(words.CONSENT_OPEN)
             self._at = self._answers.index(None)
             self._move(0)
             self.show_call()
         elif all(self._answers[: self._required]):
             self.finish(dict(zip(self._statements, self._answers, strict=True)))
         else:
-            self._remark = words.CONSENT_NEEDED
+            self._remark = tr(words.CONSENT_NEEDED)
             self.show_call()
             self.app.push_screen(DeclinePage(), self._declined)
 
@@ -245,7 +253,7 @@ class ConsentPage(StudyPage):
             self.query_one(f"#statement-{number}", Static).update(self._line(number))
 
     def _line(self, number: int) -> str:
-        answer = {None: "[reverse]   [/]", True: "[reverse] Y [/]", False: "[reverse] N [/]"}[
+        answer = {None: "[reverse]   [/]", True: cap(key_for("yes")), False: cap(key_for("no"))}[
             self._answers[number]
         ]
         mark = ">" if number == self._at else " "
@@ -259,17 +267,22 @@ class DeclinePage(ModalScreen[bool], inherit_bindings=False):
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("enter", "answer(True)", "Leave", id="decline.yes", tooltip="Leave; nothing is kept"),
         Binding("b,escape", "answer(False)", "Back", id="decline.no", tooltip="Go back to the statements"),
+        HELP,
     ]
 
     def compose(self) -> ComposeResult:
         """Lay out the question."""
         with VerticalScroll(classes="page", can_focus=False):
-            yield Static(words.DECLINE_HEADING, classes="title")
-            yield Static(words.DECLINE)
+            yield Static(tr(words.DECLINE_HEADING), classes="title")
+            yield Static(tr(words.DECLINE))
 
     def action_answer(self, yes: bool) -> None:
         """Leave with the answer."""
         self.dismiss(yes)
+
+    async def action_page_help(self) -> None:
+        """Say what the keys of this page do: the app's own binding does not reach a modal page."""
+        await self.app.run_action("page_help")
 
 
 class BreakPage(StudyPage):
@@ -295,7 +308,7 @@ class BreakPage(StudyPage):
             code: of the participant.
             part: where in the sitting this is, in words.
         """
-        super().__init__(words.BREAK_HEADING, code=code, part=part)
+        super().__init__(tr(words.BREAK_HEADING), code=code, part=part)
         self._text = text
         self.shortest_s = shortest_s
         self._longest_s = longest_s
@@ -304,7 +317,7 @@ class BreakPage(StudyPage):
 
     def contents(self) -> Iterable[Widget]:
         """Return the text."""
-        yield Markdown(self._text or words.BREAK_TEXT, open_links=False)
+        yield Markdown(self._text or tr(words.BREAK_TEXT), open_links=False)
 
     @property
     def waited_s(self) -> float:
@@ -315,8 +328,8 @@ class BreakPage(StudyPage):
         """Return how long the break still is, or that it is over."""
         left = self.shortest_s - self.waited_s
         if left > 0:
-            return words.BREAK_WAIT.format(seconds=int(left) + 1)
-        return words.BREAK_OVER if self.waited_s > self._longest_s else super().call()
+            return tr(words.BREAK_WAIT, seconds=int(left) + 1)
+        return tr(words.BREAK_OVER) if self.waited_s > self._longest_s else super().call()
 
     def done(self) -> None:
         """Leave the page, not before the shortest time."""
@@ -353,7 +366,7 @@ class NoticePage(StudyPage):
 
     def call(self) -> str:
         """Return how to leave."""
-        return words.LEAVE if self.at_end else words.READ_ON
+        return tr(words.LEAVE) if self.at_end else tr(words.READ_ON)
 
 
 def _plain(text: str) -> str:

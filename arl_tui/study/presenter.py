@@ -88,20 +88,24 @@ class Presenter(Protocol):
 class Terminal:
     """Pages in this terminal; `play` is handed in, because it belongs to the commands."""
 
-    def __init__(self, play: Callable[[BlockCall], Played], *, theme: str = "dark") -> None:
+    def __init__(
+        self, play: Callable[[BlockCall], Played], *, theme: str = "dark", language: str = "en"
+    ) -> None:
         """Prepare.
 
         Args:
             play: runs a session, a practice or a calibration.
             theme: of the pages (`arl_tui.themes`).
+            language: of the words that are not the study's own.
         """
         self.play = play
         self._theme = theme
+        self._language = language
         self.on_gone: Callable[[], None] = do_nothing
 
     def pages(self, pages: Pages, on_result: OnResult = ignore_result) -> tuple[Results, bool]:
         """Show pages in an app of their own."""
-        app = PageApp(pages, on_result, theme=self._theme)
+        app = PageApp(pages, on_result, theme=self._theme, language=self._language)
         app.before_leaving = self.on_gone
         results = app.run_in_terminal()
         return (app.results if results is None else results), app.ended_by is not None or results is None

@@ -11,6 +11,7 @@ from textual.binding import Binding, BindingType
 from textual.widget import Widget
 from textual.widgets import Input, Static
 
+from arl_tui.language import later, tr
 from arl_tui.study import words
 from arl_tui.study.pages import StudyPage, _plain
 from core.numerics.clock import Clock
@@ -18,6 +19,11 @@ from studies.lab.questions import Answer, Choice, FreeText, Likert, Number, Pres
 
 SCALE_CELLS = 51
 """Places of the mark of a visual analogue scale on screen."""
+
+
+def _end(text: str) -> str:
+    """Return an end of a Likert row: of the study, or ours, in the language in use."""
+    return tr(text) if text in words.ENDS_OF_A_LIKERT_ROW else text
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +52,7 @@ class QuestionPage(StudyPage):
             code: of the participant.
             clock: of the answer's times.
         """
-        super().__init__("", code=code, part=words.PROGRESS.format(number=number, count=count))
+        super().__init__("", code=code, part=tr(words.PROGRESS, number=number, count=count))
         self.question = question
         self._clock = clock
         self._shown_ns = clock.now_ns()
@@ -56,6 +62,19 @@ class QuestionPage(StudyPage):
             self._at = question.maximum // 2
         self._touched = False
         self._chosen: set[int] = set()
+
+    @property
+    def MORE_KEYS(self) -> tuple[tuple[str, str], ...]:
+        """Keys of the question, with English words (`arl_tui.app.key_help`)."""
+        match self.question:
+            case Likert() | Choice(several=False):
+                return (("1-9", later("Choose an answer")), ("← → ↑ ↓", later("Choose an answer")))
+            case Choice():
+                return (("1-9", later("Choose, or no longer")), ("↑ ↓", later("Go to another answer")))
+            case Scale():
+                return (("← →", later("Move the mark")),)
+            case _:
+                return ()
 
     # --- what is shown --------------------------------------------------------------------------------------
 
@@ -69,7 +88,7 @@ class QuestionPage(StudyPage):
         elif not isinstance(self.question, Press):
             yield Static(self._drawn(), id="answers")
         if not self.question.required:
-            yield Static(f"[dim]{words.MAY_SKIP}[/]", classes="hint")
+            yield Static(f"[dim]{tr(words.MAY_SKIP)}[/]", classes="hint")
 
     def call(self) -> str:
         """Return how to answer, or what is wrong with the answer."""
@@ -77,15 +96,15 @@ class QuestionPage(StudyPage):
             return f"[$text-error]{_plain(self._remark)}[/]"
         match self.question:
             case Likert():
-                return words.ANSWER_LIKERT
+                return tr(words.ANSWER_LIKERT)
             case Scale():
-                return words.ANSWER_SCALE
+                return tr(words.ANSWER_SCALE)
             case Choice(several=several):
-                return words.ANSWER_SEVERAL if several else words.ANSWER_CHOICE
+                return tr(words.ANSWER_SEVERAL) if several else tr(words.ANSWER_CHOICE)
             case Number() | FreeText():
-                return words.ANSWER_TYPED
+                return tr(words.ANSWER_TYPED)
             case Press():
-                return words.ANSWER_PRESS
+                return tr(words.ANSWER_PRESS)
             case other:
                 assert_never(other)
 
@@ -101,7 +120,7 @@ class QuestionPage(StudyPage):
                 marks = "   ".join(
                     f"[reverse b] {k} [/]" if k == self._at else f" {k} " for k in range(1, points + 1)
                 )
-                return f"{marks}\n\n1 = {_plain(low)}, {points} = {_plain(high)}\n"
+                return f"{marks}\n\n1 = {_plain(_end(low))}, {points} = {_plain(_end(high))}\n"
             case Scale(maximum=maximum, low=low, high=high):
                 cell = round((self._at or 0) / maximum * (SCALE_CELLS - 1))
                 line = "".join("█" if k == cell and self._touched else "─" for k in range(SCALE_CELLS))
@@ -219,7 +238,7 @@ class QuestionPage(StudyPage):
         if reason is None:
             self._leave_with(answer)
         else:
-            self._remark = reason
+            self._remark = tr(reason.text, **reason.values)
             self.show_call()
 
     def action_skip(self) -> None:

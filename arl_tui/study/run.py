@@ -6,6 +6,7 @@ from typing import Literal, assert_never
 
 from textual.screen import Screen
 
+from arl_tui.language import tr
 from arl_tui.study import words
 from arl_tui.study.own_numbers import Numbers, own_numbers
 from arl_tui.study.page_app import Results
@@ -170,7 +171,7 @@ class _Sitting:
             self._presenter.on_gone = do_nothing
         self._ledger.append(SittingEnded(code=attempt.code, sitting=attempt.sitting, how=how))
         if how == "stopped":
-            self._say(words.STOPPED.format(code=attempt.code))
+            self._say(tr(words.STOPPED, code=attempt.code))
         return SittingResult(how, attempt.code, trouble, tuple(self._remarks_for_experimenter))
 
     def _gone(self, log: SittingLog) -> None:
@@ -268,7 +269,7 @@ class _Sitting:
             case Debriefing():
                 text = self._loaded.texts[step.text]
                 remarks = self._remarks(step)
-                self._pages([lambda: NoticePage(words.THANKS, text, remarks, code=code)])
+                self._pages([lambda: NoticePage(tr(words.THANKS), text, remarks, code=code)])
             case Practice() | Calibration() | Block():
                 self._play(log, number, step)
             case other:
@@ -276,7 +277,7 @@ class _Sitting:
 
     def _part(self, number: int) -> str:
         count = len(self._study.sittings[self._attempt.sitting].steps)
-        return words.PART.format(number=number + 1, count=count)
+        return tr(words.PART, number=number + 1, count=count)
 
     def _block_of_visit(self, number: int) -> str:
         """Return which block of this visit a step is, in words; nothing for practice and calibrations."""
@@ -284,7 +285,7 @@ class _Sitting:
         if not isinstance(steps[number], Block):
             return ""
         blocks = [place for place, step in enumerate(steps) if isinstance(step, Block)]
-        return words.BLOCK.format(number=blocks.index(number) + 1, count=len(blocks))
+        return tr(words.BLOCK, number=blocks.index(number) + 1, count=len(blocks))
 
     def _pages(self, pages: Pages, on_result: OnResult = ignore_result) -> Results:
         results, closed = self._presenter.pages(pages, on_result)
@@ -296,7 +297,7 @@ class _Sitting:
 
     def _say(self, text: str) -> None:
         """Show a last page; nothing hangs on how it is left."""
-        self._presenter.pages([lambda: NoticePage(words.THANKS, "", [text], code=self._attempt.code)])
+        self._presenter.pages([lambda: NoticePage(tr(words.THANKS), "", [text], code=self._attempt.code)])
 
     def _ask(self, log: SittingLog, number: int, step: Questionnaire) -> None:
         """Ask every question in turn; each answer is on the disk before the next question comes."""
@@ -396,5 +397,5 @@ class _Sitting:
     def _remarks(self, step: Debriefing) -> list[str]:
         remarks = list(own_numbers(self._numbers)) if step.own_numbers else []
         if step.show_condition:
-            remarks.append(words.ORDER.format(order=", ".join(self._attempt.order)))
-        return [*remarks, words.CODE.format(code=self._attempt.code)]
+            remarks.append(tr(words.ORDER, order=", ".join(self._attempt.order)))
+        return [*remarks, tr(words.CODE, code=self._attempt.code)]

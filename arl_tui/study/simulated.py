@@ -14,6 +14,7 @@ import numpy as np
 from textual.pilot import Pilot
 
 from arl_tui.games.registry import words_of
+from arl_tui.language import key_for
 from arl_tui.recordings import new_path
 from arl_tui.study.calibrations import simulated_calibration
 from arl_tui.study.page_app import PageApp, Results
@@ -111,7 +112,7 @@ class SimulatedPresenter:
         Raises:
             StuckError: a page cannot be left by keys.
         """
-        app = PageApp(pages, on_result)
+        app = PageApp(pages, on_result, language=self._loaded.study.language)
         stuck: list[str] = []
 
         async def press(pilot: Pilot[object]) -> None:
@@ -135,9 +136,9 @@ class SimulatedPresenter:
 
     def _keys(self, screen: StudyPage | StopPage) -> list[str]:
         if isinstance(screen, StopPage):
-            return ["n"]
+            return [key_for("no")]
         if isinstance(screen, ConsentPage) and screen.at_end:
-            return ["n" if self._habits.declines else "y"] * screen.n_statements + (
+            return [key_for("no" if self._habits.declines else "yes")] * screen.n_statements + (
                 ["enter", "enter"] if self._habits.declines else ["enter"]
             )
         if isinstance(screen, QuestionPage):
@@ -216,7 +217,7 @@ class SimulatedPresenter:
             file=path.name,
             games=tuple(summary.performances),
             presses=summary.accepted,
-            unit=words_of(protocol.game).units[1],
+            unit=words_of(protocol.game).unit,
         )
 
     def _play_drawn(self, call: BlockCall, protocol: Protocol, source: Mapping[str, str]) -> Path:

@@ -85,5 +85,5 @@ def played_of(block: BlockSoFar) -> Played:
         games=block.performances,
         presses=block.summary.presses_counted,
         taken_back=block.summary.presses_taken_back,
-        unit=words_of(block.summary.game).units[1],
+        unit=words_of(block.summary.game).unit,
     )

@@ -4,11 +4,11 @@ from pathlib import Path
 from typing import ClassVar
 
 from arl_tui.app.driver import own_driver
-from arl_tui.app.plain_app import PlainApp
+from arl_tui.app.with_palette import PaletteApp
 from arl_tui.viewer.screen import ViewerScreen
 
 
-class ViewerApp(PlainApp[str]):
+class ViewerApp(PaletteApp[str]):
     """One recording; the app's result is a line about where it was left."""
 
     CSS_PATH: ClassVar = ["../app.tcss", "app.tcss"]

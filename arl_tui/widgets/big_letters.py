@@ -10,12 +10,17 @@ _GLYPHS: dict[str, tuple[str, ...]] = {
     "H": ("#  #", "#  #", "####", "#  #", "#  #"),
     "I": ("###", " # ", " # ", " # ", "###"),
     "K": ("#  #", "# # ", "##  ", "# # ", "#  #"),
+    "L": ("#   ", "#   ", "#   ", "#   ", "####"),
     "N": ("#  #", "## #", "# ##", "#  #", "#  #"),
     "O": (" ## ", "#  #", "#  #", "#  #", " ## "),
     "R": ("### ", "#  #", "### ", "# # ", "#  #"),
+    "S": (" ###", "#   ", " ## ", "   #", "### "),
     "T": ("###", " # ", " # ", " # ", " # "),
+    "U": ("#  #", "#  #", "#  #", "#  #", " ## "),
+    "Ü": ("#  #", "    ", "#  #", "#  #", " ## "),
     "V": ("# #", "# #", "# #", "# #", " # "),
     "Y": ("# #", "# #", " # ", " # ", " # "),
+    "Z": ("####", "  # ", " #  ", "#   ", "####"),
     " ": ("  ",) * 5,
     "0": (" ## ", "#  #", "#  #", "#  #", " ## "),
     "1": (" # ", "## ", " # ", " # ", "###"),
@@ -34,13 +39,19 @@ LINES = 3
 _HALVES = {(False, False): " ", (True, False): "▀", (False, True): "▄", (True, True): "█"}
 
 
-def big(word: str) -> tuple[str, ...]:
+def big(word: str, *, narrow: bool = False) -> tuple[str, ...]:
     """Return `word` as three lines of equal length.
+
+    Args:
+        word: in letters that have been drawn.
+        narrow: letters of four dots get three: for long words where there is little room.
 
     Raises:
         KeyError: a letter has not been drawn yet.
     """
     glyphs = [_GLYPHS[letter] for letter in word]
+    if narrow:
+        glyphs = [tuple(row[:2] + row[3:] if len(row) == 4 else row for row in glyph) for glyph in glyphs]
     dots = [" ".join(glyph[row] for glyph in glyphs) for row in range(5)]
     dots.append(" " * len(dots[0]))
     return tuple(

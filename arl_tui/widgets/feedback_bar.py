@@ -14,6 +14,7 @@ from textual.widget import Widget
 from arl_tui.app.foreign_keys import ForeignKeys
 from arl_tui.app.once import after
 from arl_tui.feedback_words import kind_of, short_words, word_of
+from arl_tui.language import later, tr
 from arl_tui.widgets.big_letters import LINES, big
 from core.events import KeyPressed, PressRetracted
 from core.feedback.keys import KeyConfig
@@ -21,23 +22,23 @@ from core.feedback.keys import KeyConfig
 HOLD_S = 1.5
 """How long a word stays, seconds."""
 
-WATCH = ("watch, and say what you think", "watch")
+WATCH = (later("watch, and say what you think"), later("watch"))
 """What stands where the word will be, as long as there is room for."""
-WATCH_ONLY = ("watch: no presses left in this game", "watch: no presses left")
-RESTING = ("nothing to judge now", "wait")
+WATCH_ONLY = (later("watch: no presses left in this game"), later("watch: no presses left"))
+RESTING = (later("nothing to judge now"), later("wait"))
 """What stands there while no game is on screen."""
 WRONG_ASKED = (
-    "Just once, on purpose: press the WRONG key",
-    "On purpose: press the WRONG key",
-    "press the WRONG key",
+    later("Just once, on purpose: press the WRONG key"),
+    later("On purpose: press the WRONG key"),
+    later("press the WRONG key"),
 )
-SAVING = "saving ..."
+SAVING = later("saving ...")
 """What stands below the presses left while the disk is behind."""
 REFUSALS = {
-    "no-presses-left": "No presses left in this game: not counted",
-    "covered": "The game has not begun: not counted",
-    "not-playing": "No game on screen: not counted",
-    "other": "This key has no meaning here",
+    "no-presses-left": later("No presses left in this game: not counted"),
+    "covered": later("The game has not begun: not counted"),
+    "not-playing": later("No game on screen: not counted"),
+    "other": later("This key has no meaning here"),
 }
 
 
@@ -94,7 +95,7 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
             classes: Textual's style classes.
         """
         super().__init__(id=id, classes=classes)
-        self.border_title = "Your feedback"
+        self.border_title = tr("Your feedback")
         self.keys = keys
         self.presses_left = keys.max_presses_per_episode
         """Presses that still count in this episode."""
@@ -109,7 +110,7 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
         self.saving = False
         """Whether the disk is behind with what has been recorded."""
         self._foreign_keys = ForeignKeys()
-        self._by = ""
+        self._counted = ""
         self._kind = "idle"
         self._hold_s = hold_s
         self._timer: TimerHandle | None = None
@@ -132,14 +133,19 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
     def show_press(self, press: KeyPressed, presses_left: int) -> None:
         """Confirm an accepted press, or say why one does not count; a held key's repeats change nothing."""
         self.presses_left = presses_left
-        by = self._by = " by the simulated participant" if press.source == "simulated" else ""
+        self._counted = (
+            tr("Counted by the simulated participant") if press.source == "simulated" else tr("Counted")
+        )
         if press.verdict == "accepted":
             assert press.value is not None, f"an accepted press has a value: {press}"
-            read_as = f" {press.key} as {press.read_as}: another keyboard layout" if press.layout else ""
-            self._say(word_of(press.value).upper(), kind_of(press.value), f"Counted{by}{read_as}")
+            note = self._counted
+            if press.layout:
+                other = tr("{key} as {letter}: another keyboard layout", key=press.key, letter=press.read_as)
+                note += f" {other}"
+            self._say(word_of(press.value).upper(), kind_of(press.value), note)
         elif press.verdict != "repeat" and (press.read_as or press.key) != self.keys.retract:
             advice = self._foreign_keys.advice(press.key, read=bool(press.read_as))
-            self._say("", "idle", advice or REFUSALS[press.verdict])
+            self._say("", "idle", advice or tr(REFUSALS[press.verdict]))
 
     def show_taken(self, taken: str, press: int) -> None:
         """Say what the press that has just been confirmed was taken for, while its word stands.
@@ -148,7 +154,7 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
             taken: in words.
             press: its number; of one person always the press that has just been confirmed.
         """
-        if self.note == f"Counted{self._by}":
+        if self.note == self._counted:
             self.note += f" {taken}"
             self.refresh()
 
@@ -156,9 +162,9 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
         """Say that a press does not count after all."""
         self.presses_left = presses_left
         if retraction.reason == "auto-repeat":
-            self._say(self.word, self._kind, "A key that is held down counts once")
+            self._say(self.word, self._kind, tr("A key that is held down counts once"))
         else:
-            self._say("TAKEN BACK", "back", "Your last press does not count")
+            self._say(tr("TAKEN BACK"), "back", tr("Your last press does not count"))
 
     def show_saving(self, saving: bool) -> None:
         """Say that the disk is behind, or no longer say so."""
@@ -168,7 +174,7 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
 
     def show_not_saved(self) -> None:
         """Say that nothing counts any more."""
-        self._say("", "idle", "Not saved: nothing counts any more")
+        self._say("", "idle", tr("Not saved: nothing counts any more"))
 
     def ask_wrong(self, asked: bool) -> None:
         """Ask for one deliberately wrong press, or stop asking."""
@@ -202,7 +208,7 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
         if line == 2:
             return self._line([] if self.resting else self._budget())
         if line == 3 and self.saving:
-            return self._line([("note", SAVING)])
+            return self._line([("note", tr(SAVING))])
         if line == 4 and self.wrong_asked and not self.resting:
             return self._filled("cue", self._longest(WRONG_ASKED))
         if line == 6 and not self.resting:
@@ -214,14 +220,16 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
         if not self.word:
             waiting = RESTING if self.resting else WATCH if self.presses_left else WATCH_ONLY
             return self._filled("idle", self._longest(waiting) if y == 1 else "")
-        lines = big(self.word)
-        if len(lines[0]) > width:
+        # Two words in narrow letters are hard to tell apart.
+        drawn = (big(self.word), big(self.word, narrow=" " not in self.word))
+        lines = next((lines for lines in drawn if len(lines[0]) <= width), None)
+        if lines is None:
             return self._filled(self._kind, self.word if y == 1 else "")
         return self._filled(self._kind, lines[y])
 
     def _budget(self) -> list[tuple[str, str]]:
         most = self.keys.max_presses_per_episode
-        left = f"{self.presses_left} of {most} presses left"
+        left = tr("{left} of {most} presses left", left=self.presses_left, most=most)
         if 2 * most + len(left) + 1 > self.size.width:
             return [("label", left)]
         return [
@@ -231,7 +239,7 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
         ]
 
     def _key_names(self) -> list[tuple[str, str]]:
-        back = "back" if self.keys.graded else "take back"
+        back = tr("back") if self.keys.graded else tr("take back")
         names = [*short_words(self.keys), (self.keys.retract, back)]
         if not self.presses_left:
             names = names[-1:]  # a press taken back counts again; another one does not
@@ -244,7 +252,8 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
 
     def _longest(self, texts: tuple[str, ...]) -> str:
         """Return the first of several texts that fits, the last one where none does."""
-        return next((text for text in texts if len(text) <= self.size.width), texts[-1])
+        said = [tr(text) for text in texts]
+        return next((text for text in said if len(text) <= self.size.width), said[-1])
 
     def _line(self, parts: Iterable[tuple[str, str]]) -> Strip:
         """Return a line of styled parts, centred."""

@@ -6,6 +6,7 @@ from typing import ClassVar
 from textual.geometry import Size
 from textual.strip import Strip
 
+from arl_tui.language import tr
 from arl_tui.palette import STANDARD, Palette
 from arl_tui.widgets.blocks import CELLS_PER_BLOCK, BlockWidget
 from core.tetris.game import flattest
@@ -49,7 +50,7 @@ class NextPiece(BlockWidget):
         """
         super().__init__(palette=palette, id=id, classes=classes)
         self._lines_in = lines_in
-        self.border_title = "Next"
+        self.border_title = tr("Next")
         self._piece = -1
 
     def get_content_width(self, container: Size, viewport: Size) -> int:

@@ -8,6 +8,7 @@ from textual.strip import Strip
 
 from arl_tui.app.once import after
 from arl_tui.feedback_words import kind_of, short_words, word_of
+from arl_tui.language import tr
 from arl_tui.widgets.feedback_bar import REFUSALS, SAVING, FeedbackBar
 from core.events import KeyPressed, PressRetracted
 from core.feedback.keys import KeyConfig
@@ -62,21 +63,21 @@ class PeopleBar(FeedbackBar):
         if press.person < 0:
             if press.verdict != "repeat":
                 advice = self._foreign_keys.advice(press.key, read=bool(press.read_as))
-                self.border_subtitle = advice or REFUSALS[press.verdict]
+                self.border_subtitle = advice or tr(REFUSALS[press.verdict])
             return
         line = self._people[press.person]
         line.presses_left = presses_left
         if press.verdict == "accepted":
             assert press.value is not None, f"an accepted press has a value: {press}"
             self._person_of[press.press] = press.person
-            self._tell(press.person, word_of(press.value).upper(), kind_of(press.value), "counted")
+            self._tell(press.person, word_of(press.value).upper(), kind_of(press.value), tr("counted"))
         elif press.verdict not in ("repeat", "other"):
-            self._tell(press.person, "", "idle", REFUSALS[press.verdict])
+            self._tell(press.person, "", "idle", tr(REFUSALS[press.verdict]))
 
     def show_taken(self, taken: str, press: int) -> None:
         """Say what a press that has just been confirmed was taken for, in its person's line."""
         line = self._people[self._person_of.get(press, 0)]
-        if line.note == "counted":
+        if line.note == tr("counted"):
             line.note = taken
             self.refresh()
 
@@ -86,19 +87,19 @@ class PeopleBar(FeedbackBar):
         line = self._people[person]
         line.presses_left = presses_left
         if retraction.reason == "auto-repeat":
-            self._tell(person, line.word, line.kind, "a key held down counts once")
+            self._tell(person, line.word, line.kind, tr("a key held down counts once"))
         else:
-            self._tell(person, "TAKEN BACK", "back", "does not count")
+            self._tell(person, tr("TAKEN BACK"), "back", tr("does not count"))
 
     def show_saving(self, saving: bool) -> None:
         """Say that the disk is behind, or no longer say so."""
         if saving != self.saving:
             self.saving = saving
-            self.border_subtitle = SAVING if saving else ""
+            self.border_subtitle = tr(SAVING) if saving else ""
 
     def show_not_saved(self) -> None:
         """Say that nothing counts any more."""
-        self.border_subtitle = "Not saved: nothing counts any more"
+        self.border_subtitle = tr("Not saved: nothing counts any more")
 
     def _tell(self, person: int, word: str, kind: str, note: str) -> None:
         line = self._people[person]
@@ -140,9 +141,9 @@ class PeopleBar(FeedbackBar):
         if most <= MOST_PIPS:
             parts = [("pip", f" {'●' * left}"), ("spent", "○" * (most - left))]
         else:
-            parts = [("label", f" {left} left")]
+            parts = [("label", " " + tr("{left} left", left=left))]
         parts.append(("label", " "))
-        for key, word in (*short_words(line.keys), (line.keys.retract, "back")):
+        for key, word in (*short_words(line.keys), (line.keys.retract, tr("back"))):
             parts += [("key", f" {key.upper()} "), ("label", word)]
         return parts
 

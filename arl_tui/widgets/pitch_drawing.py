@@ -8,9 +8,11 @@ wide.
 
 import math
 
+from arl_tui.language import tr
 from arl_tui.widgets.pitch_ink import ASPECT, LEAST_LINES, MARKS, Detail, Mark, Row, Shape
 from arl_tui.widgets.pitch_sheet import Sheet
 from core.keepaway.picture import PitchFrame
+from core.keepaway.pitch import NO_PLAYER, ONGOING, OUT
 
 LEAST_LETTERS = 4
 """Words in the boundary are not shortened to fewer letters: "K1 p..." says something, "K..." does not."""
@@ -67,12 +69,26 @@ def draw(
     sheet.dot_trail()
     sheet.dot_players()
     sheet.place_ball()
-    title = f"Episode {frame.episode}" if title is None else title
+    title = tr("Episode {number}", number=frame.episode) if title is None else title
     sheet.news = caption
     edges = _edges(
-        shape, detail, (title, f"{frame.time_s:.1f} s"), (frame.caption() if caption else "", note)
+        shape, detail, (title, f"{frame.time_s:.1f} s"), (caption_of(frame) if caption else "", note)
     )
     return tuple(sheet.row(line, edges.get(line)) for line in range(shape.lines))
+
+
+def caption_of(frame: PitchFrame) -> str:
+    """Say in a few words what is going on, as `PitchFrame.caption` does, in the language in use."""
+    if frame.ended != ONGOING:
+        if frame.ended == OUT:
+            return tr("Ball out after {seconds:.1f} s", seconds=frame.time_s)
+        return tr("Ball taken after {seconds:.1f} s", seconds=frame.time_s)
+    if frame.passing:
+        decider, target = frame.name(frame.decider), frame.name(frame.target)
+        return tr("{keeper} passes to {target}", keeper=decider, target=target)
+    if frame.holder == NO_PLAYER:
+        return tr("Ball is free")
+    return tr("{player} has the ball", player=frame.name(frame.holder))
 
 
 def plain(rows: tuple[Row, ...]) -> list[str]:

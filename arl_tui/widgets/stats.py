@@ -11,6 +11,7 @@ from textual.strip import Strip
 from textual.widget import Widget
 
 from arl_tui.app.once import after
+from arl_tui.language import later, tr
 from core.numerics.clock import Clock, MonotonicClock, seconds
 
 REFRESH_S = 0.25
@@ -60,7 +61,7 @@ class StatsPanel(Widget, inherit_bindings=False, can_focus=False):
 
     def __init__(
         self,
-        title: str = "Progress",
+        title: str = later("Progress"),
         *,
         lines_high: int = 4,
         grows: Callable[[Size], int] = lambda window: 0,
@@ -71,7 +72,7 @@ class StatsPanel(Widget, inherit_bindings=False, can_focus=False):
         """Show zeros.
 
         Args:
-            title: in the border.
+            title: in the border, in English (`arl_tui.language.later`).
             lines_high: lines inside the border: 4 hold all figures, 2 only lines and pieces.
             grows: returns how many lines more it has in a window, to end where its neighbour ends.
             clock: says when the next redrawing is due; the machine's by default.
@@ -79,7 +80,7 @@ class StatsPanel(Widget, inherit_bindings=False, can_focus=False):
             classes: Textual's style classes.
         """
         super().__init__(id=id, classes=classes)
-        self.border_title = title
+        self.border_title = tr(title)
         self.figures = Figures()
         """What is on screen, or will be with the next paint."""
         self._lines_high = lines_high
@@ -132,12 +133,13 @@ class StatsPanel(Widget, inherit_bindings=False, can_focus=False):
         figures = self.figures
         rows = []
         if figures.episode is not None:
-            of = "" if figures.episodes is None else f" of {figures.episodes}"
-            rows.append(("Game", f"{figures.episode:>4}{of}", ""))
-        rows += [("Lines", f"{figures.lines:>4}", ""), ("Pieces", f"{figures.pieces:>4}", "")]
+            done = f"{figures.episode:>4}"
+            of = done if figures.episodes is None else tr("{done} of {all}", done=done, all=figures.episodes)
+            rows.append((tr("Game"), of, ""))
+        rows += [(tr("Lines"), f"{figures.lines:>4}", ""), (tr("Pieces"), f"{figures.pieces:>4}", "")]
         if figures.human_weights:
             width = self.size.width - self.LABEL_WIDTH - 6
             rows.append(
-                ("Influence", f"{figures.human_weights[-1]:>4.2f}", trend(figures.human_weights, width))
+                (tr("Influence"), f"{figures.human_weights[-1]:>4.2f}", trend(figures.human_weights, width))
             )
         return rows

@@ -60,6 +60,11 @@ class SessionConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
                 raise ValueError(f"{name} is >= 0, got {getattr(self, name)}")
 
 
+Language = Literal["en", "de"]
+"""Languages of the participants' screens, by ISO 639. `docs/how-to/language-and-keys.md`
+says how another one is added."""
+
+
 class ScreenConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How the session looks and how fast it goes."""
 
@@ -95,8 +100,12 @@ class ScreenConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     games_per_block: Annotated[int, number("watched games", ge=0, le=1_000_000)] = 0
     """After so many watched games a page offers a break that waits for the participant; 0: none."""
 
+    language: Language = "en"
+    """Language of everything that the participant reads: "en" is English, "de" German. The environment
+    variable LANG does not change it (`docs/decisions/languages.md`)."""
+
     LATER: ClassVar[frozenset[str]] = frozenset(
-        {"theme", "reduced_motion", "games_per_stretch", "games_per_block"}
+        {"theme", "reduced_motion", "games_per_stretch", "games_per_block", "language"}
     )
     """Settings that came after version 0.2: at their defaults they are not written to recordings."""
 

@@ -9,6 +9,7 @@ import msgspec
 from msgspec import Meta
 
 from core.configuration.fields import ALLOWED
+from core.session.protocol import Language
 
 Hours = Annotated[float, Meta(ge=0.0, le=24.0 * 366)]
 Seconds = Annotated[float, Meta(ge=0.0, le=3600.0)]
@@ -228,6 +229,9 @@ class Study(Table, frozen=True, kw_only=True):
     """Names the folder of the study's data. Participants do not see it."""
     title: str = ""
     """What participants see above the pages."""
+    language: Language = "en"
+    """Of every word that is not the study's own: keys, questions whether to stop, ready questionnaires. The
+    study's texts are in the language in which they are written. LANG does not change it."""
     version: str = "1"
     """Of the study, for the records; change it with the study."""
     seed: Annotated[int, Meta(ge=0, le=2**63 - 1)]

@@ -1,13 +1,16 @@
 """Questionnaires: what can be asked, which answers are allowed, and the ready ones. No screen."""
 
+from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
-from typing import Annotated, Literal, assert_never
+from types import MappingProxyType
+from typing import Annotated, Literal, NamedTuple, assert_never
 
 from msgspec import Meta
 
 from core.configuration.fields import ALLOWED
 from core.configuration.reading import ConfigurationError, read_whole
+from core.session.protocol import Language
 from core.session.protocol_file import ProtocolError, located, read_toml
 from studies.lab.config import Code, Table
 
@@ -137,18 +140,20 @@ class QuestionsError(ValueError):
     """A questionnaire cannot be used; the message says where and why."""
 
 
-def read_questions(name: str, folder: Path) -> QuestionList:
+def read_questions(name: str, folder: Path, language: Language = "en") -> QuestionList:
     """Return a ready questionnaire, or the one in a TOML file.
 
     Args:
         name: one of `READY`, or a file in `folder`.
         folder: of the study file.
+        language: of a ready questionnaire.
 
     Raises:
         QuestionsError: the file is not there, is not TOML, or holds what is not a questionnaire.
     """
     if name in READY:
-        with resources.as_file(resources.files(__package__) / "questionnaires" / f"{name}.toml") as path:
+        ready = resources.files(__package__) / "questionnaires"
+        with resources.as_file((ready if language == "en" else ready / language) / f"{name}.toml") as path:
             return _read(path)
     try:
         return _read(folder / name)
@@ -172,33 +177,57 @@ def _read(path: Path) -> QuestionList:
         raise QuestionsError(located(path, text, error.problems, advice="")) from error
 
 
-def refusal(question: Question, answer: Answer) -> str | None:
-    """Return why an answer is not allowed, in a sentence for the participant; None if it is."""
+class Refusal(NamedTuple):
+    """Why an answer is not allowed: a sentence for the participant."""
+
+    text: str
+    """English, with placeholders; the app has it in other languages."""
+    values: Mapping[str, object] = MappingProxyType({})
+    """By the names of the placeholders."""
+
+    def __str__(self) -> str:
+        """Return the sentence in English."""
+        return self.text.format(**self.values)
+
+
+def refusal(question: Question, answer: Answer) -> Refusal | None:
+    """Return why an answer is not allowed; None if it is."""
     if answer is None or answer in ("", ()):
-        return "Please answer this question." if question.required else None
+        return Refusal("Please answer this question.") if question.required else None
     match question:
         case Likert(points=points):
             allowed = isinstance(answer, int) and 1 <= answer <= points
-            return None if allowed else f"Please choose a number from 1 to {points}."
+            return (
+                None if allowed else Refusal("Please choose a number from 1 to {points}.", {"points": points})
+            )
         case Scale(maximum=maximum):
             allowed = isinstance(answer, int | float) and 0 <= answer <= maximum
-            return None if allowed else f"Please choose a place from 0 to {maximum}."
-        case Choice(options=options, several=several):
-            chosen = answer if isinstance(answer, tuple) else (answer,)
-            if not several and len(chosen) > 1:
-                return "Please choose one answer."
-            return None if set(chosen) <= set(options) else "Please choose from the list."
-        case Number(lowest=lowest, highest=highest, unit=unit):
-            allowed = isinstance(answer, int | float) and lowest <= answer <= highest
             return (
                 None
                 if allowed
-                else f"Please type a number from {lowest:g} to {highest:g} {unit}".rstrip() + "."
+                else Refusal("Please choose a place from 0 to {maximum}.", {"maximum": maximum})
             )
+        case Choice(options=options, several=several):
+            chosen = answer if isinstance(answer, tuple) else (answer,)
+            if not several and len(chosen) > 1:
+                return Refusal("Please choose one answer.")
+            return None if set(chosen) <= set(options) else Refusal("Please choose from the list.")
+        case Number(lowest=lowest, highest=highest, unit=unit):
+            allowed = isinstance(answer, int | float) and lowest <= answer <= highest
+            if allowed:
+                return None
+            limits = {"lowest": f"{lowest:g}", "highest": f"{highest:g} {unit}".rstrip()}
+            return Refusal("Please type a number from {lowest} to {highest}.", limits)
         case Press():
-            return None if isinstance(answer, str) and len(answer) == 1 else "Please press one key."
+            pressed = isinstance(answer, str) and len(answer) == 1
+            return None if pressed else Refusal("Please press one key.")
         case FreeText(longest=longest):
-            return None if len(str(answer)) <= longest else f"Please use at most {longest} characters."
+            too_long = len(str(answer)) > longest
+            return (
+                Refusal("Please use at most {longest} characters.", {"longest": longest})
+                if too_long
+                else None
+            )
         case other:
             assert_never(other)
 

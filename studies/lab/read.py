@@ -12,7 +12,7 @@ from core.configuration.reading import ConfigurationError, Problem, read_whole
 from core.configuration.toml_places import places
 from core.feedback.delays import GammaDelay
 from core.session.practice import practice_of
-from core.session.protocol import Protocol
+from core.session.protocol import Language, Protocol
 from core.session.protocol_file import ProtocolError, located, read_toml
 from core.session.protocol_reading import protocol_from
 from studies.lab.config import Block, Break, Consent, Debriefing, Practice, Questionnaire, Study, TextPage
@@ -138,7 +138,7 @@ def _questionnaires(study: Study, folder: Path, trouble: list[str]) -> dict[str,
     for _, _, step in study.steps:
         if isinstance(step, Questionnaire) and step.questions not in found:
             try:
-                found[step.questions] = read_questions(step.questions, folder)
+                found[step.questions] = read_questions(step.questions, folder, study.language)
             except QuestionsError as error:
                 trouble.append(str(error))
     return found
@@ -160,7 +160,9 @@ def _protocols(study: Study, path: Path, text: str, trouble: list[str]) -> dict[
     found = places(text)
     for name, differences in study.conditions.items():
         try:
-            protocols[name] = protocol_from(combined(base, differences), to_run=True)
+            protocols[name] = _in_language(
+                protocol_from(combined(base, differences), to_run=True), study.language
+            )
         except ConfigurationError as error:
             for problem in error.problems:
                 here = ("conditions", name, *problem.path)
@@ -178,6 +180,19 @@ def _protocols(study: Study, path: Path, text: str, trouble: list[str]) -> dict[
     if len(games) > 1:
         trouble.append(f"{path}: the conditions are about different games: {', '.join(sorted(games))}")
     return protocols
+
+
+def _in_language(protocol: Protocol, language: Language) -> Protocol:
+    """Return a protocol whose screens are in the language of the study.
+
+    Raises:
+        ConfigurationError: it names another one itself.
+    """
+    if protocol.screen.language not in ("en", language):
+        reason = "a study has one language for all its pages: write it as `language` at the top of the file"
+        raise ConfigurationError([Problem(("screen", "language"), reason, protocol.screen.language)])
+    screen = msgspec.structs.replace(protocol.screen, language=language)
+    return msgspec.structs.replace(protocol, screen=screen)
 
 
 def _reason(error: Exception) -> str:

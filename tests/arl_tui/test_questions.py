@@ -8,7 +8,7 @@ import pytest
 from textual.pilot import Pilot
 
 from arl_tui.app.link import AskNow, Ready
-from arl_tui.app.outcome import Outcome
+from arl_tui.app.outcome import SessionOutcome
 from arl_tui.screens.covers import PauseScreen
 from arl_tui.screens.question import CHOSEN, NOT_CHOSEN
 from arl_tui.session_app import ArlApp
@@ -47,7 +47,7 @@ def ask(worker: Worker, question: int = 0) -> QuestionPosed:
     return posed
 
 
-async def until(pilot: Pilot[Outcome], met: Callable[[], bool]) -> None:
+async def until(pilot: Pilot[SessionOutcome], met: Callable[[], bool]) -> None:
     """Wait for something, however busy the machine is."""
     for _ in range(600):
         if met():
@@ -56,7 +56,7 @@ async def until(pilot: Pilot[Outcome], met: Callable[[], bool]) -> None:
     raise AssertionError("it has not come")
 
 
-async def running(pilot: Pilot[Outcome], app: ArlApp, link: FakeLink, protocol: Protocol) -> Worker:
+async def running(pilot: Pilot[SessionOutcome], app: ArlApp, link: FakeLink, protocol: Protocol) -> Worker:
     await until(pilot, lambda: link.listening and app.screen is app.welcome and app.screen.is_active)
     await settle(pilot)
     worker = await begin(pilot, link, protocol, steps=1)
@@ -64,18 +64,18 @@ async def running(pilot: Pilot[Outcome], app: ArlApp, link: FakeLink, protocol: 
     return worker
 
 
-async def read(pilot: Pilot[Outcome], app: ArlApp) -> None:
+async def read(pilot: Pilot[SessionOutcome], app: ArlApp) -> None:
     """Wait until a question is on screen for long enough to be read."""
     await until(pilot, lambda: app.live.question is not None and app.live.question.is_shown)
     await pilot.pause(ANTICIPATED_S)
 
 
-async def answered(pilot: Pilot[Outcome], app: ArlApp) -> None:
+async def answered(pilot: Pilot[SessionOutcome], app: ArlApp) -> None:
     await until(pilot, lambda: app.live.question is None)
     await settle(pilot)
 
 
-async def end(pilot: Pilot[Outcome], app: ArlApp) -> None:
+async def end(pilot: Pilot[SessionOutcome], app: ArlApp) -> None:
     app.live.give_up("end of the test")
     await until(pilot, lambda: app._outcome is not None)
 

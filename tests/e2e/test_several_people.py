@@ -45,7 +45,7 @@ unseen_steps = 300
 watched_steps = 25
 
 [screen]
-tick_ms = 30
+tick_ms = 50
 count_down_s = 0
 pause_between_episodes_s = 0.3
 
@@ -138,12 +138,16 @@ def sit_through(terminal: Terminal, folder: Path, *people: TrainerConfig) -> str
     keyboard = AtOneKeyboard(path, *people)
     while "Thank you" not in terminal.text:
         terminal.pump(0.02)
+        if "The game waits for you" in terminal.text:  # a busy machine held the program up
+            terminal.press(" ")
+            terminal.wait_for("Game ", "Thank you")
         keyboard.look_and_press(terminal)
     terminal.press("\r")
     assert terminal.wait_for_exit() == 0
     return keyboard.written
 
 
+@pytest.mark.slow
 def test_two_good_people_and_an_adversary_end_as_in_the_library(tmp_path: Path) -> None:
     """The order of `test_an_adversary_among_two_good_people_is_not_trusted_and_does_no_harm`: both good
     people have a weight above 0, the adversary one below.
@@ -154,9 +158,9 @@ def test_two_good_people_and_an_adversary_end_as_in_the_library(tmp_path: Path) 
         written = sit_through(terminal, tmp_path / "r", GOOD, GOOD, ADVERSARY)
     recording = the_recording(tmp_path)
     assert recording.header.participants == ["A01", "B02", "C03"]
-    presses = [event for event in recording.events if isinstance(event, KeyPressed)]
-    assert [press.key for press in presses] == list(written[: len(presses)])
     whose = {key: person for person, keys in enumerate(("jf", "ws", "mv")) for key in keys}
+    presses = [e for e in recording.events if isinstance(e, KeyPressed) and e.key in whose]
+    assert [press.key for press in presses] == list(written[: len(presses)])
     assert all(press.person == whose[press.key] for press in presses)
     accepted: Mapping[int, list[KeyPressed]] = {
         person: [p for p in presses if p.person == person and p.verdict == "accepted"] for person in range(3)

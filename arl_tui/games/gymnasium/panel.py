@@ -11,6 +11,7 @@ from textual.widgets import Static
 
 from arl_tui.app.link import Picture, TakenFor
 from arl_tui.games.panel import SMALLEST, Progress
+from arl_tui.language import tr
 from arl_tui.widgets.coverable import CoverableWidget
 from core.interop.gymnasium.picture import EnvPicture
 
@@ -85,7 +86,7 @@ class GymnasiumPanel:
         self.widget = EnvWidget()
         self._figures = Static(id="figures")
         self._figures.styles.width = BESIDE
-        self._figures.border_title = "Progress"
+        self._figures.border_title = tr("Progress")
 
     def take_drawn(self) -> bool:
         """Return whether a picture has been drawn since the last call."""
@@ -108,8 +109,8 @@ class GymnasiumPanel:
             # Nothing stands beside it, as in the viewer: the border says it.
             self.widget.border_subtitle = f"step {view.steps}, reward {view.reward:.4g}"
         self._figures.update(
-            f"Game       {progress.episode} of {progress.episodes}\nStep       {view.steps}\n"
-            f"Reward     {view.reward:.4g}"
+            f"{tr('Game'):<11}{tr('{done} of {all}', done=progress.episode, all=progress.episodes)}\n"
+            f"{tr('Step'):<11}{view.steps}\n{tr('Reward'):<11}{view.reward:.4g}"
         )
 
     def refresh(self) -> None:
@@ -126,7 +127,7 @@ class GymnasiumPanel:
 
     def mark(self, taken: TakenFor) -> str:
         """Say that the press counted; where the action is to be seen nobody knows."""
-        return "but no step was on screen" if taken.step < 0 else "for the last step"
+        return tr("but no step was on screen") if taken.step < 0 else tr("for the last step")
 
     def unmark(self) -> None:
         """Do nothing: nothing is marked."""

@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING
 
 from arl_tui.games.registry import GameScreens
+from arl_tui.language import later, later_n, tr
 from arl_tui.words import Words
 from core.feedback.keys import NS_PER_MS
 from core.session.protocol import Protocol, ScreenConfig
@@ -13,32 +14,39 @@ if TYPE_CHECKING:
     from arl_tui.palette import Palette
 
 WORDS = Words(
-    heading="Teach a computer a task",
-    welcome=(
+    heading=later("Teach a computer a task"),
+    welcome=later(
         "You will watch a computer try a task, {games}. It does not know yet how to do it well. "
         "{practises}You can help it: "
         "tell it what you think of what it has just done."
     ),
-    rules=(
+    rules=later(
         "The computer does one thing after another, and the task is scored as you see beside it: the more, "
         "the better."
         "\n\nTell it what you think of what it has just done:\n"
     ),
-    practises="It practises on its own between games. ",
-    performance="Reward",
-    units=("point", "points"),
-    steps="steps",
-    step="step",
+    practises=later("It practises on its own between games. "),
+    performance=later("Reward"),
+    units=later_n("point", "points"),
+    steps=later("steps"),
+    step=later("step"),
 )
 ACTIONS: dict[str, tuple[str, ...]] = {
-    "CartPole": ("push to the left", "push to the right"),
-    "MountainCar": ("drive to the left", "let it roll", "drive to the right"),
-    "Acrobot": ("push one way", "do nothing", "push the other way"),
-    "LunarLander": ("do nothing", "left engine", "main engine", "right engine"),
-    "FrozenLake": ("go left", "go down", "go right", "go up"),
-    "CliffWalking": ("go up", "go right", "go down", "go left"),
-    "Blackjack": ("stick", "take a card"),
-    "Taxi": ("go down", "go up", "go right", "go left", "pick up", "drop off"),
+    "CartPole": (later("push to the left"), later("push to the right")),
+    "MountainCar": (later("drive to the left"), later("let it roll"), later("drive to the right")),
+    "Acrobot": (later("push one way"), later("do nothing"), later("push the other way")),
+    "LunarLander": (later("do nothing"), later("left engine"), later("main engine"), later("right engine")),
+    "FrozenLake": (later("go left"), later("go down"), later("go right"), later("go up")),
+    "CliffWalking": (later("go up"), later("go right"), later("go down"), later("go left")),
+    "Blackjack": (later("stick"), later("take a card")),
+    "Taxi": (
+        later("go down"),
+        later("go up"),
+        later("go right"),
+        later("go left"),
+        later("pick up"),
+        later("drop off"),
+    ),
 }
 """What the actions of Gymnasium's own environments are, by the environment's name without its version:
 Gymnasium gives them numbers only (its documentation of each environment names them)."""
@@ -61,7 +69,9 @@ class GymnasiumScreens(GameScreens):
         assert isinstance(protocol.domain, GymnasiumConfig), "a protocol of Gymnasium"
         names = ACTIONS.get(protocol.domain.env.rpartition("-v")[0], ())
         number = detail["action"]
-        return names[number] if 0 <= number < len(names) else f"action {number}"
+        if 0 <= number < len(names):
+            return tr(names[number])
+        return tr("action {number}", number=number)
 
     def renderer(self, protocol: Protocol) -> "GymnasiumRenderer":
         """Return what plays the environment again and lets it draw itself."""

@@ -12,13 +12,14 @@ from collections.abc import Iterator
 
 import msgspec
 
+from arl_tui.language import later
 from core.keepaway.picture import PitchFrame
 from core.keepaway.pitch import CYCLE_S, NO_PLAYER, ONGOING, KeepawayConfig
 from core.keepaway.plugin import KEEPAWAY
 from core.numerics.streams import stream, stream_seed
 from studies.reaction_time.protocol import Schedule
 
-MARK = "NOW"
+MARK = later("NOW")
 """Short: it has to fit beside the longest words about an event in the smallest pitch."""
 LONGEST_S = 99.0
 """Later events are not taken: the time in their words would leave no room for the mark."""

@@ -9,6 +9,7 @@ from textual.widgets import Static
 from arl_tui.app.link import Picture, TakenFor
 from arl_tui.games.panel import SMALLEST, Progress
 from arl_tui.games.rendering import Place
+from arl_tui.language import tr, trn
 from arl_tui.palette import Palette
 from arl_tui.widgets.pitch import PitchWidget
 from arl_tui.widgets.pitch_drawing import smallest
@@ -25,6 +26,8 @@ BESIDE = 36
 KEPT_SHOWN = 3
 """Durations of so many games are shown."""
 TREND_WIDTH = 12
+LABEL = 11
+"""Cells of a label before its figure."""
 
 
 class LivePitch(PitchWidget):
@@ -74,7 +77,7 @@ class KeepawayPanel:
         self.needed = Size(max(SMALLEST.width, least.columns + BESIDE), max(SMALLEST.height, least.lines + 1))
         """Columns and lines without which the game does not fit."""
         self._score = Static(id="score")
-        self._score.border_title = "Progress"
+        self._score.border_title = tr("Progress")
         self._written = ""
 
     def take_drawn(self) -> bool:
@@ -118,12 +121,14 @@ class KeepawayPanel:
     def mark(self, taken: TakenFor) -> str:
         """Mark the keeper who chose, and who was passed to."""
         if taken.step < 0 or not taken.place:
-            return "but no option was on screen"
+            return tr("but no option was on screen")
         ((player, target),) = taken.place
         if taken.value != 0:  # a mark is good or bad
             self.pitch.mark(player, target, good=taken.value > 0)
         keeper = f"K{player + 1}"
-        return f"for {keeper} holding the ball" if target < 0 else f"for {keeper}'s pass to K{target + 1}"
+        if target < 0:
+            return tr("for {keeper} holding the ball", keeper=keeper)
+        return tr("for {keeper}'s pass to {target}", keeper=keeper, target=f"K{target + 1}")
 
     def unmark(self) -> None:
         """Take the mark away."""
@@ -143,16 +148,16 @@ class KeepawayPanel:
         if presses is None:
             self.pitch.note = ""
             return
-        self.pitch.note = "1 press left" if presses == 1 else f"{presses} presses left"
+        self.pitch.note = trn("{n} press left", "{n} presses left", presses)
 
 
 def _score_lines(progress: Progress) -> Iterable[str]:
     """Yield at most four lines of at most 31 characters."""
-    yield f"Game       {progress.episode} of {progress.episodes}"
+    yield f"{tr('Game'):<{LABEL}}{tr('{done} of {all}', done=progress.episode, all=progress.episodes)}"
     kept = [f"{seconds:.1f}" for seconds in progress.performances]
     if kept:
-        yield f"Kept       {' '.join(kept[-KEPT_SHOWN:])} s"
-        yield f"Best       {max(progress.performances):.1f} s"
+        yield f"{tr('Kept'):<{LABEL}}{' '.join(kept[-KEPT_SHOWN:])} s"
+        yield f"{tr('Best'):<{LABEL}}{max(progress.performances):.1f} s"
     weights = progress.human_weights
     if weights:
-        yield f"Influence  {weights[-1]:.2f}  {trend(weights, TREND_WIDTH)}"
+        yield f"{tr('Influence'):<{LABEL}}{weights[-1]:.2f}  {trend(weights, TREND_WIDTH)}"

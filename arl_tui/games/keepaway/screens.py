@@ -5,12 +5,13 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from arl_tui.games.registry import GameScreens
-from arl_tui.words import JudgingWords, Words, cap
+from arl_tui.language import later, later_n, tr
+from arl_tui.words import JudgingWords, Words
 from core.feedback.config import TrainerConfig
 from core.keepaway.pitch import CYCLE_S, KeepawayConfig
 from core.keepaway.plugin import KEEPAWAY
 from core.session.protocol import Protocol, ScreenConfig, SessionConfig
-from studies.reaction_time.protocol import NO, YES, Schedule
+from studies.reaction_time.protocol import Schedule
 
 if TYPE_CHECKING:
     from arl_tui.games.keepaway.panel import KeepawayPanel
@@ -19,8 +20,8 @@ if TYPE_CHECKING:
     from arl_tui.palette import Palette
 
 WORDS = Words(
-    heading="Teach a team to keep the ball",
-    welcome=(
+    heading=later("Teach a team to keep the ball"),
+    welcome=later(
         "You will watch {games} of Keepaway. The keepers ([b]K[/]) pass a ball among themselves, and the "
         "takers ([b]T[/]) "
         "want it. A game ends when a taker has it, or it leaves the square: the longer the keepers keep it, "
@@ -29,7 +30,7 @@ WORDS = Words(
         "pass, or "
         "of holding the ball too long."
     ),
-    rules=(
+    rules=later(
         "The keepers (K) pass the ball among themselves; the takers (T) want it. A game ends when a taker "
         "has the "
         "ball or it leaves the square: the longer the keepers keep it, the better. The player with the ball "
@@ -37,23 +38,22 @@ WORDS = Words(
         "it or passes it.\n\nTell the team what you think of its last pass, or of holding the ball too "
         "long:\n"
     ),
-    practises="They practise on their own between games. ",
-    performance="Seconds the ball was kept",
-    units=("second", "seconds"),
-    steps="decisions",
-    step="option",
-    question="What should the keeper do?",
+    practises=later("They practise on their own between games. "),
+    performance=later("Seconds the ball was kept"),
+    units=later_n("second", "seconds"),
+    steps=later("decisions"),
+    step=later("option"),
+    question=later("What should the keeper do?"),
 )
 JUDGING = JudgingWords(
-    instruction=(
+    instruction=later(
         "You watch a computer play: three keepers pass the ball among themselves, two takers try to get it. "
         "At one moment "
         "the play stops, and [b]NOW[/] appears below it.\n\n"
-        f"The ball has reached a keeper:  press {cap(YES)}\nThe keepers have lost the ball: press "
-        f"{cap(NO)}\n\n"
+        "The ball has reached a keeper:  press {yes}\nThe keepers have lost the ball: press {no}\n\n"
         "Press as soon as you have made up your mind."
     ),
-    reminder=f"{cap(NO)} ball lost\n{cap(YES)} ball kept",
+    reminder=later("{no} ball lost\n{yes} ball kept"),
 )
 
 
@@ -97,7 +97,9 @@ class KeepawayScreens(GameScreens):
 
     def option(self, detail: dict[str, int], protocol: Protocol) -> str:
         """Return whom the keeper would pass to."""
-        return "hold the ball" if detail["target"] < 0 else f"pass to K{detail['target'] + 1}"
+        if detail["target"] < 0:
+            return tr("hold the ball")
+        return tr("pass to {keeper}", keeper=f"K{detail['target'] + 1}")
 
     def renderer(self, protocol: Protocol) -> "KeepawayRenderer":
         """Return what draws the match cycle by cycle; compiled code comes with it."""

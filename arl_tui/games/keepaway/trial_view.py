@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from textual.widget import Widget
 
 from arl_tui.games.keepaway.judging import MARK, Clip
+from arl_tui.language import tr
 from arl_tui.palette import Palette
 from arl_tui.widgets.pitch import PitchWidget
 from core.feedback.keys import NS_PER_MS
@@ -69,7 +70,7 @@ class PitchTrialView:
     def present(self, plan: TrialPlan) -> None:
         """Show the event, with a mark: something changes on the screen whatever the event looks like."""
         self.pitch.show(self._clips[plan.index].event, plan.index)
-        self.pitch.note = MARK
+        self.pitch.note = tr(MARK)
 
     def follow(self, plan: TrialPlan, tick: int) -> None:
         """Leave the event."""

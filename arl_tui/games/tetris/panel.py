@@ -8,6 +8,7 @@ from textual.widget import Widget
 from arl_tui.app.link import Picture, TakenFor
 from arl_tui.games.panel import SMALLEST, Progress
 from arl_tui.games.rendering import Place
+from arl_tui.language import tr
 from arl_tui.palette import Palette
 from arl_tui.widgets.blocks import CELLS_PER_BLOCK
 from arl_tui.widgets.board import TetrisBoard
@@ -94,16 +95,17 @@ class TetrisPanel:
     def mark(self, taken: TakenFor) -> str:
         """Mark the piece, where it is falling or what is left of it on the wall."""
         if taken.step < 0:
-            return "but no piece had landed"
+            return tr("but no piece had landed")
         if taken.value == 0:
-            return "for the falling piece" if taken.step == self._step else "for the piece that landed"
+            falling = taken.step == self._step
+            return tr("for the falling piece") if falling else tr("for the piece that landed")
         if taken.step == self._step and self.board.shows_falling:
             self.board.mark(None, good=taken.value > 0)
         elif taken.place:
             self.board.mark([(row, column) for row, column in taken.place], good=taken.value > 0)
         else:
-            return "for the last piece, which is gone"
-        return "for the marked piece"
+            return tr("for the last piece, which is gone")
+        return tr("for the marked piece")
 
     def unmark(self) -> None:
         """Take the mark away."""

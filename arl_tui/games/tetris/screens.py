@@ -5,13 +5,14 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from arl_tui.games.registry import GameScreens
-from arl_tui.words import JudgingWords, Words, cap
+from arl_tui.language import later, later_n, tr
+from arl_tui.words import JudgingWords, Words
 from core.feedback.config import TrainerConfig
 from core.feedback.keys import NS_PER_MS
 from core.session.protocol import Protocol, ScreenConfig, SessionConfig
 from core.tetris.config import TetrisConfig
 from core.tetris.shapes import ORIENTATION_ROWS
-from studies.reaction_time.protocol import NO, YES, Schedule
+from studies.reaction_time.protocol import Schedule
 
 if TYPE_CHECKING:
     from arl_tui.games.tetris.panel import TetrisPanel
@@ -20,33 +21,33 @@ if TYPE_CHECKING:
     from arl_tui.palette import Palette
 
 WORDS = Words(
-    heading="Teach a computer to play Tetris",
-    welcome=(
+    heading=later("Teach a computer to play Tetris"),
+    welcome=later(
         "You will watch a computer play {games} of Tetris. It does not know yet how to play well. "
         "{practises}You can "
         "help it: tell it what you think of where it has just put a piece."
     ),
-    rules=(
+    rules=later(
         "The computer drops one piece after another. Full rows disappear: the more, the better. A game ends "
         "when the pile reaches the top.\n\nTell it what you think of where the last piece came to rest:\n"
     ),
-    practises="It practises on its own between games. ",
-    performance="Lines cleared",
-    units=("line", "lines"),
-    steps="pieces",
-    step="piece",
-    question="Where should the next piece go?",
+    practises=later("It practises on its own between games. "),
+    performance=later("Lines cleared"),
+    units=later_n("line", "lines"),
+    steps=later("pieces"),
+    step=later("piece"),
+    question=later("Where should the next piece go?"),
 )
 JUDGING = JudgingWords(
-    instruction=(
+    instruction=later(
         "You watch a computer play Tetris. A piece enters and is moved, then it [b]drops[/]; its shadow "
         "shows "
         "where. Full rows disappear, so a piece should leave no holes and not stand out.\n\n"
-        f"It goes to a good place: press {cap(YES)}\nIt goes to a bad place:  press {cap(NO)}\n\n"
+        "It goes to a good place: press {yes}\nIt goes to a bad place:  press {no}\n\n"
         "Press as soon as you have made up your mind. The computer's mistakes are put right before the next "
         "piece."
     ),
-    reminder=f"{cap(NO)} bad place\n{cap(YES)} good place",
+    reminder=later("{no} bad place\n{yes} good place"),
 )
 
 
@@ -86,7 +87,9 @@ class TetrisScreens(GameScreens):
         rows = ORIENTATION_ROWS[detail["piece"]][detail["orientation"]]
         first = detail["column"] + 1
         last = detail["column"] + max(row.bit_length() for row in rows)
-        return f"column {first}" if first == last else f"columns {first} to {last}"
+        if first == last:
+            return tr("column {column}", column=first)
+        return tr("columns {first} to {last}", first=first, last=last)
 
     def renderer(self, protocol: Protocol) -> "TetrisRenderer":
         """Return what draws pieces as they fall."""

@@ -6,13 +6,16 @@ import pytest
 
 from studies.lab.config import Break, Consent, Debriefing
 from studies.lab.orders import order_of
-from studies.lab.read import load_study
-from studies.lab.ready_studies import READY, copy_ready_study
+from studies.lab.questions import READY as READY_QUESTIONS
+from studies.lab.questions import read_questions
+from studies.lab.read import StudyError, load_study
+from studies.lab.ready_studies import READY, SENTENCES, copy_ready_study
 
 
-@pytest.fixture(params=READY)
+@pytest.fixture(params=[(name, language) for name in READY for language in SENTENCES], ids="-".join)
 def loaded(request, tmp_path):
-    return load_study(copy_ready_study(request.param, tmp_path / "new")[0])
+    name, language = request.param
+    return load_study(copy_ready_study(name, tmp_path / "new", language)[0])
 
 
 def test_a_ready_study_is_whole_and_has_consent_breaks_and_debriefing(loaded):
@@ -42,6 +45,47 @@ def test_the_papers_budgets_and_wrong_presses_are_kept(tmp_path, name, presses, 
     for protocol in load_study(copy_ready_study(name, tmp_path)[0]).protocols.values():
         assert protocol.keys.max_presses_per_episode == presses
         assert protocol.keys.wrong_press_rate == wrong
+
+
+@pytest.mark.parametrize("name", READY)
+def test_a_german_study_is_the_english_one_in_other_words(tmp_path, name):
+    english = load_study(copy_ready_study(name, tmp_path / "en")[0])
+    german = load_study(copy_ready_study(name, tmp_path / "de", "de")[0])
+    assert english.study.language == "en"
+    assert german.study.language == "de"
+    assert {protocol.screen.language for protocol in german.protocols.values()} == {"de"}
+    assert english.study.title != german.study.title
+    assert english.texts.keys() == german.texts.keys()
+    assert not set(english.texts.values()) & set(german.texts.values())
+    consents = [
+        step for study in (english, german) for _, _, step in study.study.steps if type(step) is Consent
+    ]
+    assert len(consents) == 2
+    sentences = [{*consent.statements, *consent.optional} for consent in consents]
+    assert len(sentences[0]) == len(sentences[1])
+    assert not sentences[0] & sentences[1]
+
+
+def test_a_german_study_asks_the_same_questions_in_german(tmp_path):
+    for name in READY_QUESTIONS:
+        english, german = read_questions(name, tmp_path), read_questions(name, tmp_path, "de")
+        assert [(type(each), each.id, each.required) for each in english.questions] == [
+            (type(each), each.id, each.required) for each in german.questions
+        ]
+        assert (english.name, english.scoring) == (german.name, german.scoring)
+        assert english.title != german.title
+        assert not {each.text for each in english.questions} & {each.text for each in german.questions}
+        for one, other in zip(english.questions, german.questions, strict=True):
+            for field in ("points", "lowest", "highest", "step", "longest", "maximum"):
+                assert getattr(one, field, None) == getattr(other, field, None)
+            assert len(getattr(one, "options", ())) == len(getattr(other, "options", ()))
+
+
+def test_a_condition_in_another_language_than_the_study_is_refused(tmp_path):
+    (path, *_) = copy_ready_study("demo", tmp_path / "new")
+    path.write_text(path.read_text() + '\n[conditions.linear.screen]\nlanguage = "de"\n')
+    with pytest.raises(StudyError, match="one language for all its pages"):
+        load_study(path)
 
 
 def test_nothing_is_overwritten(tmp_path):
