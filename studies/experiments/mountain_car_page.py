@@ -64,7 +64,8 @@ LITERATURE = """\
 | Knox, Setapen & Stone 2011 | human model and Sarsa learn at the same time | action biasing consistently improves on Sarsa alone | {biasing} |
 | Knox & Stone 2012 | the four techniques on two tasks | acting on the choice (biasing, sharing) does better than acting on reward or values | {choice} |
 
-Of the publications of Knox and colleagues the abstracts and the released constants were at hand, not the figures: what is compared is
+What Sutton & Barto's figures show, which four techniques succeeded in 2010, and the ranking of 2012 are stated from memory: these texts were
+not at hand. Of the publications of Knox and colleagues the abstracts and the released constants were at hand, not the figures: what is compared is
 who does better, not by how much. Their episodes, trainers, features and the step size of the human model differ from ours; their
 influence of the human model fell by 0.98 an episode, as ours does. Their weight of 10 on raw values belongs to their trainers' H: a
 press of ours is 1, and a simulated teacher contradicts itself in one press of ten only.
@@ -116,7 +117,7 @@ def report_page(results: Results) -> Page:
 Means over {seeds} trials with 95 % bootstrap bands, in blocks of {BLOCK} episodes. A simulated teacher watches every episode at 150 ms
 a step and presses about 24 times a minute, as the people of TAMER's public logs did; one press in ten is wrong. No setting was tuned: all are
 published or are defaults of this program. One trial of three conditions, at a root seed kept for pilots (900,000), was played to see that it
-runs; nothing was changed after it.
+runs; after it Q augmentation and the human model alone were added, and no setting was changed.
 
 ## Scores
 

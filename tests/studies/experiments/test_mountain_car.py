@@ -17,6 +17,7 @@ from studies.experiments.run import run_sweep
 from studies.experiments.sweep import load_experiment, root_seeds
 from tests.contracts.domain_contract import DomainContract
 
+pytestmark = pytest.mark.jit
 JOINT = GymnasiumConfig("MountainCar-v0", joint=True)
 
 
