@@ -219,7 +219,7 @@ def test_what_is_told_before_the_app_starts_is_what_the_header_says(
 def test_a_live_session_has_no_others(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     result, protocols, _ = start(monkeypatch, tmp_path, "[[others]]\n")
     assert result.exit_code == 1
-    assert "a live session has one participant" in result.output
+    assert "`others` are participants of simulated sessions" in result.output
     assert protocols == []
 
 
