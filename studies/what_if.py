@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.combination.agent import ArlAgent
-from core.combination.config import ANNEALED_SCHEMES, SCHEMES, Per, Scheme
 from core.combination.human_learner import HumanLearner
+from core.combination.schemes import ANNEALED_SCHEMES, SCHEMES, Per, Scheme
 from core.events import CreditGiven, KeyPressed, PressRetracted
 from core.feedback.credit import Delay, describe
 from core.numerics.streams import stream, stream_seed

@@ -11,7 +11,8 @@ from arl_tui.command_line import say
 from arl_tui.commands.credit import credit_lines
 from core.configuration.messages import printable
 from core.feedback.delays import GammaDelay, describe
-from core.session.effects import idle, warnings_of
+from core.session.contradictions import warnings_of
+from core.session.effects import idle
 from core.session.plan import plan
 from core.session.protocol import DEFAULTS, Protocol
 

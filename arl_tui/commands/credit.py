@@ -24,7 +24,7 @@ from arl_tui.participants import (
 from core.feedback.delays import Delay, PerValueDelay
 from core.feedback.people import PersonConfig
 from core.recording.reader import Recording
-from core.session.effects import wrong_delay
+from core.session.contradictions import wrong_delay
 from core.session.protocol import Protocol
 
 

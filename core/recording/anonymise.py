@@ -16,7 +16,8 @@ from typing import Any, Literal, get_args
 import msgspec
 
 from core.feedback.keys import KeyConfig
-from core.recording.reader import CHAIN_MARK, Recording
+from core.recording.lines import CHAIN_MARK
+from core.recording.reader import Recording
 from core.recording.recorder import CHAIN_DIGITS, Chain
 from core.recording.schema import End, Resumes, encode
 from core.recording.undo import as_recorded

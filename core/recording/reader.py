@@ -10,13 +10,13 @@ import msgspec
 
 from core.events import Event, Input, Output
 from core.recording import version_1
+from core.recording.lines import CHAIN_MARK, record_of
 from core.recording.recorder import CHAIN_DIGITS, Chain
 from core.recording.schema import FORMAT, VERSION, End, Header, Line
 from core.recording.undo import RecordingError, as_recorded
 
 __all__ = ["Recording", "RecordingError", "read_recording"]
 
-CHAIN_MARK = b',"chain":"'
 _HEADER_MARK = b'{"type":"header"'
 _VERSION_SAID = re.compile(rb'"version":\d+')
 TAKE_THE_ORIGINAL = "Take the unchanged file, from a backup or from where it was copied"
@@ -24,15 +24,6 @@ TAKE_THE_ORIGINAL = "Take the unchanged file, from a backup or from where it was
 LONGEST_LINE = 1 << 26
 """Bytes of a line. The longest of a session is the one with all that was learned, some megabytes of
 weights."""
-
-_decoder = msgspec.json.Decoder(Line)
-_decoder_1 = msgspec.json.Decoder(version_1.Changed)
-
-
-class _Kind(msgspec.Struct):
-    """What has to be known of a line before it is decoded."""
-
-    type: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -323,51 +314,12 @@ class _Reading:
             )
 
 
-def record_of(payload: bytes, version: int) -> Line:
-    """Return what a line of a file of this version says, in today's terms.
-
-    Raises:
-        ValueError: it is none of this version (`msgspec.ValidationError` where a field is wrong).
-    """
-    kind = msgspec.json.decode(payload, type=_Kind).type
-    changed = kind in version_1.CHANGED_TAGS
-    if version == 1 and changed:
-        before: version_1.Changed = _decoder_1.decode(payload)
-        return before.upgraded()
-    try:
-        record: Line = _decoder.decode(payload)
-    except msgspec.ValidationError as error:
-        if changed and b'"w_h":' in payload:
-            raise ValueError(
-                f"{error}: this {kind} is of version 1 of the format (it says `w_h`), and the header says "
-                f"version {version} (`trust`, `weight`): the header was changed, or two files were joined"
-            ) from error
-        raise
-    return record
-
-
 def cut_note(tail: bytes) -> str:
     """Say that a file ends within a line, of which `tail` is there."""
     return (
         f"the file ends within a line, {len(tail):,} bytes behind the last whole one: a power cut, "
         "or a copy that is not whole. Compare its size with the original's"
     )
-
-
-def line_of_file(line: bytes, version: int) -> Line:
-    """Return what one sealed line of a recording says, without a check of its chain.
-
-    Args:
-        line: a whole line with its chain, without the line end.
-        version: of the format, as the header says it.
-
-    Raises:
-        ValueError: it is no line of this version.
-    """
-    payload, mark, _ = line.rpartition(CHAIN_MARK)
-    if not mark:
-        raise ValueError(f"the line does not end with its chain; found {line[-40:]!r}")
-    return record_of(payload + b"}", version)
 
 
 def _broken(number: int, payload: bytes, digits: bytes) -> str:

@@ -10,7 +10,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from core.recording.reader import CHAIN_MARK, LONGEST_LINE
+from core.recording.lines import CHAIN_MARK
+from core.recording.reader import LONGEST_LINE
 from core.recording.recorder import CHAIN_DIGITS
 
 PIECE = 1 << 21

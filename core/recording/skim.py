@@ -9,7 +9,8 @@ from pathlib import Path
 
 import msgspec
 
-from core.recording.reader import Recording, read_recording, record_of
+from core.recording.lines import record_of
+from core.recording.reader import Recording, read_recording
 from core.recording.schema import End, Header
 from core.recording.sealed import SealedFile, UnusualFileError
 

@@ -12,7 +12,8 @@ import msgspec
 
 from core.events import Event, Output
 from core.recording import version_1
-from core.recording.reader import Recording, RecordingError, cut_note, record_of
+from core.recording.lines import record_of
+from core.recording.reader import Recording, RecordingError, cut_note
 from core.recording.schema import VERSION, End, Header, Line
 from core.recording.sealed import SealedFile, UnusualFileError
 from core.recording.summary import RecordingSummary, Summarising

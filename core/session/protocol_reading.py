@@ -8,7 +8,8 @@ from core.configuration.catalogue import TAG
 from core.configuration.reading import ConfigurationError, Problem, read
 from core.plugins import GameError
 from core.recording.schema import FIRST_GAME
-from core.session.effects import contradictions, idle
+from core.session.contradictions import contradictions
+from core.session.effects import idle
 from core.session.protocol import DEFAULTS, Protocol
 from core.session.protocol_file import ProtocolError, located, read_toml
 

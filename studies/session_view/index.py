@@ -16,7 +16,8 @@ from typing import Final
 import msgspec
 
 from core.events import StepTaken
-from core.recording.reader import RecordingError, line_of_file, read_recording, record_of
+from core.recording.lines import line_of_file, record_of
+from core.recording.reader import RecordingError, read_recording
 from core.recording.recorder import LineWriter
 from core.recording.schema import VERSION, Header, Line
 from core.recording.sealed import SealedFile, UnusualFileError

@@ -8,7 +8,8 @@ import pytest
 
 from core.configuration.catalogue import settings_of, tables_of
 from core.configuration.reading import ConfigurationError
-from core.session.effects import MODES, changed, idle, uses, uses_of, warnings_of
+from core.session.contradictions import warnings_of
+from core.session.effects import MODES, changed, idle, uses, uses_of
 from core.session.protocol import DEFAULTS, Protocol
 from core.session.protocol_file import ProtocolError
 from core.session.protocol_reading import load_protocol, protocol_from
