@@ -2,14 +2,12 @@
 
 import asyncio
 import signal
-from collections import Counter
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from textual import constants, events
 
+from arl_tui.app.close_recording import CLOSING_S, close_recorder
 from arl_tui.app.driver import FlushClock, stamped_driver
 from arl_tui.app.gaps import LOOKS_PER_S, GapWatch
 from arl_tui.app.garbage import GarbageControl
@@ -17,24 +15,21 @@ from arl_tui.app.link import Link, Preparing, PressSuggested, Ready, TakenFor
 from arl_tui.app.live_session import LiveSession, Occurrence
 from arl_tui.app.once import after
 from arl_tui.app.outcome import SessionControls, SessionOutcome
+from arl_tui.app.session_setup import SessionSetup
 from arl_tui.games.pace import pace_facts, pace_warning
 from arl_tui.games.registry import words_of
 from arl_tui.language import changed_keys
 from arl_tui.palette import palette_for
-from arl_tui.recordings import create_new, rescue, rescue_whole
+from arl_tui.recordings import create_new
 from arl_tui.screens.closing import ClosingScreen
 from arl_tui.screens.play import PlayScreen
 from arl_tui.screens.welcome import WelcomeScreen
 from arl_tui.signing import NoKey, signer_in_use
-from core.events import EpisodeEnded, EpisodeStarted, Event, StopReason
+from core.events import EpisodeEnded, EpisodeStarted, StopReason
 from core.feedback.keys import nanoseconds
 from core.numerics.clock import NS_PER_S, Clock, MonotonicClock, wall_time_utc
 from core.recording.recorder import Recorder
 from core.recording.schema import Header, to_plain
-from core.session.protocol import Protocol
-
-if TYPE_CHECKING:
-    from core.recording.joined import FinishedPart
 
 PATIENCE_S = 20.0
 """The worker gets this long to say its last word, seconds."""
@@ -50,31 +45,6 @@ SAVING_S = 0.15
 """A press that is not in the file after this time is shown as being saved, seconds."""
 BEHIND_S = 1.0
 """A disk that has not confirmed a press after this time is said to be behind, seconds."""
-CLOSING_S = 10.0
-"""The disk gets this long to take the rest of the recording, seconds."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SessionSetup:
-    """Who plays what, and where it is recorded."""
-
-    protocol: Protocol
-    root_seed: int
-    participant: str
-    """Pseudonym; never a name."""
-    recordings: Path
-    simulated: bool = False
-    """A simulated participant presses keys, too."""
-    source: Mapping[str, str] = field(default_factory=dict)
-    """Where the credit rule comes from, for the recording's header."""
-    study: Mapping[str, str] = field(default_factory=dict)
-    """Where the session belongs in a study, for the recording's header; empty outside of studies."""
-    kept: "FinishedPart | None" = None
-    """What the session had done before it broke off; None where it begins."""
-    practice: bool = False
-    """Nothing counts; it ends after the game in which both keys have been pressed in time."""
-    part: str = ""
-    """Where in a visit the session is, in words ("Block 2 of 3"); empty where it is all there is."""
 
 
 class ArlApp(SessionControls):
@@ -389,49 +359,6 @@ class ArlApp(SessionControls):
             self.call_later(_raise, error)
         else:
             loop.default_exception_handler(context)
-
-
-def close_recorder(recorder: Recorder, timeout_s: float = CLOSING_S) -> tuple[str | None, Path | None]:
-    """Close a recording; return what is wrong with it in words, and where the recording is.
-
-    Args:
-        recorder: of the session.
-        timeout_s: how long the disk may take, seconds.
-    """
-    try:
-        recorder.close(timeout_s)
-    except OSError as error:  # a TimeoutError is one
-        problem = f"The recording is not complete: {error}"
-        if isinstance(error, TimeoutError) and not recorder.unwritten:
-            kept = recorder.kept
-            problem = (
-                f"The disk is too slow: all is written, but of {kept.recorded} events only {kept.synced} are "
-                "known to be on the disk. Do not switch the computer off yet"
-            )
-            return problem, recorder.path
-        try:
-            return _rescue(recorder, problem)
-        except OSError as second:
-            return f"{problem}\nWhat is missing from it could not be saved elsewhere: {second}", None
-    return None, recorder.path
-
-
-def _rescue(recorder: Recorder, problem: str) -> tuple[str, Path | None]:
-    """Save elsewhere what is not where it should be; return where, in words, and where the recording is."""
-    path: Path | None = recorder.path
-    if isinstance(recorder.failure, FileNotFoundError):
-        path = rescue_whole(recorder.content(), recorder.path.stem)
-        problem += f"\nWhat it held has been saved: move {path} to where you keep recordings"
-    if recorder.unwritten:
-        rest = rescue(recorder.unwritten, recorder.path.stem)
-        problem += f"\nWhat could not be written to it is in {rest}\n({count_events(recorder.unwritten)})"
-    return problem, path
-
-
-def count_events(events: Iterable[Event]) -> str:
-    """Return how many events there are of each kind, in words: "3 KeyPressed, 1 FrameShown"."""
-    counts = Counter(type(event).__name__ for event in events)
-    return ", ".join(f"{count} {name}" for name, count in counts.most_common())
 
 
 def _raise(error: Exception) -> None:

@@ -5,11 +5,9 @@ No widgets here and no rules of a game: `LiveSession` stands between the link (w
 and a listener (the screens).
 """
 
-from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from itertools import count
-from typing import Literal, Protocol
+from typing import Literal
 
 from arl_tui.app.asking import OpenQuestion
 from arl_tui.app.link import (
@@ -27,6 +25,7 @@ from arl_tui.app.link import (
     TakenFor,
 )
 from arl_tui.app.tally import Tally
+from arl_tui.app.unconfirmed import EventSink, UnconfirmedPresses
 from core.events import (
     EpisodeStarted,
     Event,
@@ -57,40 +56,6 @@ from core.recording.joined import latest_ns
 
 Cover = Literal["pause", "help", "quit-dialogue", "resize", "gap", "count-down", "question"]
 Occurrence = Event | Picture | PressSuggested | Practised | Preparing | Ready | TakenFor | AskNow
-
-
-class EventSink(Protocol):
-    """Where events are recorded (`core.recording.recorder.Recorder`)."""
-
-    failure: OSError | None
-    """Why nothing more can be kept; None while all is well."""
-
-    @property
-    def recorded(self) -> int:
-        """How many events have been taken."""
-        ...
-
-    @property
-    def written(self) -> int:
-        """How many of them are in the file: they survive the end of this program."""
-        ...
-
-    def record(self, event: Event) -> None:
-        """Take one event; never wait."""
-        ...
-
-
-@dataclass(frozen=True, slots=True)
-class Unconfirmed:
-    """A press, or a press taken back, that is not known to be in the file yet."""
-
-    number: int
-    """How many events must be in the file for this one to be."""
-    event: KeyPressed | PressRetracted
-    presses_left: int
-    """Of the budget, after it."""
-    episode: int
-    since_ns: int
 
 
 class LiveSession:
@@ -150,14 +115,8 @@ class LiveSession:
         self._accepted: dict[int, KeyPressed] = {}
         self._wrong_presses = WrongPressPlan(of_each[0].wrong_press_rate, root_seed)
         self._worker_error: str | None = None
-        self._unconfirmed: deque[Unconfirmed] = deque()
-        self._taken: dict[int, TakenFor] = {}
-        """What presses were taken for that are not known to be in the file yet."""
-        self._episodes_begun = 0
+        self._presses = UnconfirmedPresses(self.gate, len(of_each), clock, listener)
         self._heard_ns = clock.now_ns()
-        self._left = [self.gate.left_of(person) for person in range(len(of_each))]
-        """Presses that are left of each person's budget, as far as presses have been confirmed."""
-        self._person_of: dict[int, int] = {}
         self._ended_before_ns = latest_ns(earlier) if earlier else None
         """When the session broke off; None where it has just begun."""
         self._take_up(earlier)
@@ -167,16 +126,11 @@ class LiveSession:
     @property
     def presses_left(self) -> int:
         """Presses that are left of the first person's budget, as far as presses have been confirmed."""
-        return self._left[0]
-
-    def person_of(self, event: KeyPressed | PressRetracted) -> int:
-        """Return whose press this is; a press taken back is whose it was."""
-        return event.person if isinstance(event, KeyPressed) else self._person_of.get(event.press, 0)
+        return self._presses.left_of_first
 
     def left_of(self, event: KeyPressed | PressRetracted) -> int:
         """Return how many presses of their budget the one has left whose press this is; 0 for nobody."""
-        person = self.person_of(event)
-        return self._left[person] if person >= 0 else 0
+        return self._presses.left_of(event)
 
     def begin(self, sink: EventSink) -> None:
         """Start: events are recorded from here on."""
@@ -331,30 +285,14 @@ class LiveSession:
 
     def confirm(self) -> None:
         """Pass on to the screens the presses that are in the file by now; none once the disk has failed."""
-        sink = self._sink
-        while (
-            self._unconfirmed
-            and sink is not None
-            and sink.failure is None
-            and self._unconfirmed[0].number <= sink.written
-        ):
-            waiting = self._unconfirmed.popleft()
-            same = waiting.episode == self._episodes_begun
-            person = self.person_of(waiting.event)
-            if person >= 0:
-                self._left[person] = waiting.presses_left if same else self.gate.left_of(person)
-            self._listener(waiting.event)
-            taken = self._taken.pop(waiting.event.press, None)
-            if taken is not None:
-                self._listener(taken)
+        if self._sink is not None:
+            self._presses.confirm(self._sink)
 
     def unconfirmed_s(self) -> float:
         """Return for how long the oldest press has waited to be in the file, seconds; 0.0 where none
         waits.
         """
-        if not self._unconfirmed:
-            return 0.0
-        return (self._clock.now_ns() - self._unconfirmed[0].since_ns) / NS_PER_S
+        return self._presses.waiting_s()
 
     def silent_s(self) -> float:
         """Return for how long the worker has sent nothing, seconds."""
@@ -386,7 +324,7 @@ class LiveSession:
         if isinstance(message, Crashed):
             self._worker_error = f"{message.error}\n\n{message.trace}"
         elif isinstance(message, TakenFor):
-            self._note_taken(message)
+            self._presses.note_taken(message)
         elif isinstance(message, Picture | PressSuggested | Practised | Preparing | AskNow):
             self._listener(message)
         elif isinstance(message, Ready):
@@ -394,13 +332,6 @@ class LiveSession:
             self._listener(message)
         else:
             self._take_output(message)
-
-    def _note_taken(self, taken: TakenFor) -> None:
-        """Tell the screens what a press was taken for, after they have been told that it counts."""
-        if any(waiting.event.press == taken.press for waiting in self._unconfirmed):
-            self._taken[taken.press] = taken
-        else:
-            self._listener(taken)
 
     def worker_lost(self, reason: str) -> None:
         """Act on the end of the worker's process."""
@@ -416,8 +347,7 @@ class LiveSession:
         self.tally.note(output)
         if isinstance(output, EpisodeStarted):
             self.gate.episode_started()
-            self._episodes_begun += 1
-            self._left = [self.gate.left_of(person) for person in range(len(self._left))]
+            self._presses.episode_started()
         elif isinstance(output, StepTaken):
             self._ask_wrong_press(output.step)
         self._listener(output)
@@ -437,7 +367,7 @@ class LiveSession:
             self.tally.taken_back += 1
         elif record.verdict == "accepted" and record.value is not None:
             self._accepted[record.press] = record
-            self._person_of[record.press] = record.person
+            self._presses.accepted(record)
             self._wrong_presses.accepted()
             self.tally.count(record, 1)
 
@@ -448,15 +378,8 @@ class LiveSession:
         assert self._sink is not None, "inputs are taken in only between begin and the end"
         self._sink.record(event)
         self._link.send(event)
-        if not isinstance(event, KeyPressed | PressRetracted):
+        if isinstance(event, KeyPressed | PressRetracted):
+            self._presses.wait_for(event, self._sink)
+            self.confirm()
+        else:
             self._listener(event)
-            return
-        waiting = Unconfirmed(
-            number=self._sink.recorded,
-            event=event,
-            presses_left=self.gate.left_of(self.person_of(event)),
-            episode=self._episodes_begun,
-            since_ns=self._clock.now_ns(),
-        )
-        self._unconfirmed.append(waiting)
-        self.confirm()

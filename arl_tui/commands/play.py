@@ -211,7 +211,8 @@ def live_app(
     os.environ.setdefault("TEXTUAL_FPS", FRAMES_PER_S)
     root_seed = secrets.randbits(63) if seed is None else seed
     gc.disable()  # start-up leaves nothing to collect; `GarbageControl` takes over with the app
-    from arl_tui.session_app import SessionSetup, build_app
+    from arl_tui.app.session_setup import SessionSetup
+    from arl_tui.session_app import build_app
     from arl_tui.worker import start_worker
 
     # Before the app runs, because no process can be started from inside it; but after everything is imported:

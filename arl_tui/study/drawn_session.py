@@ -16,10 +16,11 @@ from textual.pilot import Pilot
 from arl_tui.app.demo_participant import DemoParticipant
 from arl_tui.app.link import FromWorker, PressSuggested, Ready, ToWorker, from_worker
 from arl_tui.app.outcome import SessionOutcome
+from arl_tui.app.session_setup import SessionSetup
 from arl_tui.app.virtual_time import LoopClock, VirtualLoop, textual_in
 from arl_tui.screens.welcome import WelcomeScreen
-from arl_tui.session_app import ArlApp, SessionSetup
-from arl_tui.worker import SessionPlayer
+from arl_tui.session_app import ArlApp
+from arl_tui.session_player import SessionPlayer
 from core.recording.schema import Header
 from core.session.protocol import Protocol
 

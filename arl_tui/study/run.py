@@ -22,12 +22,19 @@ from arl_tui.study.presenter import (
     ignore_result,
 )
 from arl_tui.study.question_pages import Answered, QuestionPage
-from arl_tui.study.steps import ask_consent, consent_line, page_of, played_of, recorded_kind
+from arl_tui.study.steps import (
+    ask_consent,
+    block_of_visit,
+    condition_of,
+    consent_line,
+    page_of,
+    played_of,
+    recorded_kind,
+)
 from core.numerics.clock import Clock, MonotonicClock, wall_time_utc
 from core.recording.reader import RecordingError
 from studies.lab.blocks import BlockSoFar, block_so_far
 from studies.lab.config import (
-    ASSIGNED,
     Block,
     Break,
     Calibration,
@@ -279,14 +286,6 @@ class _Sitting:
         count = len(self._study.sittings[self._attempt.sitting].steps)
         return tr(words.PART, number=number + 1, count=count)
 
-    def _block_of_visit(self, number: int) -> str:
-        """Return which block of this visit a step is, in words; nothing for practice and calibrations."""
-        steps = self._study.sittings[self._attempt.sitting].steps
-        if not isinstance(steps[number], Block):
-            return ""
-        blocks = [place for place, step in enumerate(steps) if isinstance(step, Block)]
-        return tr(words.BLOCK, number=blocks.index(number) + 1, count=len(blocks))
-
     def _pages(self, pages: Pages, on_result: OnResult = ignore_result) -> Results:
         results, closed = self._presenter.pages(pages, on_result)
         if closed:
@@ -329,7 +328,7 @@ class _Sitting:
         self._pages([page(place) for place in range(count)], write)
 
     def _play(self, log: SittingLog, number: int, step: Block | Practice | Calibration) -> None:
-        condition = self._condition(number, step)
+        condition = condition_of(self._study, self._attempt, number, step)
         earlier = self._earlier(number) if isinstance(step, Block) else None
         if earlier is not None and earlier.finished:
             played = played_of(earlier)  # the program was killed between the last game and the ledger's line
@@ -365,7 +364,7 @@ class _Sitting:
             folder=self._folder,
             seed=session_seed(self._study, attempt, number),
             resume=earlier.path if earlier is not None and has_games else None,
-            part=self._block_of_visit(number),
+            part=block_of_visit(self._study.sittings[attempt.sitting].steps, number),
             on_gone=self._presenter.on_gone,
             facts={
                 "study": self._study.name,
@@ -380,19 +379,6 @@ class _Sitting:
                 "condition": condition,
             },
         )
-
-    def _condition(self, number: int, step: Step) -> str:
-        if not isinstance(step, Block):
-            return ""
-        if step.condition != ASSIGNED:
-            return step.condition
-        here = (self._attempt.sitting, number)
-        earlier = [
-            other
-            for sitting, place, other in self._study.steps
-            if isinstance(other, Block) and other.condition == ASSIGNED and (sitting, place) < here
-        ]
-        return self._attempt.condition(len(earlier))
 
     def _remarks(self, step: Debriefing) -> list[str]:
         remarks = list(own_numbers(self._numbers)) if step.own_numbers else []

@@ -1,18 +1,21 @@
 """Single steps of a sitting: the consent, and what is left of a step that plays games."""
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Literal, assert_never
 
 from textual.screen import Screen
 
 from arl_tui.games.registry import words_of
+from arl_tui.language import tr
+from arl_tui.study import words
 from arl_tui.study.pages import ConsentPage, TextPage
 from arl_tui.study.presenter import Played, Presenter
 from core.numerics.clock import Clock, wall_time_utc
 from studies.lab.blocks import BlockSoFar
-from studies.lab.config import Block, Calibration, Consent, Practice, kind_of
+from studies.lab.config import ASSIGNED, Block, Calibration, Consent, Practice, Step, Study, kind_of
 from studies.lab.config import TextPage as TextStep
+from studies.lab.enrolment import Attempt
 from studies.lab.read import LoadedStudy
 from studies.lab.sitting_log import ConsentAnswered, SittingLine, StepBegun, StepEnded
 
@@ -87,3 +90,26 @@ def played_of(block: BlockSoFar) -> Played:
         taken_back=block.summary.presses_taken_back,
         unit=words_of(block.summary.game).unit,
     )
+
+
+def block_of_visit(steps: Sequence[Step], number: int) -> str:
+    """Return which block of a visit a step is, in words; nothing for practice and calibrations."""
+    if not isinstance(steps[number], Block):
+        return ""
+    blocks = [place for place, step in enumerate(steps) if isinstance(step, Block)]
+    return tr(words.BLOCK, number=blocks.index(number) + 1, count=len(blocks))
+
+
+def condition_of(study: Study, attempt: Attempt, number: int, step: Step) -> str:
+    """Return the name of a block's condition; nothing for steps of another kind."""
+    if not isinstance(step, Block):
+        return ""
+    if step.condition != ASSIGNED:
+        return step.condition
+    here = (attempt.sitting, number)
+    earlier = [
+        other
+        for sitting, place, other in study.steps
+        if isinstance(other, Block) and other.condition == ASSIGNED and (sitting, place) < here
+    ]
+    return attempt.condition(len(earlier))

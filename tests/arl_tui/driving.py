@@ -8,8 +8,9 @@ from textual.widgets import Static
 
 from arl_tui.app.link import Picture, Ready
 from arl_tui.app.outcome import SessionOutcome
+from arl_tui.app.session_setup import SessionSetup
 from arl_tui.games.tetris.renderer import TetrisRenderer
-from arl_tui.session_app import ArlApp, SessionSetup, build_app
+from arl_tui.session_app import ArlApp, build_app
 from core.recording.reader import Recording, read_recording
 from core.session.protocol import Protocol
 from tests.arl_tui.fakes import FakeLink, episode_started, step_taken

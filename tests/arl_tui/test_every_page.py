@@ -17,6 +17,7 @@ from textual.screen import Screen
 
 from arl_tui.app.link import Practised, Preparing, Ready, TakenFor
 from arl_tui.app.outcome import SessionOutcome
+from arl_tui.app.session_setup import SessionSetup
 from arl_tui.app.tally import Tally
 from arl_tui.calibration import pages as calibration
 from arl_tui.calibration.plan import new_parts
@@ -24,7 +25,7 @@ from arl_tui.games.registry import words_of
 from arl_tui.palette import palette_for
 from arl_tui.screens import covers
 from arl_tui.screens.closing import ClosingScreen
-from arl_tui.session_app import SessionSetup, build_app
+from arl_tui.session_app import build_app
 from arl_tui.study.page_app import PageApp
 from arl_tui.study.pages import BreakPage, ConsentPage, DeclinePage, NoticePage, StopPage, TextPage
 from arl_tui.study.question_pages import QuestionPage

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 import pytest
 
 from arl_tui.app.link import Begin, FromWorker, Picture, TakenFor, ToWorker, WorkerLine
-from arl_tui.worker import SessionPlayer
+from arl_tui.session_player import SessionPlayer
 from core.events import FrameShown, Input, KeyPressed, Output, Resumed, ScreenCleared, StepTaken, StopAsked
 from core.numerics.clock import NS_PER_S, Clock, ManualClock
 from core.session.protocol import Protocol, ScreenConfig
