@@ -18,7 +18,7 @@ from arl_tui.language import later
 from arl_tui.recordings import CALIBRATION_FOLDER
 
 if TYPE_CHECKING:
-    from arl_tui.calibration.app import CalibrationOutcome
+    from arl_tui.calibration.app import CalibrationApp, CalibrationOutcome
     from arl_tui.calibration.fitting import Fitted
     from studies.reaction_time.protocol import TaskConfig
 
@@ -75,7 +75,11 @@ def run_calibration(
     from arl_tui.calibration.app import CalibrationApp
 
     sessions = in_language(sessions, language, written=protocol is not None)
-    app = CalibrationApp(replace(setup, language=sessions.screen.language))
+    _measure(CalibrationApp(replace(setup, language=sessions.screen.language)))
+
+
+def _measure(app: "CalibrationApp") -> None:
+    """Run the tasks in this terminal, and print what came of them."""
     outcome = app.run_in_terminal()
     if app.ended_by is not None:
         raise SystemExit(128 + app.ended_by)

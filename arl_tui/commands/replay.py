@@ -110,13 +110,7 @@ def replay_recording(
         workers=workers,
     )
     units = words_of(chosen.game).units[1]
-    say("\n".join(table(rows, units, _width())))
-    say(OFF_POLICY)
-    from studies.statistics import few_trials_note
-
-    few = few_trials_note(games, "games")
-    if few is not None:
-        say(few)
+    _print_rows(rows, units, games)
     if csv_path is not None:
         write_csv(csv_path, rows, {describe(delay): source for delay, source in delays.items()}, units)
         say(f"Table: {csv_path}")
@@ -125,6 +119,17 @@ def replay_recording(
 
         draw(rows, plot_path, units)
         say(f"Figure: {plot_path}")
+
+
+def _print_rows(rows: "Sequence[WhatIfRow]", units: str, games: int) -> None:
+    """Print a what-if's table, and what has to be known of it; each row is a mean over `games` games."""
+    say("\n".join(table(rows, units, _width())))
+    say(OFF_POLICY)
+    from studies.statistics import few_trials_note
+
+    few = few_trials_note(games, "games")
+    if few is not None:
+        say(few)
 
 
 def compare(

@@ -162,7 +162,28 @@ def watch(
     os.environ.setdefault("TEXTUAL_FPS", FRAMES_PER_S)
     saved = None if policy in BENCHMARKS else read_policy(Path(policy))
     config = task(saved, keepers=keepers, takers=takers, size=size, vision=vision)
-    root_seed = secrets.randbits(63) if seed is None else seed
+    _watch_policy(
+        policy,
+        saved,
+        config,
+        secrets.randbits(63) if seed is None else seed,
+        speed=speed,
+        episodes=episodes,
+        detail=detail,
+    )
+
+
+def _watch_policy(
+    policy: str,
+    saved: "SavedPolicy | None",
+    config: "KeepawayConfig",
+    root_seed: int,
+    *,
+    speed: float,
+    episodes: int | None,
+    detail: str | None,
+) -> None:
+    """Look at a policy: a benchmark by its name, or a saved one."""
     from arl_tui.app.compile_order import match_order
     from arl_tui.screens.watch import WatchApp, WatchScreen
     from arl_tui.widgets.pitch_ink import DETAILS

@@ -73,7 +73,7 @@ class WelcomeScreen(PageScreen):
 
     def body(self) -> Iterable[Widget]:
         """Return the explanation."""
-        keys, session = self._protocol.keys, self._protocol.session
+        session = self._protocol.session
         games = trn("one game", "{n} games", session.episodes)
         words = self._words
         if self._practice:
@@ -100,7 +100,13 @@ class WelcomeScreen(PageScreen):
             )
             + last
         )
-        if keys.wrong_press_rate > 0:
+        yield from self._remarks()
+        yield Static(id="pace")
+        yield Static(id="call", classes="call")
+
+    def _remarks(self) -> Iterable[Widget]:
+        """Return what holds for some sessions only, and where presses are written."""
+        if self._protocol.keys.wrong_press_rate > 0:
             yield Static(
                 "\n"
                 + tr(
@@ -124,8 +130,6 @@ class WelcomeScreen(PageScreen):
                 code=self._participant,
             )
         )
-        yield Static(id="pace")
-        yield Static(id="call", classes="call")
 
     def on_mount(self) -> None:
         """Say whether the start key works already."""

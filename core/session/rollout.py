@@ -147,21 +147,7 @@ def play_episode(
     When a `StepTaken` has been yielded, whoever consumes this shows the step, and asks for the next output
     when the step's time on screen is over: then what the participant did meanwhile is taken in.
     """
-    weights = plan.policy.episode_weights
-    yield EpisodeStarted(
-        episode=plan.policy.episode,
-        time_ns=clock.now_ns(),
-        inputs=intake.inputs,
-        episode_seed=plan.episode_seed,
-        policy=plan.policy.policy_id,
-        form=weights.form,
-        w_r=weights.w_r,
-        trust=plan.policy.trust,
-        weight=weights.w_h,
-        handover=weights.handover,
-        shaping=weights.shaping,
-        augmentation=weights.augmentation,
-    )
+    yield _started(intake, clock, plan)
     state = domain.initial(plan.episode_seed)
     count = _Count()
     for step in _steps(domain, agent, plan.policy, state, first_watched=plan.first_step):
@@ -170,21 +156,9 @@ def play_episode(
             yield _posed(domain, intake, clock, plan, step, number)
             yield from intake.attend(-1)
             continue
-        decision = step.decision
-        intake.expect(number, step.choices.feedback_features[decision.action])
-        count.add(decision)
-        yield StepTaken(
-            episode=plan.policy.episode,
-            step=number,
-            time_ns=clock.now_ns(),
-            inputs=intake.inputs,
-            action=decision.action,
-            environment_action=decision.environment_action,
-            human_action=decision.human_action,
-            detail=domain.action_record(step.state, decision.action).plain(),
-            reward=step.reward,
-            state=domain.recorded_state(step.state),
-        )
+        intake.expect(number, step.choices.feedback_features[step.decision.action])
+        count.add(step.decision)
+        yield _taken(domain, intake, clock, plan, step, number)
         yield from intake.attend(number)
         state = step.following
         if count.steps == plan.max_steps or intake.stop_asked is not None:
@@ -206,6 +180,49 @@ def play_episode(
     )
     # Late presses on the last steps, made while the final picture was shown.
     yield from intake.attend(-1)
+
+
+def _started(intake: FeedbackIntake, clock: Clock, plan: EpisodePlan) -> EpisodeStarted:
+    """Return the record of an episode's begin."""
+    weights = plan.policy.episode_weights
+    return EpisodeStarted(
+        episode=plan.policy.episode,
+        time_ns=clock.now_ns(),
+        inputs=intake.inputs,
+        episode_seed=plan.episode_seed,
+        policy=plan.policy.policy_id,
+        form=weights.form,
+        w_r=weights.w_r,
+        trust=plan.policy.trust,
+        weight=weights.w_h,
+        handover=weights.handover,
+        shaping=weights.shaping,
+        augmentation=weights.augmentation,
+    )
+
+
+def _taken(
+    domain: Domain[Any],
+    intake: FeedbackIntake,
+    clock: Clock,
+    plan: EpisodePlan,
+    step: "_Step",
+    number: int,
+) -> StepTaken:
+    """Return the record of a step; `number` counts the watched steps of the session, from 0."""
+    decision = step.decision
+    return StepTaken(
+        episode=plan.policy.episode,
+        step=number,
+        time_ns=clock.now_ns(),
+        inputs=intake.inputs,
+        action=decision.action,
+        environment_action=decision.environment_action,
+        human_action=decision.human_action,
+        detail=domain.action_record(step.state, decision.action).plain(),
+        reward=step.reward,
+        state=domain.recorded_state(step.state),
+    )
 
 
 def _posed(

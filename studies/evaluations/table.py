@@ -82,7 +82,8 @@ def read_evaluations(path: Path, columns: EvaluationColumns) -> EvaluationTable:
         raise ImporterError(str(error)) from error
 
 
-def _read(table: Table, columns: EvaluationColumns, notes: Sequence[str]) -> EvaluationTable:
+def _check_columns(table: Table, columns: EvaluationColumns) -> bool:
+    """Refuse a table without a column that was named or is needed; return whether it holds delays."""
     for what, name in (
         ("participant", columns.participant),
         ("time", columns.time),
@@ -96,6 +97,11 @@ def _read(table: Table, columns: EvaluationColumns, notes: Sequence[str]) -> Eva
     has_delays = columns.delay is not None and columns.delay in table.header
     if columns.delay not in (None, EvaluationColumns().delay) and not has_delays:
         raise no_column(table, columns.delay or "", "--column delay=NAME")
+    return has_delays
+
+
+def _read(table: Table, columns: EvaluationColumns, notes: Sequence[str]) -> EvaluationTable:
+    has_delays = _check_columns(table, columns)
     time_s, delay_s = _factor(table, columns.time, columns), 1.0
     if has_delays and columns.delay is not None:
         delay_s = _factor(table, columns.delay, columns)

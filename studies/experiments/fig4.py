@@ -125,7 +125,41 @@ def report(results: Results) -> Page:
     at_640 = 100 * float(np.median(results.table("paper-640", "elsewhere")))
     mean_s = PAPER.shape * PAPER.scale_s
     mode_s = (PAPER.shape - 1) * PAPER.scale_s
-    claims = page.table(
+    text = f"""\
+# {results.experiment.title}
+
+**In short.** The paper's gamma(2.5, 0.3) has its mean at {mean_s:.2f} s and its mode at {mode_s:.2f} s, not at 0.5 s. It can be
+estimated from reaction times: {at_40:.0f} % of the credit is misplaced after 40 trials, {at_640:.0f} % after 640. Real reaction times are
+described better by other families.
+
+{_claims(mean_s, mode_s, at_40, at_640)}
+![Densities](../figures/fig4.png)
+
+The paper's density, thick; thin, the fits to {len(results.seeds)} simulated participants with 40 and with 640 trials each; dashed, what
+257 real people's reactions gave.
+
+## How well it can be known
+
+Median over {len(results.seeds)} simulated participants, lowest and highest in brackets. *Credit put elsewhere*: the share of a press's
+credit that the fitted density gives to other moments than the true one would.
+
+{page.table(header, rows)}
+Measured on real people: [reaction times](reaction_time.md), [pooling](reaction_time_pooling.md), [trusting a fit](../trusting-a-fit.md).
+
+{page.how_it_was_made(results)}"""  # noqa: E501
+    return Page("fig4", text, {"fig4": _figure(results)})
+
+
+def _claims(mean_s: float, mode_s: float, at_40: float, at_640: float) -> str:
+    """Return the table of the paper's statements.
+
+    Args:
+        mean_s: of the paper's density, seconds.
+        mode_s: of the paper's density, seconds.
+        at_40: credit that is misplaced after 40 trials, per cent.
+        at_640: the same after 640 trials.
+    """
+    return page.table(
         ["the paper's statement", "held"],
         [
             [
@@ -145,29 +179,6 @@ def report(results: Results) -> Page:
             ],
         ],
     )
-    text = f"""\
-# {results.experiment.title}
-
-**In short.** The paper's gamma(2.5, 0.3) has its mean at {mean_s:.2f} s and its mode at {mode_s:.2f} s, not at 0.5 s. It can be
-estimated from reaction times: {at_40:.0f} % of the credit is misplaced after 40 trials, {at_640:.0f} % after 640. Real reaction times are
-described better by other families.
-
-{claims}
-![Densities](../figures/fig4.png)
-
-The paper's density, thick; thin, the fits to {len(results.seeds)} simulated participants with 40 and with 640 trials each; dashed, what
-257 real people's reactions gave.
-
-## How well it can be known
-
-Median over {len(results.seeds)} simulated participants, lowest and highest in brackets. *Credit put elsewhere*: the share of a press's
-credit that the fitted density gives to other moments than the true one would.
-
-{page.table(header, rows)}
-Measured on real people: [reaction times](reaction_time.md), [pooling](reaction_time_pooling.md), [trusting a fit](../trusting-a-fit.md).
-
-{page.how_it_was_made(results)}"""  # noqa: E501
-    return Page("fig4", text, {"fig4": _figure(results)})
 
 
 def _figure(results: Results) -> Figure:
