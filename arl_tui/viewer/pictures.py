@@ -10,6 +10,7 @@ from arl_tui.games.registry import screens_of
 from arl_tui.games.rendering import TickView
 from arl_tui.games.tetris.renderer import TetrisRenderer
 from arl_tui.viewer.looks import Board, Look, board_of, tick_number
+from arl_tui.viewer.played_again import PlayedAgain
 from arl_tui.viewer.rendered import RenderedPictures
 from core.events import StepTaken
 from core.feedback.keys import NS_PER_MS
@@ -226,7 +227,7 @@ def _without_next(view: View) -> View:
     return msgspec.structs.replace(view, counts=msgspec.structs.replace(view.counts, next_piece=-1))
 
 
-class PitchPictures:
+class PitchPictures(PlayedAgain):
     """Pitches of Keepaway: the match is played again from the kick-off of its game."""
 
     def __init__(self, session: SessionView, config: KeepawayConfig, speed: float) -> None:
@@ -234,57 +235,19 @@ class PitchPictures:
             KeepawayRenderer,  # here, not above: compiled code comes with it
         )
 
-        self._session = session
-        self._renderer = KeepawayRenderer(config, speed)
-        self._game = -1
-        self._next = -1
-        self._opening: tuple[TickView, ...] = ()
-        self._ticks: tuple[TickView, ...] = ()
-        self._otherwise = ""
+        self._match = KeepawayRenderer(config, speed)
+        super().__init__(
+            session, self._match, "This match comes out otherwise now: use the program that recorded it"
+        )
         self.receivers: tuple[int, tuple[int, ...]] = (-1, ())
         """The row of the step drawn last, and to whom its options pass, in their order."""
 
-    def at(self, moment: Moment) -> Look:
-        """Return what was on screen at a moment."""
-        if moment.frame < 0 or moment.game < 0:
-            return Look(self._renderer.picture)
-        if moment.step < 0:
-            return self._between(moment)
-        self._play_to(int(self._session.steps["episode"][moment.step]), moment.step)
-        if not self._ticks:
-            return Look(self._renderer.picture, self._otherwise)
-        n = tick_number(self._session, moment, len(self._ticks), self._renderer.tick_ns)
-        return Look(self._ticks[n].view, self._otherwise)
+    def _opening_view(self, moment: Moment) -> View:
+        n = min(moment.visible_ns // self._match.tick_ns, len(self._opening) - 1)
+        return self._opening[n].view
 
-    def _between(self, moment: Moment) -> Look:
-        games, frame_ns = self._session.games, int(self._session.frames["time"][moment.frame])
-        game = moment.game
-        while game > 0 and games["start"][game] > frame_ns:
-            game -= 1
-        first = int(games["first_step"][game])
-        after = int(games["first_step"][game + 1]) if game + 1 < len(games) else len(self._session.steps)
-        if after <= first or not 0 <= self._session.steps["shown"][first] <= frame_ns:
-            self._begin(game)
-            n = min(moment.visible_ns // self._renderer.tick_ns, len(self._opening) - 1)
-            return Look(self._opening[n].view if self._opening else self._renderer.picture)
-        self._play_to(game, after - 1)
-        return Look(self._renderer.picture, self._otherwise)
+    def _could_be(self, step: StepTaken) -> bool:
+        return self._match.could_be(step)
 
-    def _begin(self, game: int) -> None:
-        self._opening = self._renderer.begin(self._session.game_started(game))
-        self._game, self._next = game, int(self._session.games["first_step"][game])
-        self._ticks, self._otherwise = (), ""
-
-    def _play_to(self, game: int, row: int) -> None:
-        """Play to the end of a step."""
-        if game != self._game or row < self._next - 1:
-            self._begin(game)
-        if row < self._next or self._otherwise:
-            return
-        for step in self._session.steps_taken(self._next, row):
-            if not self._renderer.could_be(step):
-                self._otherwise = "This match comes out otherwise now: use the program that recorded it"
-                return
-            self.receivers = row, self._renderer.receivers
-            self._ticks = self._renderer.act(step)
-        self._next = row + 1
+    def _follow(self, step: StepTaken, row: int) -> None:
+        self.receivers = row, self._match.receivers
