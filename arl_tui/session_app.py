@@ -344,7 +344,6 @@ class ArlApp(SessionControls):
                 outcome,
                 words_of(protocol.game),
                 show_weight=protocol.screen.show_weight,
-                show_file=not self.setup.study,
                 practice=self.setup.practice,
                 protocol=protocol,
             )

@@ -8,7 +8,7 @@ from studies.reaction_time.protocol import NO, YES
 
 @dataclass(frozen=True, slots=True)
 class Words:
-    """The words of one game in English, marked with `later`; whoever shows one of them translates it."""
+    """The words of one game in English, marked with `later`; they are translated when they are shown."""
 
     heading: str
     """Title of the first screen."""

@@ -239,7 +239,7 @@ def held_out_log_loss(recording: Recording, protocol: Protocol, steps: dict[int,
     """Return how badly the human model foretells the last presses, and how badly a constant guess does.
 
     The model is trained on the first 80 % of the accepted presses. A press's score is the model's value of
-    the steps it speaks of, weighted by credit; scores become probabilities of praise by a logistic curve
+    the steps it is about, weighted by credit; scores become probabilities of praise by a logistic curve
     fitted to the training presses (Platt 1999). Presses without any credit are left out on both sides.
 
     There is no log-loss where either part has no presses or the training part knows only one kind; the result
@@ -294,7 +294,7 @@ def _standing_presses(recording: Recording) -> dict[int, float]:
 
 
 def _score(given: CreditGiven, human: HumanLearner, steps: dict[int, WatchedStep]) -> float | None:
-    """Return the model's value of what a press speaks of; None where it speaks of nothing that is known."""
+    """Return the model's value of what a press is about; None where that is not known."""
     parts = [
         (share, float(human.model.predict(steps[step].taken[None, :])[0]))
         for step, share in zip(given.steps, given.shares, strict=True)

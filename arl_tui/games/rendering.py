@@ -11,7 +11,7 @@ from core.plugins import View
 Place = tuple[tuple[int, ...], ...]
 """Where a step that was judged is to be seen, in numbers that a game's renderer writes and its panel reads
 (Tetris: row from the bottom and column of each block; Keepaway: the keeper and whom it passed to); () where
-it is to be seen no more."""
+it is no longer on screen."""
 
 
 class TickView(NamedTuple):

@@ -1,4 +1,4 @@
-"""The last screen: thanks, what happened, and where the recording is; or what went wrong."""
+"""The last screen: thanks, what happened, and how much is recorded; or what went wrong."""
 
 from collections.abc import Iterable
 from typing import ClassVar, cast
@@ -37,7 +37,6 @@ class ClosingScreen(PageScreen):
         words: Words,
         *,
         show_weight: bool = False,
-        show_file: bool = True,
         practice: bool = False,
         protocol: Protocol | None = None,
     ) -> None:
@@ -47,7 +46,6 @@ class ClosingScreen(PageScreen):
             outcome: what is left of the session.
             words: of its game.
             show_weight: whether the participant may see the weight that their feedback had.
-            show_file: say where the recording is; not to the participant of a study.
             practice: nothing counted.
             protocol: which keys there were, and whose; without it two of one participant.
         """
@@ -55,14 +53,13 @@ class ClosingScreen(PageScreen):
         self.outcome = outcome
         self._show_weight = show_weight
         self._protocol = protocol
-        self._show_file = show_file
         self._words = words
         self.HEADING = later("That was the practice") if practice else later("Thank you!")
         if outcome.trouble is not None:
             self.HEADING = later("The session had to end early")
 
     def body(self) -> Iterable[Widget]:
-        """Return what happened, where it is recorded, and what went wrong."""
+        """Return what happened, how much is recorded, and what went wrong."""
         outcome = self.outcome
         if outcome.trouble is not None:
             headline, _, details = outcome.trouble.partition("\n")

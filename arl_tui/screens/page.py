@@ -102,7 +102,7 @@ def feedback_keys(keys: KeyConfig) -> str:
 
 
 def keys_of_all(protocol: Protocol) -> str:
-    """Return the feedback keys of whoever takes part, in markup: of several people a line for each, or two in
+    """Return the feedback keys of all who take part, in markup: of several people a line for each, or two in
     a line where there are many.
     """
     if not protocol.people:

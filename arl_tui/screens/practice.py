@@ -10,7 +10,6 @@ from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical
 from textual.geometry import Size
 from textual.screen import Screen
-from textual.timer import Timer
 from textual.widget import Widget
 from textual.widgets import Static
 
@@ -203,7 +202,6 @@ class PracticeScreen(Screen[None], inherit_bindings=False):
         self._board = TetrisBoard(rows, columns, palette=palette, around=Size(BESIDE + 2, 2))
         self._next = NextPiece(palette=palette)
         self._stats = StatsPanel(later("Practice"), lines_high=2)
-        self._poll: Timer | None = None
 
     def compose(self) -> ComposeResult:
         """Lay out the board on the left, everything else on the right."""
@@ -222,7 +220,7 @@ class PracticeScreen(Screen[None], inherit_bindings=False):
         """Show the game and let time count."""
         self._draw()
         self._gravity.start()
-        self._poll = self.set_interval(POLL_S, self.fall)
+        self.set_interval(POLL_S, self.fall)
         if self._explain:
             self.action_guide()
 

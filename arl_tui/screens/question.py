@@ -82,7 +82,7 @@ class Questioning:
         self,
         pump: MessagePump,
         live: LiveSession,
-        scene: Panel,
+        panel: Panel,
         feedback: FeedbackBar,
         protocol: Protocol,
     ) -> None:
@@ -91,14 +91,14 @@ class Questioning:
         Args:
             pump: whose task looks at the time.
             live: the session.
-            scene: the game's picture.
+            panel: the game's picture.
             feedback: whose place a question takes.
             protocol: of the session: the game's words, keys and limit.
         """
         self.bar = QuestionBar()
         self._pump = pump
         self._live = live
-        self._scene = scene
+        self._panel = panel
         self._feedback = feedback
         self._protocol = protocol
         self._screens = screens_of(protocol)
@@ -140,8 +140,8 @@ class Questioning:
             return
         self._live.pose(self._posed)
         keys = self._asking.keys[: len(self._posed.options)]
-        if isinstance(self._scene, DrawsOptions):
-            self._scene.pose(self._ask_now.places, keys)
+        if isinstance(self._panel, DrawsOptions):
+            self._panel.pose(self._ask_now.places, keys)
         self._hint = False
         self.bar.take_drawn()
         self._feedback.display, self.bar.display = False, True
@@ -173,8 +173,8 @@ class Questioning:
             self._timer.cancel()
             self._timer = None
         self.bar.display, self._feedback.display = False, True
-        if isinstance(self._scene, DrawsOptions):
-            self._scene.unpose()
+        if isinstance(self._panel, DrawsOptions):
+            self._panel.unpose()
 
     def _tick(self) -> None:
         if self._timer is not None:

@@ -14,7 +14,7 @@ import msgspec
 from textual.pilot import Pilot
 
 from arl_tui.app.demo_participant import DemoParticipant
-from arl_tui.app.link import FromWorker, PressSuggested, Ready, ToWorker, from_worker
+from arl_tui.app.link import FromWorker, Ready, ToWorker, from_worker
 from arl_tui.app.outcome import SessionOutcome
 from arl_tui.app.session_setup import SessionSetup
 from arl_tui.app.virtual_time import LoopClock, VirtualLoop, textual_in
@@ -126,7 +126,6 @@ class _ThreadLink:
         self._protocol = protocol
         self._root_seed = root_seed
         self._inbox: asyncio.Queue[ToWorker] = asyncio.Queue()
-        self._later: list[PressSuggested] = []
         self._on_message: Callable[[FromWorker], None] = lambda _message: None
         self._on_lost: Callable[[str], None] = lambda _reason: None
         self._listening = False

@@ -21,7 +21,6 @@ WEIGHT = Style(color="#e69f00")
 SCORE = Style(color="#c4cfc8")
 DIFFERS = Style(color="#cc79a7", bold=True)
 TAG = Style(color="#f0e442", bold=True)
-CURSOR = Style(reverse=True)
 SHADES = (Style(bgcolor="#2b3242"), Style(bgcolor="#1a1d25"))
 """Behind games and steps, in turn."""
 LEVELS = " ▁▂▃▄▅▆▇█"

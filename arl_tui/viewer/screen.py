@@ -106,7 +106,6 @@ class ViewerScreen(Screen[str], inherit_bindings=False):
         self.transport = Transport(self.session, clock or MonotonicClock())
         self.marks = True
         """Credited pieces, candidates and bars are drawn on the game."""
-        self.frames_drawn = 0
         self.broken: Exception | None = None
         """Why the rest of a long recording cannot be read."""
         self._pictures = self._drawn_by(pictures)
@@ -183,7 +182,6 @@ class ViewerScreen(Screen[str], inherit_bindings=False):
         if key == self._drawn:
             return
         self._drawn = key
-        self.frames_drawn += 1
         moment = self.session.at(time_ns)
         look = self._pictures.at(moment)
         self._game.draw(moment, look, marks=self.marks)

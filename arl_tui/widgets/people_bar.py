@@ -58,7 +58,7 @@ class PeopleBar(FeedbackBar):
         self.border_subtitle = ""
 
     def show_press(self, press: KeyPressed, presses_left: int) -> None:
-        """Confirm an accepted press in the line of whoever made it, or say there why it does not count."""
+        """Confirm an accepted press in the line of its person, or say there why it does not count."""
         self.border_subtitle = ""
         if press.person < 0:
             if press.verdict != "repeat":

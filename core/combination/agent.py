@@ -264,7 +264,7 @@ class ArlAgent:
         self.human.step_hidden(time_ns)
 
     def interrupted(self, last_ns: int) -> None:
-        """Note that the program stood still from `last_ns` on: no later press speaks of what was on screen
+        """Note that the program stood still from `last_ns` on: no later press is about what was on screen
         before.
         """
         self.human.interrupted(last_ns)

@@ -88,7 +88,7 @@ class Climbing(PolicySearch):
         augmentation: float,
         watched_step: int = -1,
     ) -> None:
-        """Let the learner learn; whoever chose the action."""
+        """Let the learner learn, whichever side chose the action."""
         if self._climbs:
             self._actor.took(self._score(choices, action), reward + shaping)
 

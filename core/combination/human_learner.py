@@ -86,7 +86,7 @@ class HumanLearner:
             self._learn()
 
     def interrupted(self, last_ns: int) -> None:
-        """Note that the program stood still from `last_ns` on: no later press speaks of what was on screen
+        """Note that the program stood still from `last_ns` on: no later press is about what was on screen
         before.
         """
         self._assigner.interrupted(last_ns)

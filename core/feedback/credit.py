@@ -1,4 +1,4 @@
-"""Credit assignment: which steps a press speaks of (section 3.3, Fig. 4).
+"""Credit assignment: which steps a press is about (section 3.3, Fig. 4).
 
 A press at time t is an answer to something that was on screen a while before. With a density p of that delay,
 a step that was on screen during [a, b] gets the integral of p from t - b to t - a. Two rules that use no

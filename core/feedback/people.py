@@ -116,7 +116,8 @@ def check_people(people: Sequence[PersonConfig], shared: KeyConfig) -> None:
 class PeopleGate:
     """The gates of several people, to be used as one `core.feedback.keys.PressGate`.
 
-    A press goes through the gate of whoever owns its key. A key of nobody is recorded as `NOBODY`'s.
+    A press goes through the gate of the person whose key it is. A key that nobody has is recorded as
+    `NOBODY`'s.
     """
 
     def __init__(self, keys: Sequence[KeyConfig], *, numbers: Iterator[int] | None = None) -> None:

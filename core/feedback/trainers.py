@@ -213,7 +213,7 @@ class SimulatedTrainer:
             action: what the agent chose.
             shown_ns: when the step came on screen.
             hidden_ns: when its outcome is seen: the end of its time on screen.
-            attention: chance to speak of this step as a fraction of `press_probability`, in [0, 1].
+            attention: chance that this step is judged, as a fraction of `press_probability`, in [0, 1].
         """
         if self._episode < 0:
             raise ValueError("watch_episode comes before the first step")

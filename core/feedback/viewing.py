@@ -13,7 +13,7 @@ class Watched:
     judged_after_ns: int
     """From when on it can be judged, since it came on screen: their delay begins here."""
     attention: float = 1.0
-    """Chance to speak of it, as a fraction of `TrainerConfig.press_probability`, in [0, 1]."""
+    """Chance that it is judged, as a fraction of `TrainerConfig.press_probability`, in [0, 1]."""
 
 
 class Viewing(Protocol):

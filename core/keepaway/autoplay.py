@@ -14,7 +14,6 @@ from core.keepaway.simulator.game import begin_cycle, finish_cycle, step_cycle
 from core.keepaway.simulator.match import (
     CYCLE,
     END,
-    EPISODE,
     Match,
     Streams,
     new_match,
@@ -133,8 +132,3 @@ class Autoplay:
         cycles, ends = np.zeros(n_episodes, np.int64), np.zeros(n_episodes, np.int64)
         _learn_episodes(self.match, self.rules, sarsa, self._windows, self.streams, cycles, ends)
         return Episodes(cycles, ends == OUT)
-
-    @property
-    def episodes_started(self) -> int:
-        """Episodes set up so far, the present one included."""
-        return int(self.match.status[EPISODE])

@@ -83,7 +83,7 @@ class Header(Record, frozen=True, kw_only=True, omit_defaults=False, tag="header
 
 
 def code_of(header: Header, person: int) -> str:
-    """Return the code of whoever made a press: of several people at one keyboard their own.
+    """Return the code of the person who made a press: of several people at one keyboard their own.
 
     Args:
         header: of the recording.

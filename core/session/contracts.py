@@ -65,7 +65,7 @@ class Listener(Protocol):
         ...
 
     def interrupted(self, last_ns: int) -> None:
-        """Note that the program stood still from `last_ns` on: no later press speaks of what was on screen
+        """Note that the program stood still from `last_ns` on: no later press is about what was on screen
         before.
         """
         ...

@@ -310,7 +310,7 @@ class Idle:
 
 
 def uses_of(path: str) -> Iterator[Use]:
-    """Yield the entries that speak of a setting, or of a table that it is in."""
+    """Yield the entries about a setting, or about a table that it is in."""
     for use in uses():
         if any(path == setting or path.startswith(f"{setting}.") for setting in use.settings):
             yield use

@@ -41,8 +41,8 @@ __all__ = [
 
 
 class FeedbackIntake:
-    """Brings the inputs to whoever learns from them: which step was on screen when, and what the participant
-    said of it.
+    """Brings the inputs to the listener that learns from them: which step was on screen when, and how the
+    participant judged it.
 
     Keeps the feedback features of watched steps from when they are decided until their frame has been shown.
     """
@@ -85,7 +85,7 @@ class FeedbackIntake:
                 self._screen_shows(step, time_ns)
             case ScreenCleared(time_ns=time_ns, reason=reason):
                 self._screen_shows(-1, time_ns)
-                if reason == "question":  # whoever has thought about it speaks of what was before no more
+                if reason == "question":  # a press after it is no longer about what was on screen before
                     self._listener.interrupted(time_ns)
             case QuestionAnswered(question=number, chosen=chosen, person=person):
                 self._take_answer(number, chosen, person)
@@ -144,8 +144,8 @@ def play_episode(
 ) -> Iterator[Output]:
     """Play one watched episode; yield its outputs in the order in which they happen.
 
-    When a `StepTaken` has been yielded, whoever consumes this shows the step, and asks for the next output
-    when the step's time on screen is over: then what the participant did meanwhile is taken in.
+    When a `StepTaken` has been yielded, the consumer shows the step. It asks for the next output when the
+    step's time on screen is over: then what the participant did meanwhile is taken in.
     """
     yield _started(intake, clock, plan)
     state = domain.initial(plan.episode_seed)
@@ -269,7 +269,7 @@ def play_unseen(
     state = domain.initial(episode_seed)
     count = _Count()
     for step in _steps(domain, agent, policy, state, learning=learning):
-        assert isinstance(step, _Step), "questions are posed where somebody watches"
+        assert isinstance(step, _Step), "questions are posed in watched episodes"
         count.add(step.decision)
         state = step.following
         if count.steps == max_steps:

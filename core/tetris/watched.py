@@ -256,7 +256,7 @@ def _check(protocol: Protocol) -> None:
 
 
 def _steps_reached(protocol: Protocol, step_ns: int) -> int:
-    """Return how many of the last steps a press can speak of, the one on screen included."""
+    """Return how many of the last steps a press can be about, the one on screen included."""
     delay = protocol.agent.credit.delay
     if isinstance(delay, PreviousStep | CurrentStep):
         return 2

@@ -123,7 +123,7 @@ class MountainCar:
 
 
 def teacher(state: CarState) -> Floats:
-    """Return values of left, none, right by whoever knows that pushing along with the motion leads up.
+    """Return values of left, none, right by a teacher who knows that pushing along with the motion leads up.
 
     At rest, right. This policy needs 124 steps on average; the best there is, about 104.
     """

@@ -225,7 +225,7 @@ class GymnasiumGame(SarsaGame):
         return domain.tiled
 
     def oracle(self, protocol: Protocol) -> Oracle:
-        """Return whoever judges by the reward of the step."""
+        """Return an oracle that values each action by the reward of its step."""
         domain = self.domain(protocol)
 
         def rewards(state: GymnasiumState) -> Floats:

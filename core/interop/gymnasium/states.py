@@ -1,8 +1,8 @@
 """States of an environment by its seed and the actions since: one environment goes on where it stands.
 
-A session goes on from where the environment stands, which costs one step of it. Whoever asks what another
-action would have led to (a simulated participant) is answered by a copy, or by playing the episode again:
-whichever is faster, and the latter where it cannot be copied.
+A session goes on from where the environment stands, which costs one step of it. A simulated participant
+asks what another action would have led to. A copy of the environment answers, or the episode is played again:
+whichever is faster, and the latter where the environment cannot be copied.
 """
 
 import copy
