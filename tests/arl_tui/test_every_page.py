@@ -249,6 +249,7 @@ def plain_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("arl_tui.widgets.pitch.detail_for", lambda: "braille")
     # A machine that is held up for a second would show the page that says so.
     monkeypatch.setattr("arl_tui.app.gaps.GapWatch.look", lambda _watch: None)
+    monkeypatch.setattr("textual.widgets.Input.cursor_blink", False)
     monkeypatch.delenv("NO_COLOR", raising=False)
 
 
