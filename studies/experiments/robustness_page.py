@@ -103,19 +103,7 @@ which nobody had looked at under any rule, against the environment alone and ann
 
 {_goal(scores, against)}
 {WHY}
-## Every rule at every rate
-
-Ratio to the environment alone, with 95 % interval. (Ours: on its fresh seeds; the others on root seeds that had been looked at, under these rules, when ours was
-fixed.)
-
-{ratios_table(by_rule, RATES)}
-{summary(by_rule)}
-Mean weight of the participant over the last 100 episodes:
-
-{weights_table(by_rule, RATES)}
-Mean scores (arithmetic), {SCORE}:
-
-{_scores_table(scores)}
+{_every_rule(by_rule, scores)}
 ## Simulated people by name
 
 The rule, over the cross-entropy method, with the people of `core.feedback.simulated_participants`, 1 press in 10 wrong unless the name says otherwise; on the fresh seeds. (Expert, noisy,
@@ -130,6 +118,24 @@ useless and adversary are the rates above. The same people over Sarsa: [Keepaway
 {page.HOW_TO_READ}
 {page.how_it_was_made(results, others=others)}"""  # noqa: E501
     return Page("robustness", text, {"robustness": rates_figure(drawn, RATES)})
+
+
+def _every_rule(by_rule: ByRule, scores: Mapping[str, Floats]) -> str:
+    """Return the section with ratios, weights and scores of every rule at every rate."""
+    return f"""\
+## Every rule at every rate
+
+Ratio to the environment alone, with 95 % interval. (Ours: on its fresh seeds; the others on root seeds that had been looked at, under these rules, when ours was
+fixed.)
+
+{ratios_table(by_rule, RATES)}
+{summary(by_rule)}
+Mean weight of the participant over the last 100 episodes:
+
+{weights_table(by_rule, RATES)}
+Mean scores (arithmetic), {SCORE}:
+
+{_scores_table(scores)}"""  # noqa: E501
 
 
 def _against_the_environment(conditions: Iterable[str], scores: Mapping[str, Floats]) -> dict[str, Verdict]:

@@ -83,7 +83,12 @@ def test_a_session_that_broke_off_in_its_second_game_three_times_goes_on(
     assert len(files) == 4
     assert {path: path.read_bytes() for path in files} == before
 
-    first, last = files[0], files[-1]
+    is_one_session(files[-1])
+    is_told_of_by_commands(tmp_path, files)
+
+
+def is_one_session(last: Path) -> None:
+    """Check that the last of four files tells the whole session, and that it replays exactly."""
     session = read_session(last)
     assert len(session.older) == 3
     assert session.header.participant == "P07"
@@ -99,19 +104,23 @@ def test_a_session_that_broke_off_in_its_second_game_three_times_goes_on(
     numbers = [event.press for event in session.events if isinstance(event, KeyPressed)]
     assert numbers == list(range(len(numbers)))
 
+
+def is_told_of_by_commands(folder: Path, files: list[Path]) -> None:
+    """Check what `arl play --resume`, `arl replay` and `arl recordings` say of the files, in their order."""
+    first, last = files[0], files[-1]
     for arguments, words in (
         (("play", "--resume", str(first)), f"{files[1]} goes on with it already"),
         (("play", "--resume", str(last)), "this session is finished"),
         (("play", "--resume", str(last), "--seed", "3"), "leave out --seed"),
     ):
-        with Terminal(*arguments, cwd=tmp_path, columns=300) as terminal:
+        with Terminal(*arguments, cwd=folder, columns=300) as terminal:
             assert terminal.wait_for_exit() != 0
             assert words in terminal.text.replace("\n", ""), terminal.text
-    with Terminal("replay", str(last), cwd=tmp_path, columns=200) as terminal:
+    with Terminal("replay", str(last), cwd=folder, columns=200) as terminal:
         assert terminal.wait_for_exit() == 0
         assert "Replay: exact" in terminal.text
         assert "the weights bit for bit" in terminal.text
-    with Terminal("recordings", cwd=tmp_path, columns=200, lines=50) as terminal:
+    with Terminal("recordings", cwd=folder, columns=200, lines=50) as terminal:
         assert terminal.wait_for_exit() == 0
         assert all(f"goes on with {path.name}" in terminal.text for path in files[:-1])
         assert "0 damaged" in terminal.text

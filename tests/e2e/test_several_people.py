@@ -219,10 +219,7 @@ def test_grades_are_recorded_shown_and_learned_from(tmp_path: Path, keys: str, v
     replayed(recording)
 
 
-def test_people_at_a_keepaway_match_press_and_take_back_their_own(tmp_path: Path) -> None:
-    protocol_file = tmp_path / "pitch.toml"
-    protocol_file.write_text(
-        """
+PITCH = """
 [domain]
 type = "keepaway"
 
@@ -239,8 +236,11 @@ pause_between_episodes_s = 0.3
 [keys]
 max_presses_per_episode = 2
 """
-        + PEOPLE
-    )
+
+
+def test_people_at_a_keepaway_match_press_and_take_back_their_own(tmp_path: Path) -> None:
+    protocol_file = tmp_path / "pitch.toml"
+    protocol_file.write_text(PITCH + PEOPLE)
     with Terminal(
         "play",
         "keepaway",

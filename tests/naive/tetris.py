@@ -26,15 +26,6 @@ def board_from_columns(columns, config: TetrisConfig) -> Board:
     return board
 
 
-def board_from_rows(rows, config: TetrisConfig) -> Board:
-    """Rows from the bottom as integers, bit 0 = left."""
-    board = empty_board(config)
-    for row, mask in enumerate(rows):
-        for column in range(config.columns):
-            board[row, column] = bool(mask >> column & 1)
-    return board
-
-
 def shape_cells(piece: int, orientation: int) -> Board:
     rows = ORIENTATION_ROWS[piece][orientation]
     width = max(row.bit_length() for row in rows)
