@@ -16,7 +16,6 @@ from core.events import StepTaken
 from core.feedback.keys import NS_PER_MS
 from core.keepaway.pitch import KeepawayConfig
 from core.plugins import GameError, View
-from core.registry import game_of
 from core.session.protocol import Protocol as SessionProtocol
 from core.tetris.action import PlacedPiece
 from core.tetris.config import TetrisConfig
@@ -58,6 +57,8 @@ def pictures_of(session: SessionView) -> Pictures:
 def _rendered(session: SessionView, protocol: SessionProtocol) -> Pictures:
     """Return what draws a game that came as a plug-in, or why it cannot be drawn here."""
     try:
+        from core.registry import game_of  # here, not above: compiled code comes with it
+
         domain = game_of(protocol).domain(protocol)
         return RenderedPictures(session, screens_of(protocol).renderer(protocol), domain)
     except GameError as error:
