@@ -412,5 +412,6 @@ class SessionPlayer:
                 value=press.value,
                 step=step,
                 place=self._renderer.place_of(step),
+                person=press.person,
             )
         )

@@ -57,6 +57,7 @@ class ClosingScreen(PageScreen):
         self._protocol = protocol
         self._show_file = show_file
         self._words = words
+        self._practice = practice
         self.HEADING = later("That was the practice") if practice else later("Thank you!")
         if outcome.trouble is not None:
             self.HEADING = later("The session had to end early")
@@ -79,7 +80,9 @@ class ClosingScreen(PageScreen):
             yield LearningCurve(outcome.tally.practised)
         if outcome.recording is not None:
             yield Static(Text(how_much_recorded(outcome)), classes="path")
-        yield Static(tr("Press {key_enter} to leave"), classes="call")
+        goes_on = self._practice and outcome.trouble is None and outcome.stopped in (None, "practised")
+        call = tr("Press {key_enter} to go on") if goes_on else tr("Press {key_enter} to leave")
+        yield Static(call, classes="call")
 
     def _what_happened(self) -> str:
         tally = self.outcome.tally
@@ -113,7 +116,8 @@ class ClosingScreen(PageScreen):
             for person, keys in enumerate(protocol.keys_of_people)
         ]
         if not protocol.people:
-            return of_each[0]
+            # Five grades have a line of their own: broken in two, they are read badly.
+            return f"\n  {of_each[0]}" if protocol.keys.graded else of_each[0]
         return "".join(
             f"\n  {person.name}: {text}" for person, text in zip(protocol.people, of_each, strict=True)
         )

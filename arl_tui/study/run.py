@@ -280,8 +280,10 @@ class _Sitting:
         return tr(words.PART, number=number + 1, count=count)
 
     def _block_of_visit(self, number: int) -> str:
-        """Return which block of this visit a step is, in words; nothing for practice and calibrations."""
+        """Return which block of this visit a step is, in words; nothing for calibrations."""
         steps = self._study.sittings[self._attempt.sitting].steps
+        if isinstance(steps[number], Practice):
+            return tr(words.PRACTICE)
         if not isinstance(steps[number], Block):
             return ""
         blocks = [place for place, step in enumerate(steps) if isinstance(step, Block)]
