@@ -80,9 +80,14 @@ class ClosingScreen(PageScreen):
             yield LearningCurve(outcome.tally.practised)
         if outcome.recording is not None:
             yield Static(Text(how_much_recorded(outcome)), classes="path")
-        goes_on = self._practice and outcome.trouble is None and outcome.stopped in (None, "practised")
-        call = tr("Press {key_enter} to go on") if goes_on else tr("Press {key_enter} to leave")
+        call = tr("Press {key_enter} to go on") if self._goes_on() else tr("Press {key_enter} to leave")
         yield Static(call, classes="call")
+
+    def _goes_on(self) -> bool:
+        """Whether something follows: the session after a practice, in a study the next part or last page."""
+        outcome = self.outcome
+        finished = outcome.trouble is None and outcome.stopped in (None, "practised")
+        return finished and (self._practice or not self._show_file)
 
     def _what_happened(self) -> str:
         tally = self.outcome.tally
