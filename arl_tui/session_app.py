@@ -102,7 +102,8 @@ class ArlApp(SessionControls):
         self._stamps_without_driver: list[tuple[int, int]] = []
         self._simulated_keys: set[int] = set()
         self._outcome: SessionOutcome | None = None
-        self._practised: set[bool] = set()
+        self._practised: set[tuple[int, bool]] = set()
+        """Who has pressed a good or a bad key on time."""
         """Which keys have been pressed in time: True for the good one."""
 
     # --- life -----------------------------------------------------------------------------------------------
@@ -269,10 +270,11 @@ class ArlApp(SessionControls):
                 self._garbage.hold()
             case EpisodeEnded():
                 self._garbage.collect()
-                if self.setup.practice and len(self._practised) == 2:
+                needed = 2 * len(self.setup.protocol.keys_of_people)  # good and bad of each
+                if self.setup.practice and len(self._practised) == needed:
                     self.ask_to_stop("practised")
-            case TakenFor(step=step, value=value) if step >= 0 and value != 0:
-                self._practised.add(value > 0)
+            case TakenFor(step=step, value=value, person=person) if step >= 0 and value != 0:
+                self._practised.add((person, value > 0))
             case PressSuggested(key=key, time_ns=time_ns):
                 delay_s = max(0, time_ns - self._clock.now_ns()) / NS_PER_S
                 after(self, delay_s, lambda: self._press_simulated(key))

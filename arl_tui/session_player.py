@@ -243,6 +243,7 @@ class SessionPlayer:
         self._line.send(
             TakenFor(
                 press=press.press,
+                person=press.person,
                 value=press.value,
                 step=step,
                 place=self._renderer.place_of(step),

@@ -88,6 +88,8 @@ class TakenFor(Record, frozen=True, kw_only=True, tag="taken-for"):
     """The step that gets the largest share of it; -1 where none was on screen."""
     place: tuple[tuple[int, ...], ...] = ()
     """Where that step is to be seen now, in the numbers of the game's own renderer and panel; () nowhere."""
+    person: int = 0
+    """Who pressed, as in `core.events.KeyPressed.person`."""
 
 
 class AskNow(Record, frozen=True, kw_only=True, tag="ask-now"):

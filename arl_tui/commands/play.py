@@ -13,6 +13,7 @@ import msgspec
 
 from arl_tui.command_line import needed_settings, say
 from arl_tui.drawing_rate import FRAMES_PER_S
+from arl_tui.language import tr, use
 from arl_tui.own_keys import clash_with_feedback
 from arl_tui.settings import settings_file
 from arl_tui.signing import NoKey, signer_in_use
@@ -69,6 +70,7 @@ def practised(protocol: Protocol, *, participant: str, seed: int | None, recordi
         seed: of the session; the practice has one of its own, so that its games do not come back.
         recordings: folder of its recording.
     """
+    use(protocol.screen.language)
     outcome = run_live(
         practice_of(protocol, name=f"{protocol.name} (practice)"),
         participant=participant,
@@ -76,6 +78,7 @@ def practised(protocol: Protocol, *, participant: str, seed: int | None, recordi
         recordings=recordings,
         source={"purpose": "practice: it does not count"},
         practice=True,
+        part=tr("Practice"),
     )
     tell(outcome)
     if outcome.stopped not in (None, "practised") or not outcome.tally.performances:
@@ -149,6 +152,7 @@ def run_live(
     study: Mapping[str, str] | None = None,
     kept: "FinishedPart | None" = None,
     practice: bool = False,
+    part: str = "",
 ) -> "SessionOutcome":
     """Start the worker, then the app; return what is left when both are gone.
 
@@ -164,6 +168,7 @@ def run_live(
         study=study,
         kept=kept,
         practice=practice,
+        part=part,
     )
     if app.ended_by is not None:
         if outcome is not None and outcome.recording is not None:

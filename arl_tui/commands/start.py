@@ -13,10 +13,12 @@ def run_home() -> None:
     from arl_tui.start.app import HomeApp
     from arl_tui.start.entries import command_line
 
+    marked = 0
     while True:
         language = needed_settings().language
-        app = HomeApp(recordings_folder(), why_there=why_here(), language=language)
+        app = HomeApp(recordings_folder(), why_there=why_here(), language=language, marked=marked)
         arguments = app.run_in_terminal()
+        marked = app.marked
         if app.ended_by is not None:
             raise SystemExit(128 + app.ended_by)
         if arguments is None:

@@ -54,6 +54,7 @@ class ClosingScreen(PageScreen):
         self._show_weight = show_weight
         self._protocol = protocol
         self._words = words
+        self._practice = practice
         self.HEADING = later("That was the practice") if practice else later("Thank you!")
         if outcome.trouble is not None:
             self.HEADING = later("The session had to end early")
@@ -76,7 +77,14 @@ class ClosingScreen(PageScreen):
             yield LearningCurve(outcome.tally.practised)
         if outcome.recording is not None:
             yield Static(Text(how_much_recorded(outcome)), classes="path")
-        yield Static(tr("Press {key_enter} to leave"), classes="call")
+        call = tr("Press {key_enter} to go on") if self._goes_on() else tr("Press {key_enter} to leave")
+        yield Static(call, classes="call")
+
+    def _goes_on(self) -> bool:
+        """Whether something follows: the session after a practice, in a study the next part or last page."""
+        outcome = self.outcome
+        finished = outcome.trouble is None and outcome.stopped in (None, "practised")
+        return finished and (self._practice or not self._show_file)
 
     def _what_happened(self) -> str:
         tally = self.outcome.tally
@@ -110,7 +118,8 @@ class ClosingScreen(PageScreen):
             for person, keys in enumerate(protocol.keys_of_people)
         ]
         if not protocol.people:
-            return of_each[0]
+            # Five grades have a line of their own: broken in two, they are read badly.
+            return f"\n  {of_each[0]}" if protocol.keys.graded else of_each[0]
         return "".join(
             f"\n  {person.name}: {text}" for person, text in zip(protocol.people, of_each, strict=True)
         )

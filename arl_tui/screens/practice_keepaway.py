@@ -9,7 +9,7 @@ from textual.widgets import Static
 
 from arl_tui.language import key_for, key_name, later, tr, trn
 from arl_tui.screens.page import PageScreen, key_cap
-from arl_tui.screens.watch import WatchScreen
+from arl_tui.screens.watch import WatchScreen, summary
 
 if TYPE_CHECKING:
     from arl_tui.games.keepaway.playback import Source
@@ -118,6 +118,10 @@ class KeeperPracticeScreen(WatchScreen, inherit_bindings=False):
         if self.playback is not None:
             self.pitch.title = tr("Game {number}", number=self.playback.picture().episode)
         super().draw()
+
+    def summary(self, ends: list[tuple[float, int]]) -> str:
+        """Say in a line how the games went."""
+        return summary(ends, unit="game", done="played")
 
     def action_pass(self, keeper: int) -> None:
         """Wish for a pass; a number that no keeper has does nothing."""

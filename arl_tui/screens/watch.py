@@ -192,6 +192,10 @@ class WatchScreen(Screen[None], inherit_bindings=False):
         self._written_ns = self._clock.now_ns()
         self.query_one("#panel", Static).update("\n".join(self.panel()))
 
+    def summary(self, ends: list[tuple[float, int]]) -> str:
+        """Say in a line what the episodes were like; `ends` is (seconds, how it ended) of each."""
+        return summary(ends)
+
     def panel(self) -> Iterable[str]:
         """Yield what stands beside the pitch, in markup."""
         yield self._heading
@@ -291,13 +295,19 @@ def _value_lines(playback: Playback) -> Iterable[str]:
     yield ""
 
 
-def summary(ends: list[tuple[float, int]]) -> str:
-    """Say in a line what the episodes that were watched to the end were like."""
+def summary(ends: list[tuple[float, int]], *, unit: str = "episode", done: str = "watched") -> str:
+    """Say in a line what the episodes were like that came to their end.
+
+    Args:
+        ends: how long each took, seconds, and how it ended.
+        unit: what an episode is called.
+        done: what was done with it.
+    """
     if not ends:
-        return "No episode was watched to its end."
+        return f"No {unit} was {done} to its end."
     out = sum(end == OUT for _, end in ends)
     mean = sum(duration for duration, _ in ends) / len(ends)
-    episodes = "1 episode" if len(ends) == 1 else f"{len(ends)} episodes"
+    episodes = f"1 {unit}" if len(ends) == 1 else f"{len(ends)} {unit}s"
     return f"{episodes}: mean {mean:.1f} s; ball out {out}, taken {len(ends) - out}"
 
 
@@ -346,4 +356,5 @@ class WatchApp(PlainApp[str]):
 
     def _finish(self) -> None:
         playback = self.view.playback
-        self.exit(summary(playback.ends if playback is not None else []))
+        ends = playback.ends if playback is not None else []
+        self.exit(self.view.summary(ends))

@@ -62,7 +62,7 @@ class WelcomeScreen(PageScreen):
         self._practice = practice
         self._protocol = protocol
         self._words = words_of(protocol.game)
-        self.HEADING = f"{self._words.heading}  -  {part}" if part else self._words.heading
+        self.HEADING = f"{tr(self._words.heading)}  -  {part}" if part else self._words.heading
         self._participant = participant
         self._simulated = simulated
         self._clock = clock or MonotonicClock()

@@ -41,7 +41,13 @@ class ListPage(Screen[Entry | None], inherit_bindings=False):
     ]
 
     def __init__(
-        self, heading: str, entries: Sequence[Entry], *, remark: str = "", is_first: bool = False
+        self,
+        heading: str,
+        entries: Sequence[Entry],
+        *,
+        remark: str = "",
+        is_first: bool = False,
+        marked: int = 0,
     ) -> None:
         """Prepare a page.
 
@@ -50,12 +56,14 @@ class ListPage(Screen[Entry | None], inherit_bindings=False):
             entries: what can be chosen.
             remark: below the list, as it is to be shown.
             is_first: there is no page to go back to.
+            marked: which entry is marked at first, from 0.
         """
         super().__init__()
         self._heading = heading
         self._entries = entries
         self._remark = remark
         self._is_first = is_first
+        self._marked = marked
 
     def compose(self) -> ComposeResult:
         """Lay out heading, list, the command of the marked entry, and the keys."""
@@ -70,6 +78,7 @@ class ListPage(Screen[Entry | None], inherit_bindings=False):
         """Let the list have the keyboard."""
         entries = self.query_one(OptionList)
         entries.focus()
+        entries.highlighted = self._marked if self._entries else None
         if not self._entries:
             self.query_one("#command", Static).update(tr("There is none yet."))
 
@@ -138,15 +147,20 @@ class HomeApp(PaletteApp[Arguments]):
     CSS_PATH = "../app.tcss"
     TITLE = "arl"
 
-    def __init__(self, recordings: Path, *, why_there: str = "", language: str = "en") -> None:
+    def __init__(
+        self, recordings: Path, *, why_there: str = "", language: str = "en", marked: int = 0
+    ) -> None:
         """Prepare.
 
         Args:
             recordings: folder of the recordings.
             why_there: who chose that folder, in words.
             language: of the words on the page.
+            marked: which entry of the first page is marked, from 0.
         """
         super().__init__(language=language)
+        self.marked = marked
+        """The entry of the first page that was chosen last: whoever comes back finds it marked."""
         self._recordings = recordings
         self._why_there = why_there
 
@@ -182,10 +196,13 @@ class HomeApp(PaletteApp[Arguments]):
                     HOME,
                     remark=f"{where} ({self._why_there})" if self._why_there else where,
                     is_first=True,
+                    marked=self.marked,
                 )
 
     def _chosen(self, entry: Entry | None) -> None:
         """Leave, go back to the list, or ask for what is missing."""
+        if entry in HOME:
+            self.marked = HOME.index(entry)
         if entry is None:
             self.exit(None)
         elif entry.asks in ("code", "calibrate"):

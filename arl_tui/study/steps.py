@@ -93,7 +93,9 @@ def played_of(block: BlockSoFar) -> Played:
 
 
 def block_of_visit(steps: Sequence[Step], number: int) -> str:
-    """Return which block of a visit a step is, in words; nothing for practice and calibrations."""
+    """Return which block of a visit a step is, in words; nothing for calibrations."""
+    if isinstance(steps[number], Practice):
+        return tr(words.PRACTICE)
     if not isinstance(steps[number], Block):
         return ""
     blocks = [place for place, step in enumerate(steps) if isinstance(step, Block)]

@@ -1,10 +1,11 @@
 """What the viewer draws of a moment: marks on the game, and the lines beside it."""
 
+import numpy as np
 from rich.style import Style
 
 from arl_tui.viewer.boards import BLAMED, CANDIDATE, PRAISED, WHAT_IF, bar
 from arl_tui.viewer.looks import Look
-from arl_tui.viewer.panels import Detail, beside, thought_lines
+from arl_tui.viewer.panels import Detail, beside, press_line, strip_lines, thought_lines
 from arl_tui.viewer.reading import Viewing
 from arl_tui.viewer.rows import BOLD, DIM, Run
 from arl_tui.viewer.timeline import clock_text
@@ -74,6 +75,22 @@ def status_line(viewing: Viewing, transport: Transport, moment: Moment) -> list[
     if viewing.whole is not None:
         runs.append((f"  reading the rest: {viewing.whole.share:.0%}", DIM))
     return runs
+
+
+def feedback_lines(viewing: Viewing, moment: Moment, width: int, *, roomy: bool) -> list[list[Run]]:
+    """Return the newest press at a moment, and the strip of its credit; `roomy`: many lines."""
+    session = viewing.session
+    strip, press = viewing.strip(moment.time_ns)
+    if press is None or width <= 10:
+        return [[("No press yet", DIM)]]
+    times = session.times("press")
+    place = int(np.searchsorted(times, press.time_ns, side="right"))
+    several = bool(session.people) or press.person > 0
+    by_whom = viewing.name_of(press.person) if several else ""
+    lines = [press_line(press, len(times), place, session.start_ns, by_whom)]
+    if strip is not None:
+        lines += strip_lines(strip, viewing.rule.words, width, tall=roomy)
+    return lines
 
 
 def decision_lines(viewing: Viewing, moment: Moment, width: int, *, roomy: bool) -> list[list[Run]]:

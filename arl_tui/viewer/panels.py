@@ -34,12 +34,20 @@ SHOWN = 0.005
 """Shares below this are not written."""
 
 
-def press_line(press: Press, n_presses: int, place: int, start_ns: int) -> list[Run]:
-    """Return which press it is: number among those that mean something, time, and what became of it."""
+def press_line(press: Press, n_presses: int, place: int, start_ns: int, by_whom: str = "") -> list[Run]:
+    """Return which press it is: number among those that mean something, time, and what became of it.
+
+    Args:
+        press: which.
+        n_presses: how many there are.
+        place: its number, from 1.
+        start_ns: when the recording begins.
+        by_whom: who pressed, of several people.
+    """
     style = {"good": GOOD, "bad": BAD}.get(press.kind, DIM)
     seconds = (press.time_ns - start_ns) / 1e9
     by = "  simulated" if press.simulated else ""
-    person = f"  person {press.person + 1}" if press.person > 0 else ""
+    person = f"  {printable(by_whom, longest=20)}" if by_whom else ""
     person = "  a key of nobody" if press.person < 0 else person
     return [
         (f"Press {place} of {n_presses}  {seconds:.2f} s  ", None),

@@ -249,6 +249,11 @@ class Viewing:
         shown = np.where(steps["shown"] >= 0, steps["shown"], steps["time"])
         return np.sort(np.asarray(shown[other != recorded], dtype=np.int64))
 
+    def name_of(self, person: int) -> str:
+        """Return the code of a participant by number (`KeyPressed.person`), where the recording has one."""
+        codes = self.session.people
+        return codes[person] if 0 <= person < len(codes) else f"person {person + 1}"
+
     def namer(self, step: int) -> Callable[[int], str]:
         """Return what names the actions of a step, in at most 8 letters."""
         protocol = self.session.protocol

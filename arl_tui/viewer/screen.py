@@ -14,15 +14,16 @@ from textual.widgets import Input
 
 from arl_tui.palette import palette_for
 from arl_tui.themes import theme_in_use
+from arl_tui.viewer.asked import question_lines
 from arl_tui.viewer.boards import MarkedBoard, MarkedPitch
-from arl_tui.viewer.drawing import NEAR_NS, decision_lines, status_line
+from arl_tui.viewer.drawing import NEAR_NS, decision_lines, feedback_lines, status_line
 from arl_tui.viewer.game_view import GameView
 from arl_tui.viewer.help import ViewerHelp
 from arl_tui.viewer.looks import Look
-from arl_tui.viewer.panels import key_line, press_line, strip_lines
+from arl_tui.viewer.panels import key_line
 from arl_tui.viewer.pictures import Pictures, PitchPictures, pictures_of
 from arl_tui.viewer.reading import Viewing
-from arl_tui.viewer.rows import BOLD, DIM, Rows, Run
+from arl_tui.viewer.rows import BOLD, Rows
 from arl_tui.viewer.timeline import Facts, Timeline, clock_text
 from core.numerics.clock import Clock, MonotonicClock
 from studies.session_view.index import open_index
@@ -216,14 +217,10 @@ class ViewerScreen(Screen[str], inherit_bindings=False):
     def _draw_text(self, moment: Moment, look: Look) -> None:
         self.query_one("#status", Rows).show([status_line(self.viewing, self.transport, moment)])
         width = self.query_one("#credit", Rows).size.width
-        strip, press = self.viewing.strip(moment.time_ns)
-        lines: list[list[Run]] = [[("No press yet", DIM)]]
-        if press is not None and width > 10:
-            place = int(np.searchsorted(self.session.times("press"), press.time_ns, side="right"))
-            lines = [press_line(press, len(self.session.times("press")), place, self.session.start_ns)]
-            if strip is not None:
-                lines += strip_lines(strip, self.viewing.rule.words, width, tall=self.has_class("-roomy"))
-        self.query_one("#credit", Rows).show(lines)
+        lines = question_lines(self.viewing, moment)
+        self.query_one("#credit", Rows).show(
+            lines or feedback_lines(self.viewing, moment, width, roomy=self.has_class("-roomy"))
+        )
         self.query_one("#thought", Rows).show(
             decision_lines(self.viewing, moment, width, roomy=self.has_class("-roomy"))
         )

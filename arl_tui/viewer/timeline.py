@@ -107,6 +107,7 @@ class Facts:
             ("▒", DIM, session.pauses),
             ("f", OTHER, session.unfocused),
             ("#", BAD, session.gaps),
+            ("?", OTHER, [stretch for stretch in session.pauses if stretch[2] == "question"]),
         ]
 
 

@@ -16,6 +16,8 @@ from core.events import (
     FrameShown,
     KeyPressed,
     PressRetracted,
+    QuestionAnswered,
+    QuestionPosed,
     Resumed,
     ScreenCleared,
     SessionEnded,
@@ -60,6 +62,8 @@ class Building:
         # Steps that have not been shown yet: (offset, row of the episode, step).
         self._unshown: deque[tuple[int, int, StepTaken]] = deque()
         self._n_steps = 0
+        self._question_rows: dict[int, int] = {}
+        """Rows of the questions that are still open, by number."""
 
     def facts(self, file: Path | None, notes: tuple[str, ...]) -> dict[str, Any]:
         """Return what the first line of the index says of the recording as a whole; nothing is taken in
@@ -98,6 +102,8 @@ class Building:
             case CreditGiven():
                 merged = -1 if record.merged_into is None else record.merged_into
                 self.tables["credits"].add(offset, record.press, merged)
+            case QuestionPosed() | QuestionAnswered():
+                self._question(record, offset)
             case EpisodeStarted():
                 self._begin(record, offset)
             case EpisodeEnded():
@@ -152,6 +158,17 @@ class Building:
             record.step, record.person, VERDICTS.index(record.verdict), record.source == "simulated",
             record.asked_wrong, record.key.encode()[:14],
         )  # fmt: skip
+
+    def _question(self, record: QuestionPosed | QuestionAnswered, offset: int) -> None:
+        table = self.tables["questions"]
+        self._seen(record.time_ns)
+        if isinstance(record, QuestionPosed):
+            self._question_rows[record.question] = table.n
+            table.add(offset, record.time_ns, -1, -1, record.question)
+        elif record.question in self._question_rows:
+            row = self._question_rows.pop(record.question)
+            table.change(row, "answer", offset)
+            table.change(row, "end", record.time_ns)
 
     def _begin(self, record: EpisodeStarted, offset: int) -> None:
         self._seen(record.time_ns)

@@ -25,7 +25,7 @@ from core.recording.version_1 import with_schedules
 from studies.session_view.building import Building
 from studies.session_view.tables import Contents, Rows, read_tables, write_tables
 
-INDEX_VERSION: Final = 2
+INDEX_VERSION: Final = 3
 SUFFIX: Final = ".index"
 STEP_BEGINS: Final = b'{"type":"step-taken"'
 STRETCH: Final = 1 << 20

@@ -46,6 +46,7 @@ DTYPES: dict[str, np.dtype[Any]] = {
     "retractions": np.dtype([("time", "<i8"), ("press", "<i4"), ("auto_repeat", "<i4")]),
     "credits": np.dtype([("offset", "<i8"), ("press", "<i4"), ("merged_into", "<i4")]),
     "marks": np.dtype([("time", "<i8"), ("since", "<i8"), ("kind", "<i4"), ("detail", "<i4")]),
+    "questions": np.dtype([("offset", "<i8"), ("time", "<i8"), ("answer", "<i8"), ("end", "<i8"), ("number", "<i4")]),  # noqa: E501
     "unseen": np.dtype([("time", "<i8"), ("mean", "<f8"), ("trust", "<f8"), ("first", "<i4"), ("count", "<i4")]),  # noqa: E501
 }  # fmt: skip
 """Columns of each table. Times are ns of the recording's clock; an absent one is -1, an absent number NaN or
@@ -53,7 +54,8 @@ DTYPES: dict[str, np.dtype[Any]] = {
 
 frames: `covered` is how long the game had been covered before, `nth` counts the new frames of a step from 0
 (-1 where a frame shows again what a pause had covered). steps: `shown` and `frame` belong to the first frame
-of the step, `episode` is a row. episodes: `first_step` is a row of steps.
+of the step, `episode` is a row. episodes: `first_step` is a row of steps. questions: `answer` is where the
+line of the answer begins, and `end` when the question was over.
 """
 _CODES = {"<i8": "q", "<i4": "i", "<i2": "h", "<f8": "d", "|S14": "14s"}
 

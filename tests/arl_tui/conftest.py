@@ -11,6 +11,14 @@ from tests.arl_tui.driving import app_for
 from tests.arl_tui.fakes import FakeLink
 
 
+@pytest.fixture(autouse=True)
+def colours_of_a_common_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pages look the same wherever the tests run: with 16 colours or none there are textures."""
+    monkeypatch.setenv("TERM", "xterm-256color")
+    monkeypatch.setenv("COLORTERM", "truecolor")
+    monkeypatch.delenv("NO_COLOR", raising=False)
+
+
 @pytest.fixture
 def protocol() -> Protocol:
     return Protocol(

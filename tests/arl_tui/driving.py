@@ -19,11 +19,21 @@ SIZE = (80, 24)
 
 
 def app_for(
-    protocol: Protocol, link: FakeLink, recordings: Path, *, source: Mapping[str, str] | None = None
+    protocol: Protocol,
+    link: FakeLink,
+    recordings: Path,
+    *,
+    source: Mapping[str, str] | None = None,
+    practice: bool = False,
 ) -> ArlApp:
     """Return the app before which P01 sits down."""
     setup = SessionSetup(
-        protocol=protocol, root_seed=5, participant="P01", recordings=recordings, source=source or {}
+        protocol=protocol,
+        root_seed=5,
+        participant="P01",
+        recordings=recordings,
+        source=source or {},
+        practice=practice,
     )
     return build_app(setup, link)
 

@@ -37,6 +37,21 @@ async def test_nothing_starts_before_the_worker_is_ready(app: ArlApp, link: Fake
     assert len(list(tmp_path.glob("P01-*.jsonl"))) == 1
 
 
+async def test_no_practising_is_told_of_beside_a_game_that_began_before_the_page(
+    app: ArlApp, link: FakeLink
+) -> None:
+    """On a busy machine the first game has begun before its page is laid out."""
+    async with app.run_test(size=SIZE) as pilot:
+        link.say(Ready(warm_up_ns=1))
+        app.play.show(episode_started())
+        await pilot.press("enter")
+        await settle(pilot)
+        assert isinstance(app.screen, PlayScreen)
+        assert "Practising" not in text_of(app)
+        link.say(session_ended())
+        await settle(pilot)
+
+
 async def test_leaving_the_welcome_screen_leaves_no_recording(app: ArlApp, tmp_path: Path) -> None:
     async with app.run_test(size=SIZE) as pilot:
         await pilot.press("q")

@@ -292,7 +292,9 @@ async def test_a_page_looks_as_it_did(
         cells = screen_cells(app)
     if "ARL_PICTURES" in os.environ:
         stem = f"{name}-{size[0]}x{size[1]}-{theme}"
-        picture_of(cells).save(Path(os.environ["ARL_PICTURES"]) / f"{stem}.png")
+        folder = Path(os.environ["ARL_PICTURES"])
+        folder.mkdir(parents=True, exist_ok=True)
+        picture_of(cells).save(folder / f"{stem}.png")
     path = PICTURES / f"{name}-{size[0]}x{size[1]}.txt"
     text, colours = written(cells)
     known_text, known_colours = known(path)

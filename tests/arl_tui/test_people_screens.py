@@ -12,12 +12,12 @@ from arl_tui.app.link import TakenFor
 from arl_tui.screens.covers import HelpScreen, PauseScreen
 from arl_tui.widgets.feedback_bar import FeedbackBar
 from arl_tui.widgets.people_bar import PeopleBar
-from core.events import KeyPressed, PressRetracted, TimeGap
+from core.events import KeyPressed, PressRetracted, StopAsked, TimeGap
 from core.feedback.keys import KeyConfig
 from core.feedback.people import PersonConfig
 from core.session.protocol import Protocol
-from tests.arl_tui.driving import SIZE, app_for, begin, recorded, settle
-from tests.arl_tui.fakes import FakeLink
+from tests.arl_tui.driving import SIZE, app_for, begin, recorded, settle, text_of
+from tests.arl_tui.fakes import FakeLink, episode_ended, session_ended
 
 PEOPLE = (
     PersonConfig(name="A01", good="j", bad="f", retract="u"),
@@ -178,3 +178,30 @@ async def test_a_gap_in_time_pauses_a_game_of_several_people_and_it_goes_on(
         await settle(pilot)
     verdicts = [e.verdict for e in recorded(tmp_path).events if isinstance(e, KeyPressed) and e.person >= 0]
     assert verdicts[2:] == ["covered", "accepted", "accepted"]
+
+
+@pytest.mark.parametrize("several", [False, True])
+async def test_practice_ends_when_everybody_has_pressed_both_keys_on_time(
+    link: FakeLink, protocol: Protocol, tmp_path: Path, several: bool
+) -> None:
+    """What counts is the step that was on screen: a press for none is not on time."""
+    played = crowd(protocol) if several else protocol
+    app = app_for(played, link, tmp_path, practice=True)
+    everybody = range(len(played.keys_of_people))
+    async with app.run_test(size=SIZE) as pilot:
+        await begin(pilot, link, played, steps=1)
+        for person in everybody:
+            link.say(TakenFor(press=0, value=1.0, step=0, person=person))
+            link.say(TakenFor(press=1, value=-1.0, step=-1, person=person))
+        link.say(episode_ended())
+        await settle(pilot)
+        assert app.live.phase == "running"
+        for person in everybody:
+            link.say(TakenFor(press=2, value=-1.0, step=0, person=person))
+        link.say(episode_ended(1))
+        await settle(pilot)
+        assert [sent.reason for sent in link.sent if isinstance(sent, StopAsked)] == ["practised"]
+        link.say(session_ended())
+        await settle(pilot)
+        assert "That was the practice" in text_of(app)
+        assert "to go on" in text_of(app)

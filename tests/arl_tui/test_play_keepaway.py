@@ -14,15 +14,17 @@ from arl_tui.games.keepaway.panel import KeepawayPanel
 from arl_tui.palette import STANDARD
 from arl_tui.screens.covers import SmallWindowScreen
 from arl_tui.session_app import ArlApp
+from core.combination.config import AskingConfig
 from core.events import EpisodeEnded, FrameShown, StepTaken
 from core.keepaway.picture import PitchFrame
 from core.keepaway.pitch import TAKEN
 from core.keepaway.plugin import KEEPAWAY
 from core.recording.reader import read_recording
 from core.session.protocol import Protocol, ScreenConfig
-from tests.arl_tui.driving import app_for, recorded
+from tests.arl_tui.driving import app_for, recorded, settle
 from tests.arl_tui.fakes import FakeLink, episode_ended, episode_started, session_ended
 from tests.arl_tui.pitches import HOLDING, PASSING
+from tests.arl_tui.test_words_on_screens import drawn
 
 SIZE = (80, 24)
 SECOND = 1_000_000_000
@@ -285,3 +287,29 @@ def test_a_marked_option_looks_as_it_did(snap_compare, app: ArlApp, link: FakeLi
         await pilot.pause(0.05)
 
     assert snap_compare(app, terminal_size=size, run_before=play)
+
+
+@pytest.mark.parametrize("language", ["en", "de"])
+async def test_the_start_key_is_in_sight_below_questions_and_a_warning_of_the_pace(
+    link: FakeLink, tmp_path: Path, language: str
+) -> None:
+    """In the smallest window the text is longer than the page: it scrolls, and the keys stay."""
+    replace = msgspec.structs.replace
+    protocol = replace(
+        KEEPAWAY,
+        agent=replace(KEEPAWAY.agent, asking=AskingConfig(per_episode=3)),
+        keys=replace(KEEPAWAY.keys, wrong_press_rate=0.1),
+        screen=replace(KEEPAWAY.screen, language=language),
+    )
+    app = app_for(protocol, link, tmp_path)
+    async with app.run_test(size=(80, 24)) as pilot:
+        link.say(Ready(warm_up_ns=1, reach=0.3, step_s=0.5))
+        await pilot.pause()
+        text = drawn(app)
+        call = "to start" if language == "en" else "Beginnen mit"
+        assert call in text
+        assert "↓" in text  # more below
+        await pilot.press("pagedown", "pagedown")
+        await settle(pilot)
+        assert "For the experimenter" in drawn(app)
+        assert call in drawn(app)

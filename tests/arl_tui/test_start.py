@@ -215,3 +215,16 @@ async def test_no_palette_opens_on_a_participants_page() -> None:
 @pytest.mark.parametrize("size", [(80, 24), (120, 40)], ids=str)
 def test_the_home_page_looks_as_it_did(snap_compare, size: tuple[int, int]) -> None:
     assert snap_compare(HomeApp(Path("/home/lab/arl/recordings")), terminal_size=size)
+
+
+async def test_the_home_page_marks_what_was_chosen_last(tmp_path: Path) -> None:
+    app = HomeApp(tmp_path, marked=3)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await pilot.pause()
+        assert app.screen.query_one(OptionList).highlighted == 3
+        await pilot.press("down", "enter")  # look at a session: there is none
+        await pilot.pause()
+        await pilot.press("escape")
+        await pilot.pause()
+        assert app.screen.query_one(OptionList).highlighted == 4
+    assert app.marked == 4

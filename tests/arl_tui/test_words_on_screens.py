@@ -119,6 +119,7 @@ def welcome(game: str, *, wrong: float = 0.0, **options) -> Callable[[], Screen]
 PAGES: dict[str, Callable[[], Screen]] = {
     **{f"welcome-{game}": welcome(game) for game in BUILT_IN},
     "welcome-practice": welcome("tetris", practice=True),
+    "welcome-in-a-part": welcome("tetris", part="2/3"),
     "welcome-going-on": welcome("tetris", games_done=1),
     "welcome-wrong": welcome("tetris", wrong=0.1),
     "welcome-simulated": welcome("tetris", simulated=True),
@@ -137,6 +138,9 @@ PAGES: dict[str, Callable[[], Screen]] = {
     ),
     "closing-practice": lambda: ClosingScreen(
         SessionOutcome(Path("x"), TALLY), words_of("keepaway"), practice=True
+    ),
+    "closing-in-a-study": lambda: ClosingScreen(
+        SessionOutcome(Path("x"), TALLY), words_of("tetris"), show_file=False
     ),
     "closing-lost": lambda: ClosingScreen(
         SessionOutcome(Path("x"), TALLY, kept=Kept(recorded=9, written=7, synced=5)), words_of("gymnasium")

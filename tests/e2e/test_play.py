@@ -204,3 +204,48 @@ def test_play_without_a_terminal_says_what_to_do_instead(tmp_path: Path) -> None
     result = CliRunner().invoke(main, ["play", "tetris", "--recordings", str(tmp_path)])
     assert result.exit_code == 1
     assert "needs a terminal" in result.output
+
+
+PRACTISED = """
+[session]
+episodes = 1
+unseen_between = 0
+watched_steps = 6
+
+[screen]
+tick_ms = 100
+count_down_s = 0
+pause_between_episodes_s = 0.3
+"""
+
+
+def test_practice_ends_when_both_keys_were_pressed_on_time_and_the_session_follows(tmp_path: Path) -> None:
+    """Both are recorded, in a file each, and both are replayed exactly."""
+    protocol_file = tmp_path / "practised.toml"
+    protocol_file.write_text(PRACTISED)
+    with play(tmp_path, protocol_file, "--practice") as terminal:
+        terminal.wait_for("Practice: nothing counts")
+        start(terminal)
+        for key, word in (("j", "4 of 5"), ("f", "3 of 5")):
+            terminal.wait_for("Pieces        2", "Pieces        4")
+            terminal.press(key)
+            terminal.wait_for(f"{word} presses left")
+            terminal.wait_for("Pieces        4", "That was the practice")
+        terminal.wait_for("That was the practice")
+        assert "good 1, bad 1" in terminal.text
+        assert "You watched 1 game" in terminal.text
+        terminal.wait_for("Enter  to go on")
+        terminal.press("\r")
+        terminal.wait_for("to start, ")
+        assert "Practice" not in terminal.text
+        start(terminal)
+        terminal.wait_for("Thank you")
+        terminal.press("\r")
+        assert terminal.wait_for_exit() == 0
+    practice, session = (read_recording(path) for path in sorted((tmp_path / "r").glob("*.jsonl")))
+    assert practice.header.source["purpose"] == "practice: it does not count"
+    assert practice.outputs[-1].reason == "practised"
+    assert session.outputs[-1].reason == "finished"
+    assert practice.header.root_seed != session.header.root_seed
+    for recording in (practice, session):
+        replayed(recording)

@@ -91,7 +91,12 @@ class AtOneKeyboard:
         self.written = ""
 
     def look_and_press(self, terminal: Terminal) -> None:
-        """Read what is new, and press about the step that has just left the screen."""
+        """Read what is new, and press about the step that has just left the screen.
+
+        Of steps that are further back nothing is said: on a busy machine several pass between two looks, and
+        the press would be credited to the newest.
+        """
+        before = self._shown
         for event in self._news():
             match event:
                 case EpisodeStarted():
@@ -100,14 +105,14 @@ class AtOneKeyboard:
                         parts.trainer.watch_episode(event.episode)
                 case StepTaken():
                     self._judge(event)
-                case FrameShown(step=step) if step > self._shown:
-                    self._shown = step
-                    keys = self._meant.pop(step - 1, "")
-                    for key in keys:
-                        terminal.press(key)
-                    self.written += keys
+                case FrameShown(step=step):
+                    self._shown = max(self._shown, step)
                 case _:
                     pass
+        keys = self._meant.get(self._shown - 1, "") if self._shown > before else ""
+        for key in keys:
+            terminal.press(key)
+        self.written += keys
 
     def _judge(self, taken: StepTaken) -> None:
         keys = ""
@@ -209,7 +214,7 @@ def test_grades_are_recorded_shown_and_learned_from(tmp_path: Path, keys: str, v
                 terminal.wait_for("Game 1")
                 terminal.press(key)
         terminal.wait_for("Thank you")
-        terminal.wait_for("very bad 1, bad 1, neither 1, good 1, very")  # the line is broken there
+        terminal.wait_for("very bad 1, bad 1, neither 1, good 1, very good 1", patience_s=60)
         terminal.press("\r")
         assert terminal.wait_for_exit() == 0
     recording = the_recording(tmp_path)

@@ -122,6 +122,8 @@ def block(terminal: Terminal, first: str = "Game 1") -> None:
     terminal.wait_for("Thank you!")
     no_secrets(terminal)
     terminal.press("\r")
+    while "What you told the computer" in terminal.text:
+        assert terminal.pump(), terminal.text
 
 
 def take_a_break(terminal: Terminal) -> None:

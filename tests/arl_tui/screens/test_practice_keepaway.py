@@ -68,7 +68,7 @@ async def test_it_explains_itself_first_and_time_stands_still() -> None:
         assert isinstance(app.screen, KeeperHelp)
         await pilot.press("q")
         await pilot.pause(0.1)
-    assert app.return_value == "No episode was watched to its end."
+    assert app.return_value == "No game was played to its end."
 
 
 async def test_it_ends_after_its_games() -> None:
@@ -84,7 +84,7 @@ async def test_it_ends_after_its_games() -> None:
             await pilot.pause()
             if not view.is_current:
                 break
-    assert app.return_value.startswith("2 episodes")
+    assert app.return_value.startswith("2 games")
 
 
 async def test_practice_of_tetris_explains_itself_and_ends_after_its_games() -> None:
