@@ -15,6 +15,7 @@ from typing import Any, Literal, get_args
 
 import msgspec
 
+from core.events import KeyPressed, QuestionAnswered
 from core.feedback.keys import NS_PER_MS, KeyConfig
 from core.recording.reader import CHAIN_MARK, Recording
 from core.recording.recorder import CHAIN_DIGITS, Chain
@@ -117,6 +118,7 @@ def anonymised(recording: Recording, how: Anonymising, *, resumes: Resumes | Non
     """
     about = how.about(recording.path.read_bytes())
     retract = _retract_keys(recording)
+    answering = _answering_keys(recording)
     others = _OtherKeys(_repeat_interval_ns(recording))
 
     def change_event(payload: bytes) -> bytes:
@@ -125,12 +127,22 @@ def anonymised(recording: Recording, how: Anonymising, *, resumes: Resumes | Non
         plain = msgspec.json.decode(payload)
         if (plain.get("read_as") or plain["key"]) in retract:
             return payload  # it takes presses back: without it, they would be taken back by nothing
+        if plain["key"] in answering:
+            return payload  # from it follows which option was chosen
         plain["key"] = others.name(plain.get("person", 0), plain["key"], plain["time_ns"])
         for name in ("read_as", "layout"):
             plain.pop(name, None)
         return msgspec.json.encode(plain)
 
     return resealed(recording, lambda header: _header(header, how), change_event, about, resumes=resumes)
+
+
+def _answering_keys(recording: Recording) -> set[str]:
+    """Return the keys that answered the agent's questions."""
+    answering = {event.press for event in recording.events if isinstance(event, QuestionAnswered)}
+    return {
+        event.key for event in recording.events if isinstance(event, KeyPressed) and event.press in answering
+    }
 
 
 class _OtherKeys:
