@@ -137,7 +137,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
     def on_mount(self) -> None:
         """Let something move while unseen episodes are played, also before the first game."""
         before = self._unseen if self._watched else self._unseen_before
-        if before:
+        if before and not self._playing:  # a game may have begun before the screen is there
             self._practised = Practised(done=0, count=before)
             self._tell_practised()
         self.set_interval(MOVES_S, self._move)

@@ -21,7 +21,7 @@ from arl_tui.viewer.reading import Viewing
 from arl_tui.viewer.screenshot import screen_cells
 from core.numerics.clock import NS_PER_S, ManualClock
 
-FRAMES_PER_S: Final = 10
+FILM_FRAMES_PER_S: Final = 10
 """Of a film."""
 SIZE: Final = (120, 40)
 """Columns and lines of a film."""
@@ -64,16 +64,16 @@ def export_film(
     session = viewing.session
     whole_s = (session.end_ns - session.start_ns) / NS_PER_S
     end_s = whole_s if end_s is None else min(end_s, whole_s)
-    n = int(max(0.0, end_s - begin_s) / speed * FRAMES_PER_S) + 1
+    n = int(max(0.0, end_s - begin_s) / speed * FILM_FRAMES_PER_S) + 1
     if path.suffix.lower() == ".gif" and n > MOST_GIF_FRAMES:
         raise click.ClickException(
             f"{path}: a GIF of {n:,} pictures; the most is {MOST_GIF_FRAMES:,}. Name a shorter stretch "
             "(--at, --until), a higher --speed, or a .cast, which has no limit"
         )
-    times = [session.start_ns + round((begin_s + k * speed / FRAMES_PER_S) * NS_PER_S) for k in range(n)]
+    times = [session.start_ns + round((begin_s + k * speed / FILM_FRAMES_PER_S) * NS_PER_S) for k in range(n)]
     with _opened(path) as film:
         asyncio.run(_filmed(viewing, times, film))
-    say(f"Film: {path} ({n / FRAMES_PER_S:.1f} s)")
+    say(f"Film: {path} ({n / FILM_FRAMES_PER_S:.1f} s)")
 
 
 async def _filmed(viewing: Viewing, times: list[int], film: _Film) -> None:
@@ -93,11 +93,11 @@ async def _filmed(viewing: Viewing, times: list[int], film: _Film) -> None:
                 screen.draw()
                 cells = screen_cells(app)
                 if last is not None and cells != last:
-                    film.add(last, since, k / FRAMES_PER_S - since)
-                    since = k / FRAMES_PER_S
+                    film.add(last, since, k / FILM_FRAMES_PER_S - since)
+                    since = k / FILM_FRAMES_PER_S
                 last = cells
             if last is not None:
-                film.add(last, since, len(times) / FRAMES_PER_S - since)
+                film.add(last, since, len(times) / FILM_FRAMES_PER_S - since)
 
 
 @contextmanager
@@ -154,14 +154,14 @@ class _Mp4:
         self._path = path
         self._ffmpeg = subprocess.Popen(
             [ffmpeg, "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", size, "-r",
-             str(FRAMES_PER_S), "-i", "-", "-pix_fmt", "yuv420p", str(path)],
+             str(FILM_FRAMES_PER_S), "-i", "-", "-pix_fmt", "yuv420p", str(path)],
             stdin=subprocess.PIPE, stderr=subprocess.PIPE,
         )  # fmt: skip
 
     def add(self, cells: Cells, at_s: float, lasts_s: float) -> None:
         picture = picture_of(cells).tobytes()
         assert self._ffmpeg.stdin is not None
-        for _ in range(max(1, round(lasts_s * FRAMES_PER_S))):
+        for _ in range(max(1, round(lasts_s * FILM_FRAMES_PER_S))):
             try:
                 self._ffmpeg.stdin.write(picture)
             except BrokenPipeError:

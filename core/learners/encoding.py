@@ -8,12 +8,9 @@ tiles of its own.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from core.numerics.arrays import Floats, Ints
 from core.numerics.tile_coding import TileCoder, Tiling, find_windows
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 def active_tiles(coder: TileCoder, observation: Floats) -> Ints:

@@ -46,7 +46,7 @@ TEACHER = TrainerConfig(press_probability=PRESSES_PER_MINUTE * TICK_MS / 60_000,
 """One press in ten is wrong; delays have the paper's density."""
 SPARING = TrainerConfig(mean_presses=2.0, press_probability=0.06)
 """The paper's participant (section 4): at most 5 presses in an episode, 2 on average."""
-NOBODY = TrainerConfig(press_probability=0.0, max_presses=0)
+ABSENT = TrainerConfig(press_probability=0.0, max_presses=0)
 
 
 def trial(
@@ -78,7 +78,7 @@ def trial(
 EXPERIMENT = Experiment(
     title="Mountain Car: Sarsa and presses, against the literature",
     conditions=(
-        Condition("sarsa", "Sarsa", trial(EnvironmentOnly(), taught_by=NOBODY)),
+        Condition("sarsa", "Sarsa", trial(EnvironmentOnly(), taught_by=ABSENT)),
         Condition("linear", "linear, Eq. 4", trial()),
         Condition("linear-equation-5", "linear, Eq. 5", trial(trust=Equation5())),
         Condition("linear-fixed", "linear, w_h = 1", trial(trust=FixedWeight(1.0))),

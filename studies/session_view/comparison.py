@@ -10,6 +10,7 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from core.numerics.arrays import Floats
 from core.numerics.clock import NS_PER_S
 from core.numerics.streams import stream
 from core.recording.reader import RecordingError, read_recording
@@ -18,7 +19,6 @@ from studies.session_view.session import SessionView, open_session
 from studies.statistics import Interval, mean_interval, paired_difference
 
 By = Literal["participant", "condition", "protocol"]
-Floats = NDArray[np.float64]
 
 MEASURES: Final = {
     "performance": "performance per game",

@@ -7,21 +7,21 @@ import msgspec
 import pytest
 from textual.geometry import Size
 
-from arl_tui.app.link import Practised
+from arl_tui.app.link import Practised, Ready
 from arl_tui.app.plain_app import PlainApp
 from arl_tui.palette import HIGH_CONTRAST, SIXTEEN, palette_for
 from arl_tui.screens.covers import BreakScreen
-from arl_tui.screens.play import MOVES_S
+from arl_tui.screens.play import MOVES_S, PlayScreen
 from arl_tui.session_app import ArlApp
 from arl_tui.themes import NAMES, ThemeError, theme_in_use
 from arl_tui.widgets.blocks import enlarged, lines_per_block
 from core.events import ScreenCleared
 from core.recording.schema import to_plain
-from core.session.protocol import Protocol, ScreenConfig
+from core.session.protocol import Protocol, ScreenConfig, SessionConfig
 from core.session.protocol_reading import protocol_from
 from core.session.session import build_session
-from tests.arl_tui.driving import SIZE, Worker, app_for, begin, recorded, settle
-from tests.arl_tui.fakes import FakeLink, episode_ended, session_ended
+from tests.arl_tui.driving import SIZE, Worker, app_for, begin, recorded, settle, text_of
+from tests.arl_tui.fakes import FakeLink, episode_ended, episode_started, session_ended
 from tests.arl_tui.widgets.test_widgets_board import contrast
 
 
@@ -282,3 +282,21 @@ async def test_a_break_between_blocks_waits_for_the_participant(
         await settle(pilot)
     reasons = [event.reason for event in recorded(tmp_path).events if isinstance(event, ScreenCleared)]
     assert reasons == ["pause"]
+
+
+async def test_a_game_that_begins_before_its_screen_is_there_is_not_said_to_be_practised(
+    link: FakeLink, tmp_path: Path
+) -> None:
+    protocol = Protocol(
+        session=SessionConfig(episodes=2, unseen_between=100), screen=ScreenConfig(count_down_s=0)
+    )
+    app = app_for(protocol, link, tmp_path)
+    async with app.run_test(size=SIZE) as pilot:
+        link.say(Ready(warm_up_ns=1))
+        await pilot.pause()
+        app.begin()
+        link.say(episode_started())  # the screen is mounted after this
+        await settle(pilot)
+        await pilot.pause(0.6)
+        assert isinstance(app.screen, PlayScreen)
+        assert "Practising" not in text_of(app)

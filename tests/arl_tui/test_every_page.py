@@ -59,6 +59,15 @@ async def nothing(pilot: Pilot[Any], link: FakeLink) -> None:
     await pilot.pause()
 
 
+async def unchanging(pilot: Pilot[Any]) -> None:
+    """Wait until all that was said has been drawn: until three looks in a row see the same."""
+    seen: list[Cells] = []
+    while len(seen) < 3 or seen[-3:] != [seen[-1]] * 3:
+        await pilot.pause(0.1)
+        seen.append(screen_cells(pilot.app))
+        assert len(seen) < 100, "the screen keeps changing"
+
+
 async def ready(pilot: Pilot[Any], link: FakeLink) -> None:
     link.say(Ready(warm_up_ns=1, reach=0.92, step_s=1.6))
     await pilot.pause()
@@ -80,6 +89,7 @@ async def begun(pilot: Pilot[Any], link: FakeLink) -> Worker:
     for step, column in enumerate((0, 4, 7, 2)):
         worker.step(step, column=column)
         await settle(pilot)
+    await unchanging(pilot)
     return worker
 
 
@@ -100,6 +110,7 @@ async def used_up(pilot: Pilot[Any], link: FakeLink) -> None:
         await pilot.press("f")
         await pilot.pause(0.3)
     await pilot.pause(1.6)
+    await unchanging(pilot)
 
 
 async def practising(pilot: Pilot[Any], link: FakeLink) -> None:
@@ -187,8 +198,8 @@ PAGES: dict[str, tuple[Callable[[Path, FakeLink], App[Any]], Drive]] = {
     "pause": (page(covers.PauseScreen), nothing),
     "pause-after-gap": (page(lambda: covers.PauseScreen(gap_s=42.0)), nothing),
     "break-in-session": (page(lambda: covers.BreakScreen(10, 40)), nothing),
-    "help": (page(lambda: covers.HelpScreen(TETRIS.keys, words_of("tetris").rules)), nothing),
-    "help-keepaway": (page(lambda: covers.HelpScreen(WRONG.keys, words_of("keepaway").rules)), nothing),
+    "help": (page(lambda: covers.HelpScreen(TETRIS, words_of("tetris").rules)), nothing),
+    "help-keepaway": (page(lambda: covers.HelpScreen(WRONG, words_of("keepaway").rules)), nothing),
     "stop": (page(covers.StopScreen), nothing),
     "thanks": (page(closing()), a_moment),
     "trouble": (page(closing(trouble="The learner's process was ended by signal 9.")), nothing),
@@ -249,6 +260,8 @@ def plain_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("arl_tui.widgets.pitch.detail_for", lambda: "braille")
     # A machine that is held up for a second would show the page that says so.
     monkeypatch.setattr("arl_tui.app.gaps.GapWatch.look", lambda _watch: None)
+    monkeypatch.setattr("arl_tui.app.live_session.LiveSession.silent_s", lambda _session: 0.0)
+    monkeypatch.setattr("textual.widgets.Input.cursor_blink", False)
     monkeypatch.delenv("NO_COLOR", raising=False)
 
 

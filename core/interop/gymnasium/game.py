@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.domain import Choices, Domain, Features, Transition
 from core.events import EpisodeEnded, StepTaken
@@ -25,6 +24,7 @@ from core.interop.gymnasium.states import Node, States
 from core.interop.gymnasium.tiles import JointTiles
 from core.learners.encoding import ActionTiles
 from core.learners.sarsa_config import SarsaConfig
+from core.numerics.arrays import Floats
 from core.numerics.clock import NS_PER_S
 from core.numerics.tile_coding import Tiling, tile_coder
 from core.plugins import GameError
@@ -34,7 +34,6 @@ from core.session.sarsa_game import ObservedDomain, SarsaGame, Tiled, recorded_o
 
 CHECKED_STEPS = 20
 """Steps over which copies and seeds are compared before an environment is taken."""
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
