@@ -28,7 +28,7 @@ ARGUMENTS = {
     "calibrate": ("calibrate", "--participant", "P01", "--tasks", "simple", "--recordings", "r"),
 }
 """Arguments of the commands, without a session of one's own."""
-READY = {"demo": "Enter  to start, ", "practice": "Enter", "watch": "quit", "calibrate": "Enter"}
+READY = {"demo": "Enter  to start, ", "practice": "to leave", "watch": "quit", "calibrate": "Enter"}
 
 
 @pytest.fixture
