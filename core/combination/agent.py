@@ -144,6 +144,8 @@ class ArlAgent:
         """
         policy = self.next_policy(exploring=exploring)
         self.so_far = self.so_far.after(watched=watched)
+        if watched:
+            self.human.episode_begins()
         return policy
 
     def next_policy(self, *, exploring: bool) -> EpisodePolicy:

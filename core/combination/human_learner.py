@@ -68,6 +68,10 @@ class HumanLearner:
         """v, shape (G,), in the features' own units; zeros while nothing is known."""
         return self._model.weights
 
+    def episode_begins(self) -> None:
+        """Note that another watched episode begins: earlier presses than the last one's are settled."""
+        self._assigner.episode_begins()
+
     def step_shown(self, step: int, features: Features, time_ns: int) -> None:
         """Note that a step came on screen; features psi(s, a), shape (G,).
 

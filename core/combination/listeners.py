@@ -122,6 +122,11 @@ class Listeners:
             preferred.append((best, worst))
         return tuple(preferred)
 
+    def episode_begins(self) -> None:
+        """Note that another watched episode begins: earlier presses than the last one's are settled."""
+        for learner in self.learners:
+            learner.episode_begins()
+
     def step_shown(self, step: int, features: Features, time_ns: int) -> None:
         """Note that a step came on screen: all participants see it."""
         for learner in self.learners:

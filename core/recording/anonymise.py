@@ -15,7 +15,8 @@ from typing import Any, Literal, get_args
 
 import msgspec
 
-from core.feedback.keys import KeyConfig
+from core.events import KeyPressed, QuestionAnswered
+from core.feedback.keys import NS_PER_MS, KeyConfig
 from core.recording.lines import CHAIN_MARK
 from core.recording.reader import Recording
 from core.recording.recorder import CHAIN_DIGITS, Chain
@@ -118,6 +119,8 @@ def anonymised(recording: Recording, how: Anonymising, *, resumes: Resumes | Non
     """
     about = how.about(recording.path.read_bytes())
     retract = _retract_keys(recording)
+    answering = _answering_keys(recording)
+    others = _OtherKeys(_repeat_interval_ns(recording))
 
     def change_event(payload: bytes) -> bytes:
         if "other-keys" not in how.removed or _OTHER_PRESS not in payload:
@@ -125,12 +128,56 @@ def anonymised(recording: Recording, how: Anonymising, *, resumes: Resumes | Non
         plain = msgspec.json.decode(payload)
         if (plain.get("read_as") or plain["key"]) in retract:
             return payload  # it takes presses back: without it, they would be taken back by nothing
-        plain["key"] = OTHER_KEY
+        if plain["key"] in answering:
+            return payload  # from it follows which option was chosen
+        plain["key"] = others.name(plain.get("person", 0), plain["key"], plain["time_ns"])
         for name in ("read_as", "layout"):
             plain.pop(name, None)
         return msgspec.json.encode(plain)
 
     return resealed(recording, lambda header: _header(header, how), change_event, about, resumes=resumes)
+
+
+def _answering_keys(recording: Recording) -> set[str]:
+    """Return the keys that answered the agent's questions."""
+    answering = {event.press for event in recording.events if isinstance(event, QuestionAnswered)}
+    return {
+        event.key for event in recording.events if isinstance(event, KeyPressed) and event.press in answering
+    }
+
+
+class _OtherKeys:
+    """Gives names to keys that mean nothing, so that no text can be read from the names.
+
+    Whether a key was held is told by how soon it came again (`core.feedback.keys.PressGate`): sooner than an
+    interval, later, or for the first time. This much the names keep. So a key has its last name again within
+    the interval, a new one when it is pressed for the first time, and any free one otherwise.
+    """
+
+    def __init__(self, interval_ns: int) -> None:
+        self._interval_ns = interval_ns
+        self._last: dict[tuple[int, str], tuple[str, int]] = {}
+        self._used: dict[int, dict[str, int]] = {}
+
+    def name(self, person: int, key: str, time_ns: int) -> str:
+        """Return the name of a press's key."""
+        used = self._used.setdefault(person, {})
+        name, last_ns = self._last.get((person, key), ("", 0))
+        if not name:
+            name = f"{OTHER_KEY[:-1]} {len(used) + 1})" if used else OTHER_KEY
+        elif time_ns - last_ns >= self._interval_ns:
+            free = (known for known, used_ns in used.items() if time_ns - used_ns >= self._interval_ns)
+            name = next(free, name)
+        self._last[person, key] = name, time_ns
+        used[name] = time_ns
+        return name
+
+
+def _repeat_interval_ns(recording: Recording) -> int:
+    """Return within which time two presses of one key may be a held key's, ns."""
+    keys = recording.header.protocol.get("keys", {})
+    interval_ms = keys.get("repeat_interval_ms") if isinstance(keys, Mapping) else None
+    return NS_PER_MS * (KeyConfig().repeat_interval_ms if interval_ms is None else int(interval_ms))
 
 
 def _retract_keys(recording: Recording) -> set[str]:

@@ -7,13 +7,15 @@ import bz2
 import codecs
 import lzma
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
 MOST_UNPACKED = 1 << 29
 """Bytes that are unpacked of a compressed file: two hours of a session are a tenth of it."""
+PIECE = 1 << 24
+"""Bytes that are unpacked at a time: of a file that holds too much, no more than the limit is in memory."""
 
 
 class RecordingError(Exception):
@@ -100,17 +102,22 @@ def _unpack(
     path: Path, content: bytes, name: str, magic: bytes, new_unpacker: Callable[[], _Unpacker]
 ) -> tuple[bytes, bool]:
     """Return what a compressed file holds, all of its parts, and whether its end is missing."""
-    unpacker, unpacked = new_unpacker(), b""
+    unpacker, pieces, n_bytes = new_unpacker(), list[bytes](), 0
     try:
-        unpacked = unpacker.decompress(content, MOST_UNPACKED + 1)
-        while unpacker.eof and unpacker.unused_data.startswith(magic) and len(unpacked) <= MOST_UNPACKED:
-            rest, unpacker = unpacker.unused_data, new_unpacker()
-            unpacked += unpacker.decompress(rest, MOST_UNPACKED + 1 - len(unpacked))
+        rest = content
+        while rest.startswith(magic) and n_bytes <= MOST_UNPACKED:
+            unpacker = new_unpacker()
+            for piece in _pieces(unpacker, rest):
+                pieces.append(piece)
+                n_bytes += len(piece)
+                if n_bytes > MOST_UNPACKED:
+                    break
+            rest = unpacker.unused_data if unpacker.eof else b""
     except (zlib.error, OSError, lzma.LZMAError) as error:
         raise RecordingError(
             f"{path}: the file is compressed ({name}) and damaged: {error}. Take the original again"
         ) from error
-    if len(unpacked) > MOST_UNPACKED:
+    if n_bytes > MOST_UNPACKED:
         raise RecordingError(
             f"{path}: the file is compressed ({name}) and holds more than {MOST_UNPACKED:,} bytes, more than "
             "any session records. If it is one, unpack it, and name the unpacked file"
@@ -120,12 +127,23 @@ def _unpack(
             f"{path}: behind the compressed recording ({name}) stand {len(unpacker.unused_data)} more bytes; "
             "was something appended? Take the original again"
         )
-    if not unpacked:
+    if not n_bytes:
         raise RecordingError(
             f"{path}: the file is compressed ({name}) and holds nothing: it is empty, or cut off. Take "
             "the original again"
         )
-    return unpacked, not unpacker.eof
+    return b"".join(pieces), not unpacker.eof
+
+
+def _pieces(unpacker: _Unpacker, packed: bytes) -> Iterator[bytes]:
+    """Yield what one part of a compressed file holds, at most `PIECE` bytes at a time."""
+    piece = unpacker.decompress(packed, PIECE)
+    while piece:
+        yield piece
+        if unpacker.eof:
+            return
+        # What was not used: gzip hands it back, the others keep it.
+        piece = unpacker.decompress(getattr(unpacker, "unconsumed_tail", b""), PIECE)
 
 
 def _in_utf8(path: Path, content: bytes, notes: list[str]) -> bytes:

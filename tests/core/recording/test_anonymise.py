@@ -3,9 +3,12 @@
 import hashlib
 import hmac
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import msgspec
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from core.events import EpisodeStarted, KeyPressed, PressRetracted
 from core.feedback.keys import KeyConfig, PressGate
@@ -134,4 +137,61 @@ def test_a_press_that_was_taken_back_can_be_followed_in_the_copy(tmp_path: Path)
     copy = copy_of(tmp_path / "P01.jsonl", Anonymising(KEY), tmp_path)
     kept = [event.key for event in copy.events if isinstance(event, KeyPressed)]
     assert kept == ["j", OTHER_KEY, "u", "j", "\u0433"]
+    check_inputs(copy, KeyConfig())
+
+
+MS = 1_000_000
+
+
+def recorded_keys(path: Path, keys: list[tuple[str, int]]) -> list[KeyPressed | PressRetracted]:
+    """Record presses of these keys at these times, ms; return them with what follows from them."""
+    gate = PressGate(KeyConfig())
+    gate.episode_started()
+    start = EpisodeStarted(
+        episode=0, time_ns=0, inputs=0, episode_seed=7, policy=0, form=0, w_r=1.0, trust=0.0, weight=0.25, handover=0.0  # noqa: E501
+    )  # fmt: skip
+    events = [event for key, time_ms in keys for event in gate.judge(key, time_ms * MS)]
+    writer = LineWriter(path, msgspec.structs.replace(HEADER, origin="live"))
+    for event in (start, *events):
+        writer.write(event)
+    writer.close()
+    return events
+
+
+def test_other_keys_typed_while_a_key_is_held_do_not_look_like_a_held_one(tmp_path: Path) -> None:
+    held = [("j", 0), ("j", 500), ("a", 510), ("b", 520), ("c", 525), ("j", 530), ("j", 560)]
+    events = recorded_keys(tmp_path / "P01.jsonl", held)
+    assert [event.press for event in events if isinstance(event, PressRetracted)] == [1]
+    copy = copy_of(tmp_path / "P01.jsonl", Anonymising(KEY), tmp_path)
+    names = [event.key for event in copy.events if isinstance(event, KeyPressed)]
+    assert names == ["j", "j", OTHER_KEY, "(other key 2)", "(other key 3)", "j", "j"]
+    check_inputs(copy, KeyConfig())
+
+
+def test_typed_text_cannot_be_read_from_the_names_of_keys(tmp_path: Path) -> None:
+    text = "the thin man ate the heat"
+    recorded_keys(tmp_path / "P01.jsonl", [(letter, 200 * n) for n, letter in enumerate(text)])
+    copy = copy_of(tmp_path / "P01.jsonl", Anonymising(KEY), tmp_path)
+    names = [event.key for event in copy.events if isinstance(event, KeyPressed)]
+    seen: set[str] = set()
+    for letter, name in zip(text, names, strict=True):
+        # Of a letter that came before, nothing is said but that.
+        assert (name == OTHER_KEY) == (letter in seen or not seen)
+        seen.add(letter)
+
+
+@given(
+    st.lists(
+        st.tuples(st.sampled_from("jjjfabcu"), st.sampled_from([5, 30, 79, 80, 81, 300, 500])), max_size=60
+    )
+)
+def test_whatever_is_pressed_a_copy_follows_from_its_presses(pressed: list[tuple[str, int]]) -> None:
+    now_ms, keys = 0, []
+    for key, wait_ms in pressed:
+        now_ms += wait_ms
+        keys.append((key, now_ms))
+    with TemporaryDirectory() as folder:
+        events = recorded_keys(Path(folder) / "P01.jsonl", keys)
+        copy = copy_of(Path(folder) / "P01.jsonl", Anonymising(KEY), Path(folder))
+    assert len(copy.events) == len(events) + 1
     check_inputs(copy, KeyConfig())

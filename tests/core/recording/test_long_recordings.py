@@ -1,8 +1,12 @@
 """Recordings of hours: listed without decoding every line, replayed in a time that grows with their length
 alone."""
 
+import bz2
+import gzip
 import json
+import lzma
 import time
+import tracemalloc
 from pathlib import Path
 
 import msgspec
@@ -129,8 +133,6 @@ def test_a_line_that_no_session_writes_is_refused_before_it_is_copied(tmp_path, 
 
 
 def test_a_bomb_is_not_unpacked(tmp_path, monkeypatch):
-    import gzip
-
     monkeypatch.setattr(undo, "MOST_UNPACKED", 1 << 20)
     path = tmp_path / "bomb.jsonl.gz"
     path.write_bytes(gzip.compress(b"\0" * (1 << 22)))
@@ -139,6 +141,34 @@ def test_a_bomb_is_not_unpacked(tmp_path, monkeypatch):
     path.write_bytes(gzip.compress(b"\0" * (1 << 19)) * 8)
     with pytest.raises(RecordingError, match="holds more than 1,048,576 bytes"):
         read_recording(path)
+
+
+@pytest.mark.parametrize("pack", [gzip.compress, bz2.compress, lzma.compress])
+def test_a_bomb_takes_no_more_memory_than_the_limit(tmp_path, monkeypatch, pack):
+    monkeypatch.setattr(undo, "MOST_UNPACKED", 1 << 22)
+    monkeypatch.setattr(undo, "PIECE", 1 << 18)
+    bomb = pack(b"\0" * (1 << 26))
+    tracemalloc.start()
+    try:
+        with pytest.raises(RecordingError, match="holds more than 4,194,304 bytes"):
+            undo.as_recorded(tmp_path / "bomb", bomb)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    # The limit, and what the unpacker keeps for itself (lzma: a window of 8 MiB); joining would double it.
+    assert peak < (1 << 22) + (1 << 21) + (9 << 20 if pack is lzma.compress else 0)
+
+
+@pytest.mark.parametrize("pack", [gzip.compress, bz2.compress, lzma.compress])
+def test_a_packed_recording_is_unpacked_piece_by_piece(monkeypatch, pack):
+    content = ORIGINAL.read_bytes()
+    monkeypatch.setattr(undo, "PIECE", 1000)
+    parts = pack(content[:5000]) + pack(content[5000:])
+    for packed in (pack(content), parts):
+        found = undo.as_recorded(ORIGINAL, packed)
+        assert found.content == content
+        assert not found.packed_cut
+    assert undo.as_recorded(ORIGINAL, pack(content)[:-9]).packed_cut
 
 
 def test_a_recording_is_written_whole_or_not_at_all(tmp_path):

@@ -25,7 +25,8 @@ from core.events import (
 from core.feedback.delays import PreviousStep, UniformDelay
 from core.feedback.samples import CreditConfig
 from core.feedback.trainers import SimulatedTrainer
-from core.recording.reader import Recording, RecordingError
+from core.recording.anonymise import Anonymising, anonymised
+from core.recording.reader import Recording, RecordingError, read_recording
 from core.recording.schema import to_plain
 from core.session.inputs import check_inputs
 from core.session.plan import expected_minutes, expected_questions, plan
@@ -107,6 +108,14 @@ def test_a_session_with_questions_replays_and_is_relearned_exactly(recording: Re
     assert relearned.agent.digest() == ended.digest
     alone = replay_human_model(recording, protocol, steps, count=lambda press: True)
     np.testing.assert_array_equal(alone.human.weights, relearned.agent.human.weights)
+
+
+def test_an_anonymised_copy_replays_exactly(recording: Recording, tmp_path: Path) -> None:
+    path = tmp_path / "copy.jsonl"
+    path.write_bytes(anonymised(recording, Anonymising(bytes(32))))
+    copy = read_recording(path)
+    assert answers_of(copy) == answers_of(recording) != []
+    exact(copy)
 
 
 def test_a_what_if_without_presses_still_learns_from_the_answers(recording: Recording) -> None:
