@@ -346,6 +346,7 @@ class ArlApp(SessionControls):
                 outcome,
                 words_of(protocol.game),
                 show_weight=protocol.screen.show_weight,
+                in_study=bool(self.setup.study),
                 practice=self.setup.practice,
                 protocol=protocol,
             )

@@ -37,6 +37,7 @@ class ClosingScreen(PageScreen):
         words: Words,
         *,
         show_weight: bool = False,
+        in_study: bool = False,
         practice: bool = False,
         protocol: Protocol | None = None,
     ) -> None:
@@ -46,6 +47,7 @@ class ClosingScreen(PageScreen):
             outcome: what is left of the session.
             words: of its game.
             show_weight: whether the participant may see the weight that their feedback had.
+            in_study: the next part of a study follows, or its last page.
             practice: nothing counted.
             protocol: which keys there were, and whose; without it two of one participant.
         """
@@ -54,6 +56,7 @@ class ClosingScreen(PageScreen):
         self._show_weight = show_weight
         self._protocol = protocol
         self._words = words
+        self._in_study = in_study
         self._practice = practice
         self.HEADING = later("That was the practice") if practice else later("Thank you!")
         if outcome.trouble is not None:
@@ -84,7 +87,7 @@ class ClosingScreen(PageScreen):
         """Whether something follows: the session after a practice, in a study the next part or last page."""
         outcome = self.outcome
         finished = outcome.trouble is None and outcome.stopped in (None, "practised")
-        return finished and (self._practice or not self._show_file)
+        return finished and (self._practice or self._in_study)
 
     def _what_happened(self) -> str:
         tally = self.outcome.tally

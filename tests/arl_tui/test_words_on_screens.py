@@ -140,7 +140,7 @@ PAGES: dict[str, Callable[[], Screen]] = {
         SessionOutcome(Path("x"), TALLY), words_of("keepaway"), practice=True
     ),
     "closing-in-a-study": lambda: ClosingScreen(
-        SessionOutcome(Path("x"), TALLY), words_of("tetris"), show_file=False
+        SessionOutcome(Path("x"), TALLY), words_of("tetris"), in_study=True
     ),
     "closing-lost": lambda: ClosingScreen(
         SessionOutcome(Path("x"), TALLY, kept=Kept(recorded=9, written=7, synced=5)), words_of("gymnasium")
