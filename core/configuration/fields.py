@@ -95,5 +95,5 @@ def number(
 def plain(value: float) -> str:
     """Return a number as short as possible: 5, not 5.0."""
     return (
-        f"{value:,.0f}".replace(",", "") if float(value).is_integer() and abs(value) < 1e9 else f"{value:g}"
+        f"{value:,.0f}".replace(",", "") if float(value).is_integer() and abs(value) <= 1e9 else f"{value:g}"
     )

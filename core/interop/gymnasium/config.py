@@ -15,6 +15,8 @@ class GymnasiumConfig(msgspec.Struct, DomainConfig, frozen=True, forbid_unknown_
     env: str = "CartPole-v1"
     """Its id, as `gymnasium.make` takes it, or `module:function` of a factory of your own: it is called
     without arguments, and with `render_mode="rgb_array"` where the environment is shown."""
+    LATER: ClassVar[frozenset[str]] = frozenset({"phi", "psi"})
+    """Settings that came after version 0.2: at their defaults they are not written to recordings."""
     OLD: ClassVar[frozenset[str]] = frozenset({"tilings", "tiles", "largest", "joint"})
 
     tilings: Annotated[int, number("tilings", ge=1, le=64)] = 8

@@ -214,7 +214,8 @@ def test_equation_5_takes_the_plain_mean_where_a_performance_is_negative() -> No
 @given(st.lists(st.tuples(st.floats(-1e3, 1e3), st.floats(-1, 1)), min_size=2, max_size=9))
 def test_a_weight_stays_in_the_range_of_the_matches_whatever_the_performances(pairs) -> None:
     performance, match = [pm for pm, _ in pairs], [m for _, m in pairs]
-    assert min(match) <= human_weight(performance, match) <= max(match)
+    # A mean of equal numbers may lie one rounding beside them.
+    assert min(match) - 1e-12 <= human_weight(performance, match) <= max(match) + 1e-12
     probabilities = selection_probabilities(performance, match)
     assert min(probabilities) >= 0
     assert sum(probabilities) == pytest.approx(1.0)

@@ -26,14 +26,15 @@ def test_the_old_place_holds_where_it_was_used(encoder: TileEncoder | None) -> N
 def test_two_places_that_differ_are_refused() -> None:
     learner = SarsaConfig(encoder=TileEncoder(tilings=4))
     with pytest.raises(
-        ValueError, match=r"\[domain\] tilings, tiles, largest are 16, 8, 3, .* are 4, 8, 3: say"
+        ValueError,
+        match=r"\[domain\] tilings, tiles, largest, joint are 16, 8, 3, false, .* 4, 8, 3, false: say",
     ):
         msgspec.structs.replace(PLUGIN.default(), domain=GymnasiumConfig(tilings=16), learner=learner)
 
 
 def test_new_recordings_hold_the_new_place_and_other_games_nothing_new() -> None:
     plain = to_plain(PLUGIN.default())
-    assert plain["learner"]["encoder"] == {"tilings": 8, "tiles": 8, "largest": 3.0}
+    assert plain["learner"]["encoder"] == {"tilings": 8, "tiles": 8, "largest": 3.0, "joint": False}
     assert set(plain["domain"]) == {"type", "env"}
     assert "encoder" not in to_plain(DEFAULTS["keepaway"])["learner"]
 

@@ -151,7 +151,7 @@ def test_all_that_is_wrong_is_told_at_once_in_the_order_of_the_file(tmp_path: Pa
         ('[agent.human_model]\ntype = "sgd"\nstep_size = 2.0\n', "2 is a value that nobody means"),
         ('[agent.human_model]\ntype = "sgd"\nstep_size = 0.02\n', "diverge to infinity"),
         ("[trainer]\nstops_after_episodes = 1" + "0" * 400 + "\n", "expected a whole number 0 to 1000000000"),
-        ("[keys]\nrefractory_ms = 1" + "0" * 400 + "\n", "expected a whole number 0 to 1000000 milliseconds"),
+        ("[keys]\nrefractory_ms = 1" + "0" * 400 + "\n", "expected a whole number 0 to 2000 milliseconds"),
         ("[trainer]\nmistake_rate = 1" + "0" * 400 + "\n", "expected a number 0 to 1"),
         ('[agent.human_model]\nl2 = 1e-300\nstandardise = false\n', "expected a number 1e-06 to 1000000"),
         ('[learner]\npopulation = 1000000000\n', "expected a whole number 2 to 10000 policies"),
