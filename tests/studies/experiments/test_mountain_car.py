@@ -100,7 +100,7 @@ def test_a_trial_without_a_participant_is_sarsa_by_itself() -> None:
     rows = run_trial(alone, 900_001)
     assert rows["presses"].sum() == 0
     assert set(rows["w_h"]) == {0.0}
-    again = run_trial(quick(mountain_car.trial(EnvironmentOnly(), taught_by=mountain_car.NOBODY)), 900_001)
+    again = run_trial(quick(mountain_car.trial(EnvironmentOnly(), taught_by=mountain_car.ABSENT)), 900_001)
     assert all(np.array_equal(rows[name], again[name]) for name in rows)
 
 
