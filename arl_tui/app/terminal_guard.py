@@ -12,6 +12,7 @@ import contextlib
 import faulthandler
 import json
 import os
+import select
 import signal
 import subprocess
 import sys
@@ -110,7 +111,20 @@ def guard(pipe: int, crash: int, attributes: str) -> None:
     with contextlib.suppress(OSError, termios.error):
         termios.tcsetattr(0, termios.TCSANOW, parsed)
     with contextlib.suppress(OSError):
-        os.write(2, text.encode())
+        write_all(2, text.encode())
+
+
+def write_all(descriptor: int, text: bytes) -> None:
+    """Write the whole text: a terminal may take a part of it, and nothing while its buffer is full.
+
+    Raises:
+        OSError: the terminal is gone.
+    """
+    while text:
+        try:
+            text = text[os.write(descriptor, text) :]
+        except BlockingIOError:
+            select.select([], [descriptor], [], 1.0)
 
 
 if __name__ == "__main__":

@@ -13,13 +13,18 @@ def is_running(pid: int) -> bool:
     return state != "Z"
 
 
-def descendants(pid: int) -> set[int]:
-    """Return the process ids of all children, their children, and so on."""
+def children(pid: int) -> set[int]:
+    """Return the process ids of all children."""
     try:
-        children = {int(child) for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()}
+        return {int(child) for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()}
     except (FileNotFoundError, ProcessLookupError):
         return set()
-    return children.union(*(descendants(child) for child in children))
+
+
+def descendants(pid: int) -> set[int]:
+    """Return the process ids of all children, their children, and so on."""
+    found = children(pid)
+    return found.union(*(descendants(child) for child in found))
 
 
 def worker_of(pid: int) -> int:

@@ -11,6 +11,8 @@ from typing import Self
 import pexpect
 import pyte
 
+from tests.e2e.processes import children
+
 COLUMNS, LINES = 80, 24
 TROUBLE = "had to end early"
 """What the last screen says when something failed."""
@@ -35,6 +37,7 @@ class Terminal:
         lines: int = LINES,
         exported: Mapping[str, str] | None = None,
         module: str = "arl_tui.cli",
+        in_shell: bool = False,
     ) -> None:
         environment = {
             **os.environ,
@@ -56,9 +59,15 @@ class Terminal:
         self._tail = b""
         self._screen = pyte.Screen(columns, lines)
         self._stream = pyte.ByteStream(self._screen)
+        command = [sys.executable, "-W", "ignore", "-m", module, *arguments]
+        if in_shell:
+            # As at a prompt: the shell outlives the program. Where the program leads the terminal's session,
+            # the kernel closes the terminal as soon as it ends, and its guard cannot write to it.
+            command = ["/bin/sh", "-c", '"$@"; read -r _', "sh", *command]
+        self._in_shell = in_shell
         self.child = pexpect.spawn(
-            sys.executable,
-            ["-W", "ignore", "-m", module, *arguments],
+            command[0],
+            command[1:],
             dimensions=(lines, columns),
             cwd=str(cwd),
             env=environment,
@@ -75,6 +84,14 @@ class Terminal:
             while self.child.isalive():
                 time.sleep(0.05)
             self.child.close()
+
+    @property
+    def pid(self) -> int:
+        """Process id of the program."""
+        pid: int = self.child.pid
+        if self._in_shell:
+            (pid,) = children(pid)
+        return pid
 
     def pump(self, duration_s: float = 0.05) -> bool:
         """Read what arrives for a while; return whether the program still runs."""

@@ -184,11 +184,11 @@ def test_a_stop_from_outside_leaves_the_terminal_as_it_was_in_the_end(
 def test_a_program_that_crashes_leaves_a_terminal_that_can_be_used(
     number: signal.Signals, tmp_path: Path, long_file: Path
 ) -> None:
-    with play(tmp_path, long_file) as terminal:
+    with Terminal(*play_arguments(long_file), cwd=tmp_path, in_shell=True) as terminal:
         before = termios.tcgetattr(terminal.child.child_fd)
         start(terminal)
-        family = descendants(terminal.child.pid)
-        os.kill(terminal.child.pid, number)
+        family = descendants(terminal.pid)
+        os.kill(terminal.pid, number)
         terminal.wait_for("arl ended unexpectedly", patience_s=ANSWERS_WITHIN_S)
         terminal.drain(0.3)
         assert termios.tcgetattr(terminal.child.child_fd) == before
