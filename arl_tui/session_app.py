@@ -2,6 +2,7 @@
 
 import asyncio
 import signal
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,7 @@ from arl_tui.language import changed_keys
 from arl_tui.palette import palette_for
 from arl_tui.recordings import create_new
 from arl_tui.screens.closing import ClosingScreen
+from arl_tui.screens.overview import topics_of
 from arl_tui.screens.play import PlayScreen
 from arl_tui.screens.welcome import WelcomeScreen
 from arl_tui.signing import NoKey, signer_in_use
@@ -94,6 +96,7 @@ class ArlApp(SessionControls):
             games_done=0 if setup.kept is None else setup.kept.games,
             practice=setup.practice,
             part=setup.part,
+            overview=None if setup.study or setup.simulated else partial(topics_of, setup),
         )
         self._link = link
         self._garbage = GarbageControl()

@@ -25,7 +25,9 @@ ENOUGH = 0.70
 
 IN_SHORT = ("Games", "Presses", "Time", "Weight", "Credit", "Compiled", "Reach")
 """The topics that are printed before a session, in order."""
-WEIGHT_NOT_SHOWN = "not said where the participant may look; `arl protocol --check FILE` says it"
+WEIGHT_NOT_SHOWN = (
+    "F2 on the first page says it, before the participant looks; so does `arl protocol --check FILE`"
+)
 
 
 def check_protocol(path: Path, protocol: Protocol) -> None:

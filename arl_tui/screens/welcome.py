@@ -1,6 +1,6 @@
 """The first screen: what will happen, in plain words, and which keys there are."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import ClassVar, cast
 
 from rich.text import Text
@@ -13,6 +13,8 @@ from arl_tui.app.outcome import SessionControls
 from arl_tui.games.pace import pace_line, pace_warning
 from arl_tui.games.registry import words_of
 from arl_tui.language import later, tr, trn
+from arl_tui.screens.overview import KEY as OVERVIEW_KEY
+from arl_tui.screens.overview import OverviewPage
 from arl_tui.screens.page import PageScreen, keys_of_all, presses_of_all
 from arl_tui.screens.question import about_questions
 from core.numerics.clock import NS_PER_S, Clock, MonotonicClock
@@ -33,6 +35,8 @@ class WelcomeScreen(PageScreen):
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("enter", "start", "Start", id="welcome.start", tooltip="Start the session"),
         Binding("q,ctrl+q,ctrl+c", "leave", "Leave", id="welcome.leave", tooltip="Leave without starting"),
+        # Without an id: the participant's help does not name it.
+        Binding(OVERVIEW_KEY, "overview", "", show=False, system=True),
     ]
 
     def __init__(
@@ -44,6 +48,7 @@ class WelcomeScreen(PageScreen):
         games_done: int = 0,
         practice: bool = False,
         part: str = "",
+        overview: Callable[[Ready | None], dict[str, str]] | None = None,
         clock: Clock | None = None,
     ) -> None:
         """Prepare.
@@ -55,6 +60,8 @@ class WelcomeScreen(PageScreen):
             games_done: watched games that were finished before the session broke off.
             practice: nothing counts.
             part: where in a visit the session is, in words ("Block 2 of 3").
+            overview: what the session will do, topic by topic, for the experimenter; None where the
+                experimenter is not to see it either.
             clock: tells how long ago the start key was pressed.
         """
         super().__init__()
@@ -65,6 +72,7 @@ class WelcomeScreen(PageScreen):
         self.HEADING = f"{tr(self._words.heading)}  -  {part}" if part else self._words.heading
         self._participant = participant
         self._simulated = simulated
+        self._overview = overview
         self._clock = clock or MonotonicClock()
         self._asked_ns: int | None = None
         """When the start key was pressed; None before."""
@@ -197,6 +205,11 @@ class WelcomeScreen(PageScreen):
             return
         self._asked_ns = self._clock.now_ns()
         self._tell()
+
+    def action_overview(self) -> None:
+        """Show the experimenter what the session will do."""
+        if self._overview is not None:
+            self.app.push_screen(OverviewPage(self._overview(self._worker_ready)))
 
     def action_leave(self) -> None:
         """Leave: nothing has been recorded."""

@@ -78,8 +78,10 @@ async def begin(
 
 
 async def settle(pilot: Pilot[SessionOutcome]) -> None:
-    """Wait until what has been said is drawn and stamped."""
+    """Wait until what has been said is drawn and stamped, and what is being saved is saved."""
     await pilot.pause(0.05)
+    await pilot.app.workers.wait_for_complete()
+    await pilot.pause()
 
 
 def recorded(folder: Path) -> Recording:

@@ -161,7 +161,7 @@ def test_the_start_tells_the_experimenter_much_and_not_the_condition(
     assert "annealed" not in told
     # What is left out or comes later is named, with where it is said.
     words = " ".join(told.split())
-    assert "Weight not said where the participant may look; `arl protocol --check FILE` says it" in words
+    assert "Weight F2 on the first page says it, before the participant looks" in words
     assert "Compiled the kernels of tetris" in words
     assert "Reach said on the first screen" in words
 
