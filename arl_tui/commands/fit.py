@@ -24,12 +24,12 @@ WORTH_A_PROCESS = 8
 
 
 _PATH = ToWrite()
+READABLE = (".tsv", ".csv", ".jsonl", ".txt")
+"""Endings of files that most often hold reaction times; JSON describes others' tables more often."""
 
 
 @click.command(short_help="Fit delay densities to reaction times in files.")
-@click.argument(
-    "files", nargs=-1, required=True, type=click.Path(exists=True, dir_okay=False, path_type=Path)
-)
+@click.argument("files", nargs=-1, required=True, type=click.Path(exists=True, path_type=Path))
 @click.option(
     "--from",
     "preset",
@@ -198,6 +198,7 @@ def fit_files(files: Sequence[Path], request: Request) -> None:
 
     if request.out is not None and request.out.exists():
         raise InputError(f"{request.out} exists: reports are never overwritten; name a new folder")
+    refuse_folders(files)
     task = request.task or task_of(files)
     readings = read(files, request)
     for line in source_lines(readings):
@@ -224,6 +225,21 @@ def fit_files(files: Sequence[Path], request: Request) -> None:
             request.out, task=task, files=names, rows=rows, samples=samples, selection=selection, group=group
         )
         say(f"Report: {request.out}", err=True)
+
+
+def refuse_folders(paths: Sequence[Path]) -> None:
+    """Stop where a folder is named, with the files in it: which of them hold reactions, nobody can guess."""
+    for folder in (path for path in paths if path.is_dir()):
+        by_ending = {ending: sorted(folder.rglob(f"*{ending}")) for ending in READABLE}
+        found = max(by_ending.values(), key=len)
+        if not found:
+            raise InputError(f"{folder} is a folder without a table or a recording in it: name files")
+        levels = "/".join("*" * (len(found[0].relative_to(folder).parts) - 1))
+        pattern = folder / levels / f"*{found[0].suffix}"
+        raise InputError(
+            f"{folder} is a folder of {len(found)} files that may hold reactions, the first {found[0]}: name "
+            f"the files, for instance `arl fit {pattern}`"
+        )
 
 
 def fit_with_bar(samples: "Mapping[str, Sample]", request: Request) -> "GroupFit":

@@ -112,6 +112,19 @@ def test_a_report_folder_holds_everything_and_is_never_overwritten(tmp_path: Pat
     assert "never overwritten" in again.stderr
 
 
+def test_a_folder_is_answered_with_the_files_to_name(tmp_path: Path) -> None:
+    folder = tmp_path / "sub-01" / "beh"
+    folder.mkdir(parents=True)
+    assert "without a table or a recording in it" in run(tmp_path).output
+    table(folder / "sub-01_beh.tsv", {"A": times()})
+    (tmp_path / "dataset_description.json").write_text("{}")
+    result = run(tmp_path)
+    assert result.exit_code == 2
+    told = " ".join(result.output.split())
+    assert "a folder of 1 files that may hold reactions" in told
+    assert f"arl fit {tmp_path}/*/*/*.tsv" in told
+
+
 def test_a_figure_of_an_unknown_kind_is_refused(tmp_path: Path) -> None:
     result = run(table(tmp_path / "a.csv", {"P01": times()}), *QUICK, "--figure", tmp_path / "f.xyz")
     assert result.exit_code == 2
