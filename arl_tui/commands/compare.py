@@ -90,7 +90,7 @@ def _read(files: Sequence[Path]) -> "list[SessionFigures]":
     import msgspec
 
     from core.recording.reader import RecordingError
-    from studies.session_view.comparison import figures_of
+    from studies.session_view.comparison import NothingToCompareError, figures_of
 
     twice = next((path for n, path in enumerate(files) if path in files[:n]), None)
     if twice is not None:
@@ -100,13 +100,13 @@ def _read(files: Sequence[Path]) -> "list[SessionFigures]":
         for path in shown:
             try:
                 sessions.append(figures_of(path, own_delay_s=_own_delay_s(path)))
-            except (RecordingError, OSError) as error:
+            except (RecordingError, NothingToCompareError, OSError) as error:
                 raise click.ClickException(printable_lines(str(error))) from error
             except (msgspec.ValidationError, ValueError) as error:
                 raise click.ClickException(
                     f"{path}: its protocol cannot be used: {printable(str(error))}"
                 ) from error
-    games = sorted({session.game or "(presses only)" for session in sessions})
+    games = sorted({session.game for session in sessions})
     if len(games) > 1:
         raise click.ClickException(
             f"these are recordings of {' and '.join(games)}, whose figures cannot be compared: name files of "

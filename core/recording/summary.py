@@ -66,8 +66,9 @@ class RecordingSummary:
     """One recording in figures."""
 
     game: str
+    """"" where the recording does not say it: imported tables of evaluations."""
     protocol: str
-    """Its name."""
+    """Its name; "" where there is none."""
     condition: str
     """Of the study; "" where there is none."""
     games_finished: int
@@ -96,18 +97,18 @@ class RecordingSummary:
     @property
     def words(self) -> str:
         """All of it in one line, as `arl recordings` and `arl replay` print it."""
-        games = f"{self.games_finished} of {self.games_planned} games finished"
+        games = [f"{self.games_finished} of {self.games_planned} games finished"]
         if self.games_planned is None:
-            games = _counted(self.games_begun, "game")
+            games = [_counted(self.games_begun, "game")] if self.game else []
         presses = f"{_counted(self.presses_counted, 'press', 'presses')} counted"
         about = [f"{name} {n}" for name, n in self.presses_of_people]
         about += [f"{n} of {value:+g}" if value else f"{n} of 0" for value, n in self.presses_by_value]
         about += [f"{self.presses_simulated} simulated"] if self.presses_simulated else []
         about += [f"{self.presses_taken_back} more taken back"] if self.presses_taken_back else []
         presses += f" ({', '.join(about)})" if about else ""
-        parts = [f"{self.game}, protocol {self.protocol}"]
+        parts = [f"{self.game}, protocol {self.protocol}" if self.game else "evaluations without their game"]
         parts[0] += f", condition {self.condition}" if self.condition else ""
-        parts += [games, presses]
+        parts += [*games, presses]
         parts += [f"the machine stood still {_counted(self.gaps, 'time')}"] if self.gaps else []
         return f"{'; '.join(parts)}; ended: {self.ending.words}"
 
@@ -191,11 +192,12 @@ class Summarising:
         """Return what was counted; arguments as for `ending`."""
         protocol = header.protocol
         imported = header.origin == "imported"
+        says_game = not imported or "domain" in protocol or self._begun > 0
         taken_back = self._taken_back & self._accepted.keys()
         counted = [press for number, press in self._accepted.items() if number not in taken_back]
         return RecordingSummary(
-            game=_game(protocol),
-            protocol=str(protocol.get("name", "default")),
+            game=_game(protocol) if says_game else "",
+            protocol=str(protocol.get("name", "default")) if says_game else "",
             condition=condition_of(header),
             games_finished=self._finished,
             games_begun=self._begun,

@@ -102,6 +102,10 @@ class Difference:
     """Mean of group less control over pairs; None where there are no pairs."""
 
 
+class NothingToCompareError(Exception):
+    """A recording holds no games."""
+
+
 def figures_of(path: Path, *, own_delay_s: float = math.nan) -> SessionFigures:
     """Return a session in figures.
 
@@ -112,10 +116,16 @@ def figures_of(path: Path, *, own_delay_s: float = math.nan) -> SessionFigures:
     Raises:
         RecordingError: the recording is damaged.
         OSError: it cannot be read.
+        NothingToCompareError: it holds evaluations without their games.
         ValueError: its protocol cannot be used.
     """
     session = open_session(path)
     header, games = session.index.header, session.games
+    if header.origin == "imported" and "domain" not in header.protocol:
+        raise NothingToCompareError(
+            f"{path}: imported evaluations without their games: there is nothing to compare. `arl presses` "
+            "reports presses and delays, `arl fit` fits the delays"
+        )
     protocol = header.protocol
     counted = (session.presses["verdict"] == 0) & ~np.isin(
         session.presses["number"], sorted(session.taken_back)

@@ -18,6 +18,7 @@ _TIME_WORDS = (
 _PERSON_WORDS = (
     r"(^|[^a-z])(participant|subject|subj|sub|vp|proband|versuchsperson|teilnehmer|ppn|pid|prolific|person)"
 )
+_MOMENT_WORDS = r"time|stamp|clock|unix|onset|zeit|date"
 _LOOKED_AT = 200
 
 
@@ -30,7 +31,8 @@ def no_column(table: Table, name: str, option: str) -> ReadError:
         option: how one is named, e.g. "--column rt=NAME".
     """
     names = [column for column in table.header if not column.startswith("(column ")]
-    likely = likely_times(table) if "rt=" in option else []
+    kinds = {"rt=": likely_times, "time=": likely_moments, "participant=": likely_participants}
+    likely = next((find(table) for kind, find in kinds.items() if kind in option), [])
     likely = (_close(name, names) + [column for column in likely if column not in _close(name, names)])[
         :MOST_PROPOSALS
     ]
@@ -51,6 +53,12 @@ def no_column(table: Table, name: str, option: str) -> ReadError:
 def likely_times(table: Table) -> list[str]:
     """Return the columns that may hold reaction times, the likeliest first: by name and by their numbers."""
     named = [name for name in table.header if re.search(_TIME_WORDS, name.lower())]
+    return sorted(named, key=lambda name: -_numeric_fraction(table, name))[:MOST_PROPOSALS]
+
+
+def likely_moments(table: Table) -> list[str]:
+    """Return the columns that may say when something happened, the likeliest first."""
+    named = [name for name in table.header if re.search(_MOMENT_WORDS, name.lower())]
     return sorted(named, key=lambda name: -_numeric_fraction(table, name))[:MOST_PROPOSALS]
 
 

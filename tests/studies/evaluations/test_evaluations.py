@@ -14,9 +14,11 @@ from core.recording.importers.contract import (
     load_importer,
 )
 from core.recording.reader import read_recording
+from core.recording.summary import summarise_recording
 from studies.evaluations.importer import IMPORTER
 from studies.evaluations.presses import presses_of, report_lines
 from studies.reaction_time.read import ReadError, read_files
+from studies.session_view.comparison import NothingToCompareError, figures_of
 from tests.data_folder import REPOSITORY, data_folder
 
 TABLE = """participant_id,task,time_s,value,delay_s
@@ -49,6 +51,19 @@ def test_each_participant_and_task_becomes_a_recording_that_begins_at_0(tmp_path
     assert [press.value for press in presses] == [1.0, 1.0, -2.0]
     times = [e.time_ns if isinstance(e, KeyPressed) else e.flushed_ns for e in (*frames, *presses)]
     assert min(times) == 0
+
+
+def test_a_recording_without_a_game_is_not_said_to_be_of_one(tmp_path):
+    (path, *_) = imported(tmp_path).recordings
+    words = summarise_recording(read_recording(path)).words
+    assert words == "evaluations without their game; 3 presses counted; ended: imported"
+    with pytest.raises(NothingToCompareError, match="imported evaluations without their games"):
+        figures_of(path)
+
+
+def test_a_column_of_moments_is_proposed(tmp_path):
+    with pytest.raises(ImporterError, match=r"no column 'time_s'.*likely is 'stamp_unix_s'"):
+        imported(tmp_path, TABLE.replace("time_s", "stamp_unix_s"))
 
 
 def test_delays_come_back_as_they_were_and_presses_without_one_are_kept(tmp_path):
