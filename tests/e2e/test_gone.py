@@ -29,6 +29,15 @@ ARGUMENTS = {
 }
 """Arguments of the commands, without a session of one's own."""
 READY = {"demo": "Enter  to start, ", "practice": "to leave", "watch": "quit", "calibrate": "Enter"}
+BY_DEFAULT = {"demo": "window", "practice": "input", "watch": "output", "calibrate": "both"}
+"""Each command and each end once; every pair by name (`-m slow`)."""
+EVERY_END = [
+    pytest.param(
+        command, closed, id=f"{command}-{closed}", marks=[] if by_default == closed else [pytest.mark.slow]
+    )
+    for command, by_default in BY_DEFAULT.items()
+    for closed in ("input", "output", "both", "window")
+]
 
 
 @pytest.fixture
@@ -64,7 +73,7 @@ def stop_reason(recording: Recording) -> str:
     return stop.reason
 
 
-@pytest.mark.parametrize("repetition", range(3))
+@pytest.mark.parametrize("repetition", [0, *(pytest.param(n, marks=pytest.mark.slow) for n in (1, 2))])
 def test_a_closed_terminal_ends_a_session_which_says_so(
     repetition: int, tmp_path: Path, long_file: Path
 ) -> None:
@@ -102,8 +111,7 @@ def test_a_session_of_which_one_end_closes_ends(closed: str, tmp_path: Path, lon
         assert "unexpectedly" not in shown
 
 
-@pytest.mark.parametrize("command", ARGUMENTS)
-@pytest.mark.parametrize("closed", ["input", "output", "both", "window"])
+@pytest.mark.parametrize(("command", "closed"), EVERY_END)
 def test_every_command_ends_with_its_terminal(command: str, closed: str, tmp_path: Path) -> None:
     if closed == "window":
         with Terminal(*ARGUMENTS[command], cwd=tmp_path) as terminal:

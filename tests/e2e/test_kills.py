@@ -59,7 +59,8 @@ def kill_one(number: int, tmp_path: Path) -> None:
             while time.monotonic() < pause:
                 terminal.pump(0.01)
                 confirmed.look(terminal)
-        for pid in {"app": [app], "worker": [worker], "both": [worker, app]}[victim]:
+        # The app first: between two kills a busy machine would leave it the time to end the recording.
+        for pid in {"app": [app], "worker": [worker], "both": [app, worker]}[victim]:
             os.kill(pid, signal.SIGKILL)
         if victim == "worker":
             terminal.wait_for(TROUBLE, patience_s=60.0)
