@@ -33,8 +33,9 @@ def topics_of(setup: SessionSetup, ready: Ready | None) -> dict[str, str]:
     protocol = setup.protocol
     found = plan(protocol)
     topics = {topic: found[topic] for topic in TOPICS if topic in found}
-    whose = setup.source.get("credit_rule", "as written in the protocol")
-    topics["Credit"] = f"{describe(protocol.agent.credit.delay)} ({whose})"
+    asked = setup.source.get("credit_asked_by", "protocol")
+    rule = setup.source.get("credit", "rule")
+    topics["Credit"] = f"{describe(protocol.agent.credit.delay)} ({rule}, asked for by the {asked})"
     if protocol.people:
         topics["Credit"] = found["Credit"]
     if ready is None:

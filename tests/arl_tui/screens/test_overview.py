@@ -32,6 +32,7 @@ async def test_the_experimenter_reads_the_weight_in_each_game_and_the_reach() ->
         assert "annealed: w_r = 1, w_h 1, 0.98, 0.96 in games 1 to 3" in told
         assert "Reach  not worked out yet" in told
         assert "3 watched" in told
+        assert "Credit  previous (rule, asked for by the protocol)" in told
         await pilot.press("f2")
         link.say(Ready(warm_up_ns=1, reach=0.92, step_s=1.6))
         await pilot.press("f2")
