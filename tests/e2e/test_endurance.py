@@ -67,13 +67,24 @@ class Endured:
         return self.memory[-1][1] - settled[1], self.memory[-1][2] - settled[2]
 
 
-def new_presses(growing: BinaryIO) -> bytes:
-    """Return what has been written to a file since it was last asked, where there is a press in it."""
-    written = growing.read()
-    return written if b'{"type":"key-pressed"' in written else b""
+class Growing:
+    """A recording that is being written: its new lines, each once and whole.
+
+    A line is written at once, but where it crosses a page of memory its beginning can be read before its end.
+    """
+
+    def __init__(self, file: BinaryIO) -> None:
+        self._file = file
+        self._begun = b""
+        """Of a line whose end has not been read."""
+
+    def new_presses(self) -> bytes:
+        """Return the lines of presses that have been written since it was last asked."""
+        *lines, self._begun = (self._begun + self._file.read()).split(b"\n")
+        return b"\n".join(line for line in lines if line.startswith(b'{"type":"key-pressed"'))
 
 
-def endure(terminal: Terminal, recording: BinaryIO, duration_s: float, every_s: float) -> Endured:
+def endure(terminal: Terminal, recording: Growing, duration_s: float, every_s: float) -> Endured:
     """Press keys at random moments, and measure; the screen is read and let go, as a terminal would."""
     rng, found = np.random.default_rng(1), Endured()
     app, worker = terminal.child.pid, worker_of(terminal.child.pid)
@@ -85,10 +96,10 @@ def endure(terminal: Terminal, recording: BinaryIO, duration_s: float, every_s: 
             next_sample += every_s
         terminal.discard(rng.uniform(0.3, 1.2))
         key = "jf"[rng.integers(2)]
-        new_presses(recording)
+        recording.new_presses()
         pressed_ns = terminal.press(key)
         found.written.append((key, pressed_ns))
-        while not (written := new_presses(recording)):
+        while not (written := recording.new_presses()):
             assert time.monotonic_ns() < pressed_ns + 10_000 * MS, f"key {len(found.written)} is not recorded"
             terminal.discard(0.001)
         found.to_file_ms.append((time.monotonic_ns() - pressed_ns) / MS)
@@ -120,7 +131,7 @@ def play_for(game: str, duration_s: float, every_s: float, tmp_path: Path) -> No
         (path,) = (tmp_path / "r").glob("*.jsonl")
         pids = {terminal.child.pid, worker_of(terminal.child.pid)}
         with path.open("rb") as growing:
-            found = endure(terminal, growing, duration_s, every_s)
+            found = endure(terminal, Growing(growing), duration_s, every_s)
         terminal.child.kill(15)
         while terminal.child.isalive():
             terminal.discard(0.1)
