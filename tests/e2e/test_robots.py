@@ -9,7 +9,6 @@ import statistics
 import time
 from contextlib import ExitStack
 from pathlib import Path
-from typing import BinaryIO
 
 import numpy as np
 import pytest
@@ -20,6 +19,7 @@ from core.recording.reader import Recording, read_recording
 from core.session.protocol_reading import protocol_from
 from core.session.replay import replay_exactly
 from core.session.session import build_session
+from tests.e2e.growing import Growing
 from tests.e2e.terminal import PATIENCE_S, Terminal
 
 MS = 1_000_000
@@ -60,7 +60,7 @@ class Robot:
         self.to_file_ms: list[float] = []
         self.began_ns = 0
         self._asked = self._started = False
-        self._growing: BinaryIO | None = None
+        self._growing: Growing | None = None
         self._due = 0.0
 
     @property
@@ -82,8 +82,9 @@ class Robot:
 
     def begin(self) -> None:
         """Begin to press keys."""
-        self._growing = self.path.open("rb")
-        self._growing.seek(0, os.SEEK_END)
+        file = self.path.open("rb")
+        file.seek(0, os.SEEK_END)
+        self._growing = Growing(file)
         self.began_ns = time.monotonic_ns()
 
     @property
@@ -96,8 +97,8 @@ class Robot:
         self.terminal.discard(0.0005)
         assert self._growing is not None, "begun before"
         now_ns = time.monotonic_ns()
-        written = self._growing.read()
-        for _ in range(written.count(b'"key":"j"') + written.count(b'"key":"f"')):
+        lines = self._growing.new_presses()
+        for _ in range(sum(b'"key":"j"' in line or b'"key":"f"' in line for line in lines)):
             _, pressed_ns = self.written[len(self.to_file_ms)]
             self.to_file_ms.append((now_ns - pressed_ns) / MS)
         if presses and time.monotonic() >= self._due:
