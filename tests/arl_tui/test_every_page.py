@@ -74,6 +74,12 @@ async def ready(pilot: Pilot[Any], link: FakeLink) -> None:
     await pilot.pause()
 
 
+async def overview(pilot: Pilot[Any], link: FakeLink) -> None:
+    await ready(pilot, link)
+    await pilot.press("f2")
+    await pilot.pause()
+
+
 async def preparing(pilot: Pilot[Any], link: FakeLink) -> None:
     link.say(Preparing(compiled=12, needed=40, fraction=0.3))
     await pilot.press("enter")
@@ -190,6 +196,7 @@ PAGES: dict[str, tuple[Callable[[Path, FakeLink], App[Any]], Drive]] = {
     "welcome-tetris-preparing": (session(TETRIS), preparing),
     "welcome-keepaway": (session(KEEPAWAY_20), ready),
     "welcome-keepaway-longest": (session(WRONG, part="Block 2 of 3", practice=True), ready),
+    "overview": (session(TETRIS), overview),
     "tetris": (session(NOW, part="Block 2 of 3"), tetris),
     "tetris-marked": (session(NOW), marked),
     "tetris-budget-used-up": (session(NOW), used_up),
@@ -244,8 +251,11 @@ PAGES: dict[str, tuple[Callable[[Path, FakeLink], App[Any]], Drive]] = {
 """By name: what makes the app, and what is done before it is looked at."""
 
 WINDOWS = ((80, 24), (120, 40), (200, 60))
-LOOKS = [(size, "dark") for size in WINDOWS]
-"""Add (size, "light") here and run with --snapshot-update to hold another theme's colours."""
+LOOKS = [
+    *((size, theme) for theme in ("dark", "light") for size in WINDOWS),
+    (WINDOWS[0], "high-contrast"),
+]
+"""The first by default, the others by name."""
 PICTURES = Path(__file__).parent / "__pages__"
 """One file for a page in a window: its text, and below it a fingerprint of its colours in each theme."""
 
