@@ -27,6 +27,7 @@ from arl_tui.app.link import (
 from arl_tui.app.tally import Tally
 from arl_tui.app.unconfirmed import EventSink, UnconfirmedPresses
 from core.events import (
+    CoverReason,
     EpisodeStarted,
     Event,
     FocusLost,
@@ -54,7 +55,6 @@ from core.feedback.people import new_gate
 from core.numerics.clock import NS_PER_S, Clock
 from core.recording.joined import latest_ns
 
-Cover = Literal["pause", "help", "quit-dialogue", "resize", "gap", "count-down", "question"]
 Occurrence = Event | Picture | PressSuggested | Practised | Preparing | Ready | TakenFor | AskNow
 
 
@@ -261,7 +261,7 @@ class LiveSession:
             now_ns = self._clock.now_ns()
             self._enter(FocusRegained(time_ns=now_ns) if has_focus else FocusLost(time_ns=now_ns))
 
-    def cover(self, reason: Cover) -> None:
+    def cover(self, reason: CoverReason) -> None:
         """Note that something else is on screen: simulated time stops."""
         if self.phase == "running" and not self.gate.covered:
             self.collect_frames()

@@ -152,7 +152,7 @@ def with_credit(protocol: Protocol, choice: CreditChoice) -> Protocol:
 
 
 def credited_alike(protocol: Protocol) -> Protocol:
-    """Return the protocol with one credit rule for everybody at the keyboard: `agent.credit.delay`."""
+    """Return the protocol with one credit rule for all participants at the keyboard: `agent.credit.delay`."""
     people = tuple(msgspec.structs.replace(person, delay=None) for person in protocol.people)
     return msgspec.structs.replace(protocol, people=people)
 

@@ -34,7 +34,7 @@ class PeopleBar(FeedbackBar):
     """Name, last press, presses left and keys of each person; nothing moves when another one presses."""
 
     def __init__(self, people: Sequence[tuple[str, KeyConfig]], *, id: str | None = None) -> None:
-        """Show everybody's keys and a full budget.
+        """Show all participants' keys and a full budget.
 
         Args:
             people: name and keys of each, in order; at least one.
@@ -51,7 +51,7 @@ class PeopleBar(FeedbackBar):
         return self._people[person].word, self._people[person].note
 
     def begin_game(self, presses_left: int) -> None:
-        """Clear the bar and show everybody's new budget; `presses_left` is that of the first."""
+        """Clear the bar and show all participants' new budget; `presses_left` is that of the first."""
         for person, line in enumerate(self._people):
             line.presses_left = line.keys.max_presses_per_episode
             self._tell(person, "", "idle", "")

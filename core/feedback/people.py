@@ -78,8 +78,8 @@ def keys_of_person(person: PersonConfig, shared: KeyConfig) -> KeyConfig:
 
 
 def credit_of_person(person: PersonConfig, shared: CreditConfig) -> CreditConfig:
-    """Return how one person's presses become samples: as everybody's, but by their own delay if they have
-    one.
+    """Return how one person's presses become samples: as all participants', but by their own delay if they
+    have one.
     """
     return shared if person.delay is None else msgspec.structs.replace(shared, delay=person.delay)
 

@@ -1,4 +1,4 @@
-"""Sarsa as an agent's learner: one step at a time, whoever chooses the action (`core.learners.contract`)."""
+"""Sarsa as an agent's learner: one step at a time, whichever side chooses (`core.learners.contract`)."""
 
 from collections.abc import Callable
 

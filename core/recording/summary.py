@@ -232,7 +232,7 @@ def _of_people(header: Header, counted: Sequence[KeyPressed]) -> tuple[tuple[str
 
 
 def _by_value(protocol: Mapping[str, Any], counted: Sequence[KeyPressed]) -> tuple[tuple[float, int], ...]:
-    """Return how many presses of each value counted, where anybody's feedback was graded."""
+    """Return how many presses of each value counted, where any participant's feedback was graded."""
     keys = [protocol.get("keys"), *(protocol.get("people") or ())]
     if not any(isinstance(each, Mapping) and each.get("graded") for each in keys):
         return ()

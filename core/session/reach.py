@@ -35,10 +35,8 @@ from core.feedback.delays import (
 )
 from core.feedback.viewing import Watched
 from core.numerics.clock import NS_PER_S
-from core.session.protocol import Protocol
+from core.session.protocol import ENOUGH_REACH, Protocol
 
-ENOUGH = 0.70
-"""Below this fraction a session says so before it starts (docs/decisions/pace-of-a-session.md)."""
 DELAY_STEP_S = 0.002
 """Resolution of the average over delays."""
 
@@ -71,8 +69,8 @@ class Reach:
 
     @property
     def enough(self) -> bool:
-        """Whether the fraction is at least `ENOUGH`."""
-        return self.fraction >= ENOUGH
+        """Whether the fraction is at least `ENOUGH_REACH`."""
+        return self.fraction >= ENOUGH_REACH
 
 
 def reach_of(protocol: Protocol, delay: DelayDistribution | None = None) -> Reach:

@@ -60,7 +60,7 @@ class Recorded:
         self.given = 0
         """How many inputs have been given out: the last of them is being acted on."""
         self.taken_before_next_output = 0
-        """How many inputs had been taken in before the next output: set by whoever drives the replay."""
+        """How many inputs had been taken in before the next output: set by what drives the replay."""
 
     def add(self, event: Input) -> None:
         """Append the recording's next input."""

@@ -14,7 +14,7 @@ PIECE_STREAMS: dict[str, Callable[[int, int], int]] = {"uniform": uniform_piece,
 class Practice:
     """The state of a practice game.
 
-    It knows no clock: whoever runs it says when gravity acts. A piece that gravity cannot move settles; where
+    It knows no clock: its caller says when gravity acts. A piece that gravity cannot move settles; where
     that fills rows, they are shown full until the next fall. The game is over when the pile is higher than
     the board.
     """
