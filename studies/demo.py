@@ -89,7 +89,7 @@ def simulated_people(protocol: Protocol, root_seed: int) -> list[ParticipantPart
     """Return the simulated participants of a session, each with their gate: `trainer`, then `others`.
 
     Args:
-        protocol: of the session; where it has people, those without an entry in `others` are as `trainer`.
+        protocol: of the session; where it has `people`, those without an entry in `others` are as `trainer`.
         root_seed: of the session.
     """
     game, numbers = game_of(protocol), count()

@@ -79,7 +79,7 @@ class LiveSession:
         """Prepare; nothing is recorded before `begin`.
 
         Args:
-            keys: which keys mean what; of several people those of each.
+            keys: which keys mean what; of several participants those of each.
             root_seed: the session's seed (stream "wrong-press" says which presses are asked to be wrong).
             link: the worker.
             clock: the clock of key and flush times.

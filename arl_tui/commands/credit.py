@@ -73,8 +73,8 @@ def settle_credit(
 def _settle_people(
     protocol: Protocol, asked: str, option: str | None, recordings: Path
 ) -> tuple[Protocol, dict[str, str]]:
-    """Return the protocol with the delay of each person at the keyboard in numbers, found under their code,
-    and where each comes from.
+    """Return the protocol with the delay of each participant at the keyboard in numbers, found under their
+    code, and where each comes from.
     """
     people: list[PersonConfig] = []
     sources: dict[str, str] = {}

@@ -234,7 +234,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
     def _tell_presses_left(self) -> None:
         """Write beside the game how many presses are left, as long as there is something to judge.
 
-        Of several people the feedback bar says it.
+        Of several participants the feedback bar says it.
         """
         if self._playing and not self._several:
             self.panel.presses_left(self._live.presses_left)

@@ -1,4 +1,4 @@
-"""Practice of Keepaway: a person decides for whichever keeper has the ball. Nothing is recorded."""
+"""Practice of Keepaway: a participant decides for whichever keeper has the ball. Nothing is recorded."""
 
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, ClassVar, cast

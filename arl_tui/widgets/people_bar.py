@@ -1,4 +1,4 @@
-"""Confirms the key presses of several people: a few lines for each, always in the same place."""
+"""Confirms the key presses of several participants: a few lines for each, always in the same place."""
 
 from asyncio import TimerHandle
 from collections.abc import Sequence
@@ -31,7 +31,7 @@ class _Line:
 
 
 class PeopleBar(FeedbackBar):
-    """Name, last press, presses left and keys of each person; nothing moves when another one presses."""
+    """Name, last press, presses left and keys of each participant; nothing moves when another one presses."""
 
     def __init__(self, people: Sequence[tuple[str, KeyConfig]], *, id: str | None = None) -> None:
         """Show all participants' keys and a full budget.
@@ -47,7 +47,7 @@ class PeopleBar(FeedbackBar):
         """Lines for each person."""
 
     def said_to(self, person: int) -> tuple[str, str]:
-        """Return the word and the note that stand in a person's line."""
+        """Return the word and the note that stand in a participant's line."""
         return self._people[person].word, self._people[person].note
 
     def begin_game(self, presses_left: int) -> None:
@@ -118,7 +118,7 @@ class PeopleBar(FeedbackBar):
         self.refresh()
 
     def render_line(self, y: int) -> Strip:
-        """Return one line: of each person what was said, below it budget and keys."""
+        """Return one line: of each participant what was said, below it budget and keys."""
         person, line = divmod(y, self._high)
         if person >= len(self._people):
             return self._line([])

@@ -135,7 +135,7 @@ class PressGate:
         return self.config.max_presses_per_episode - len(self._accepted)
 
     def left_of(self, person: int) -> int:
-        """Return `presses_left` for any number: one person uses this gate."""
+        """Return `presses_left` for any number: one participant uses this gate."""
         return self.presses_left
 
     def episode_started(self) -> None:

@@ -1,4 +1,5 @@
-"""Whole episodes of keepers that learn from their environment and from a simulated person, for experiments.
+"""Whole episodes of keepers that learn from their environment and from a simulated participant, for
+experiments.
 
 An episode is one call of compiled code, presses included; what happens once per episode is done by the
 classes of a session: bootstrap learning, the weights of the scheme, the participant's budget and fatigue.

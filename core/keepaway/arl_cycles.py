@@ -1,4 +1,4 @@
-"""Compiled play of keepers that learn from their environment and from a person: whole episodes, presses
+"""Compiled play of keepers that learn from their environment and from a participant: whole episodes, presses
 included.
 
 Steps, intervals and decisions are those of a session: a step is the decision of a keeper, on screen until the
@@ -152,7 +152,7 @@ def play(
         human: the keepers' human models, in place.
         mix: how the two are combined.
         judge: the simulated participant.
-        presses: of the person, in place.
+        presses: of the participant, in place.
         rule: how presses are credited.
         timeline: the steps, in place.
         streams: of the match.

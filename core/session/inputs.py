@@ -56,7 +56,7 @@ def check_inputs(
 
     Args:
         recording: live or simulated. Imported recordings have no gate: nothing is checked.
-        keys: of the recording's own protocol; of several people at one keyboard those of each.
+        keys: of the recording's own protocol; of several participants at one keyboard those of each.
         asking: of it, too: keys and limit of answers. None: the defaults.
 
     Raises:
@@ -259,8 +259,8 @@ class _Screen:
                 )
 
     def _gate(self, person: int) -> PressGate | PeopleGate:
-        """Return the gate of a press: of several people at one keyboard one for all, which tells by the key
-        whose it is.
+        """Return the gate of a press: of several participants at one keyboard one for all, which tells by the
+        key whose it is.
         """
         number = 0 if self._people else person
         if number not in self._gates:
@@ -275,7 +275,7 @@ class _Screen:
         return self._gates[number]
 
     def _gate_of_first(self) -> PressGate:
-        """Return the gate of the one who is asked for wrong presses: never of several people."""
+        """Return the gate of the one who is asked for wrong presses: never of several participants."""
         gate = self._gate(0)
         return gate if isinstance(gate, PressGate) else PressGate(self._keys)
 

@@ -215,7 +215,7 @@ class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
 
     @property
     def n_participants(self) -> int:
-        """How many people the agent listens to, >= 1."""
+        """How many participants the agent listens to, >= 1."""
         return len(self.people) or 1 + len(self.others)
 
     @property

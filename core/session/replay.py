@@ -131,7 +131,7 @@ def replay_exactly(
 
 
 def _keys_of(protocol: Mapping[str, Any]) -> list[KeyConfig]:
-    """Return the keys of each person at the keyboard, from a header's protocol."""
+    """Return the keys of each participant at the keyboard, from a header's protocol."""
     shared = msgspec.convert(protocol.get("keys", {}), KeyConfig)
     people = msgspec.convert(protocol.get("people", []), list[PersonConfig])
     return [keys_of_person(person, shared) for person in people] or [shared]

@@ -1,4 +1,4 @@
-"""A game of Tetris for a person to play: the same board, pieces and primitives as the agent has."""
+"""A game of Tetris for a participant to play: the same board, pieces and primitives as the agent has."""
 
 from collections.abc import Callable
 from typing import Literal

@@ -1,5 +1,5 @@
-"""Robustness: how wrong may a person be, and when should an agent listen? Trust rules against rates of wrong
-presses.
+"""Robustness: how wrong may a participant be, and when should an agent listen? Trust rules against rates of
+wrong presses.
 """
 
 from collections.abc import Iterator
@@ -44,12 +44,12 @@ class FreshTrial(msgspec.Struct, frozen=True):
 
 
 def wrong(rate: int) -> TrainerConfig:
-    """Return the person of Fig. 5 with another rate of wrong presses, in per cent."""
+    """Return the participant of Fig. 5 with another rate of wrong presses, in per cent."""
     return msgspec.structs.replace(PERSON, mistake_rate=rate / 100)
 
 
 def talkative(name: str) -> TrainerConfig:
-    """Return a named person who is as talkative as the person of Fig. 5."""
+    """Return a named participant who is as talkative as the participant of Fig. 5."""
     return msgspec.structs.replace(person(name), press_probability=PERSON.press_probability)
 
 

@@ -1,5 +1,5 @@
-"""One trial in Tetris: a simulated person watches every episode of a learner, and what came of it, episode by
-episode.
+"""One trial in Tetris: a simulated participant watches every episode of a learner, and what came of it,
+episode by episode.
 """
 
 import numpy as np
