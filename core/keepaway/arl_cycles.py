@@ -266,9 +266,9 @@ def _prefer(values: Floats, human: HumanSet, mix: Mix, timeline: Timeline, i: in
     h_values[:] = 0.0
     if human.samples[0] > 0:
         human_values(human, i, windows, h_values)
-        liked = compare_choices(values, h_values, timeline.available, n, timeline.tally)
+        human_best = compare_choices(values, h_values, timeline.available, n, timeline.tally)
         if takes_control(mix.handover_seed, timeline.counts[EPISODE_STEPS], weights.handover):
-            return liked
+            return human_best
     if weights.w_h == 0.0:
         return -1
     return choose(values, h_values, timeline.available, n, weights.form, weights.w_r, weights.w_h)
