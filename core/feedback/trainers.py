@@ -241,7 +241,7 @@ class SimulatedTrainer:
         else:
             rng = stream(self._root_seed, "trainer delay", self._episode, step)
             delay = rule_for(config.delay, value)
-            assert isinstance(delay, GammaDelay | UniformDelay), "a participant's delay is a density"
+            assert isinstance(delay, Density), "a participant's delay is a density"
             first_ns = hidden_ns + round(draw_delay_s(delay, rng=rng) * NS_PER_S)
         n_presses = config.burst_presses if bursts < config.burst_rate else 1
         interval_ns = round(config.burst_interval_s * NS_PER_S)
@@ -282,7 +282,7 @@ class SimulatedTrainer:
         """
         rng = stream(self._root_seed, "trainer answer delay", self._episode, step)
         delay = rule_for(self.config.delay, 1.0)
-        assert isinstance(delay, GammaDelay | UniformDelay), "a participant's delay is a density"
+        assert isinstance(delay, Density), "a participant's delay is a density"
         return READING_S + draw_delay_s(delay, rng=rng)
 
 
