@@ -1,12 +1,8 @@
 """From a session's events to samples: schemes, silence, bursts, pauses, retraction."""
 
-from collections.abc import Callable
-
 import msgspec
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from core.feedback.assigner import CreditAssigner, CreditConfig, FeedbackSample
@@ -187,93 +183,6 @@ def test_take_gives_each_sample_once() -> None:
     assert [sample.presses for sample in assigner.samples] == [(1,)]
 
 
-Event = Callable[[CreditAssigner], object]
-
-
-@st.composite
-def configs(draw: st.DrawFn) -> CreditConfig:
-    scheme = draw(st.sampled_from(["individual", "aggregate"]))
-    return CreditConfig(
-        delay=draw(
-            st.sampled_from([PreviousStep(), CurrentStep(), UniformDelay(), GammaDelay(), GammaDelay(2, 1)])
-        ),
-        scheme=scheme,
-        silence=draw(st.sampled_from(["no-update", "zero-label"])) if scheme == "aggregate" else "no-update",
-        merge_within_s=draw(st.sampled_from([0.0, 0.4])),
-    )
-
-
-@st.composite
-def sessions(draw: st.DrawFn) -> list[tuple[int | None, Event]]:
-    """Steps, pauses and presses in order of time, and the end."""
-    events: list[tuple[int | None, Event]] = []
-    now, step, press = 0, -1, 0
-    for kind in draw(st.lists(st.sampled_from("sshppp"), max_size=40)):
-        now += draw(st.integers(0, 1500)) * 1_000_000
-        if kind == "s":
-            step += 1
-            events.append((None, lambda a, s=step, t=now: a.step_shown(s, t, features(s))))
-        elif kind == "h" and step >= 0:
-            events.append((None, lambda a, s=step, t=now: a.step_hidden(s, t)))
-        elif kind == "p":
-            value = draw(st.sampled_from([1.0, -1.0]))
-            events.append((press, lambda a, p=press, t=now, v=value: a.add_press(p, t, v)))
-            press += 1
-    if draw(st.booleans()):
-        events.append((None, lambda a, t=now + 1: a.finish(t)))
-    return events
-
-
-@given(configs(), sessions(), st.data())
-def test_a_retracted_press_leaves_no_trace(
-    config: CreditConfig, events: list[tuple[int | None, Event]], data: st.DataObject
-) -> None:
-    presses = [press for press, _ in events if press is not None]
-    retracted = set(data.draw(st.lists(st.sampled_from(presses), unique=True))) if presses else set()
-    with_it, without_it = CreditAssigner(config), CreditAssigner(config)
-    for press, event in events:
-        event(with_it)
-        if press not in retracted:
-            event(without_it)
-        if press in retracted and data.draw(st.booleans(), label="retracted at once"):
-            with_it.retract(press)
-            retracted.discard(press)
-    for press in retracted:
-        with_it.retract(press)
-    assert told(list(with_it.samples)) == told(list(without_it.samples))
-    assert with_it.account == without_it.account
-
-
-@given(configs(), sessions())
-def test_all_mass_of_a_session_is_in_its_account(
-    config: CreditConfig, events: list[tuple[int | None, Event]]
-) -> None:
-    assigner = CreditAssigner(config)
-    for _, event in events:
-        event(assigner)
-    account = assigner.account
-    mass = account.credited + account.before_first + account.in_gaps + account.too_late
-    assert mass == pytest.approx(account.presses, abs=1e-9)
-    if config.scheme == "individual":
-        assert sum(sample.weight for sample in assigner.samples) == pytest.approx(account.credited, abs=1e-9)
-
-
-@given(sessions())
-def test_both_schemes_share_the_same_mass(events: list[tuple[int | None, Event]]) -> None:
-    """Sum of weight * label is the same, whether presses stay apart or are added up per step."""
-    sums = []
-    for scheme in ("individual", "aggregate"):
-        assigner = CreditAssigner(CreditConfig(delay=UniformDelay(), scheme=scheme))  # type: ignore[arg-type]
-        for _, event in events:
-            event(assigner)
-        try:
-            assigner.finish(10**15)
-        except ValueError:
-            raise AssertionError("finishing twice is allowed") from None
-        sums.append(sum(sample.weight * sample.label for sample in assigner.samples))
-    assert sums[0] == pytest.approx(sums[1], abs=1e-9)
-
-
 def test_reports_of_the_screen_may_cross_by_a_little() -> None:
     assigner = session(CreditConfig(delay=UniformDelay()))
     assigner.step_hidden(3, ns(4))
@@ -315,3 +224,98 @@ def test_what_cannot_be_is_refused_with_the_reason() -> None:
     assigner.finish(ns(5))
     with pytest.raises(ValueError, match="was finished"):
         assigner.add_press(2, ns(6), 1.0)
+
+
+def test_a_long_session_keeps_only_the_features_that_a_press_may_still_need():
+    assigner = CreditAssigner(CreditConfig())
+    for step in range(2000):
+        assigner.step_shown(step, step * NS_PER_S, np.full(3, float(step)))
+        if step in (500, 501):
+            assigner.add_press(step, step * NS_PER_S + 600_000_000, 1.0)
+    kept = set(assigner._features)
+    assert {499, 500, 501} & kept
+    assert len(kept) < 100
+    before = [sample.features.tolist() for sample in assigner.samples]
+    assert before
+    assigner.retract(501)
+    assert [sample.features.tolist() for sample in assigner.samples] == before[: len(assigner.samples)]
+    assigner.add_press(2000, 1999 * NS_PER_S + 600_000_000, -1.0)
+    assert assigner.samples[-1].features[0] >= 1998.0
+
+
+EPISODE_S = 40.0
+
+
+def play_episodes(assigner: CreditAssigner, n_episodes: int, *, begins: bool) -> list[object]:
+    """Play episodes of steps of half a second; in each, a press is taken back, some in the next episode."""
+    given: list[object] = []
+    held = -1
+    for episode in range(n_episodes):
+        began_s, first = episode * EPISODE_S, episode * 60
+        if begins:
+            assigner.episode_begins()
+        if held >= 0:
+            assigner.retract(held)  # a key that was held over the end of the last episode
+        for step in range(60):
+            shown_s = began_s + step / 2
+            assigner.step_shown(first + step, ns(shown_s), features(first + step))
+            if step % 7 == 3:
+                given.append(assigner.add_press(first + step, ns(shown_s + 0.1), 1.0 - step % 2 * 2))
+            if step == 40:
+                assigner.retract(first + 31)
+        assigner.step_hidden(first + 59, ns(began_s + 30))
+        given.append(told(list(assigner.take())))
+        held = first + 59 if episode % 3 == 0 else -1
+    assigner.finish(ns(n_episodes * EPISODE_S))
+    return [*given, told(list(assigner.samples)), assigner.account]
+
+
+@pytest.mark.parametrize("scheme", ["individual", "aggregate"])
+@pytest.mark.parametrize("silence", ["no-update", "zero-label"])
+@pytest.mark.parametrize("delay", [UniformDelay(), GammaDelay(3.0, 0.2, 0.1), CurrentStep(), PreviousStep()])
+def test_forgetting_what_no_press_can_reach_changes_no_sample(scheme, silence, delay):
+    if silence == "zero-label" and scheme == "individual":
+        return
+    config = CreditConfig(delay=delay, scheme=scheme, silence=silence, merge_within_s=0.6)
+    forgetting, keeping = CreditAssigner(config), CreditAssigner(config)
+    assert play_episodes(forgetting, 9, begins=True) == play_episodes(keeping, 9, begins=False)
+    assert len(forgetting._ledger._steps) < 60 * 5 < len(keeping._ledger._steps)
+
+
+def test_a_session_of_many_episodes_keeps_what_happened_in_two():
+    for n_episodes in (4, 12):
+        assigner = CreditAssigner(CreditConfig())
+        play_episodes(assigner, n_episodes, begins=True)
+        assert len(assigner._log) + len(assigner._before) < 2 * 60 + 2 * 15
+        assert len(assigner._ledger._steps) < 60 * 5
+        assert len(assigner._features) < 60 * 5
+
+
+def test_a_press_of_an_episode_of_long_ago_is_settled():
+    assigner = CreditAssigner(CreditConfig())
+    assigner.step_shown(0, 0, features(0))
+    assigner.add_press(0, ns(0.5), 1.0)
+    assigner.episode_begins()
+    assigner.episode_begins()
+    with pytest.raises(ValueError, match="made before the last episode"):
+        assigner.retract(0)
+    assert assigner.account.presses == 1
+
+
+def test_a_press_for_a_step_that_was_forgotten_is_refused_with_the_reason():
+    assigner = CreditAssigner(CreditConfig())
+    for episode in range(9):
+        assigner.episode_begins()
+        for step in range(60):
+            number = episode * 60 + step
+            assigner.step_shown(number, number * NS_PER_S, features(number))
+    with pytest.raises(ValueError, match="press 1 is for a step, which left the screen more than 60 s ago"):
+        assigner.add_press(1, 50 * NS_PER_S, 1.0)
+
+
+def test_a_press_for_a_step_of_long_ago_is_refused_with_the_reason():
+    assigner = CreditAssigner(CreditConfig())
+    for step in range(300):
+        assigner.step_shown(step, step * NS_PER_S, np.zeros(3))
+    with pytest.raises(ValueError, match="left the screen more than 60 s ago"):
+        assigner.add_press(1, 50 * NS_PER_S + 600_000_000, 1.0)
