@@ -1,7 +1,8 @@
 """Compiling in a process of its own, while the game has begun already: on the second core, and with low
 priority.
 
-The process ends with whoever started it: it watches its standard input. What it has compiled by then is kept.
+The process ends with the program that started it: it watches its standard input. What it has compiled by
+then is kept.
 """
 
 import os
@@ -37,8 +38,8 @@ class Ahead:
 
     @property
     def finished(self) -> bool:
-        """Whether it has ended: everything is compiled, or it failed (then whoever needs a kernel compiles
-        it).
+        """Whether it has ended: everything is compiled, or it failed (then programs compile what they
+        need).
         """
         return self._process.poll() is not None
 
@@ -89,7 +90,7 @@ def warm_up_match(task: KeepawayConfig) -> None:
 
 
 def main() -> None:
-    """Read an order from the standard input, and compile it unless whoever ordered it goes away."""
+    """Read an order from the standard input, and compile it unless the program that ordered it ends."""
     if hasattr(os, "nice"):
         os.nice(NICENESS)
     order = msgspec.json.decode(sys.stdin.buffer.readline(), type=Order)

@@ -2,3 +2,5 @@
 
 FRAMES_PER_S = "30"
 """Upper bound of Textual's drawing rate: the value of the variable TEXTUAL_FPS."""
+FRAME_S = 1 / int(FRAMES_PER_S)
+"""Duration of a frame at that rate, seconds."""

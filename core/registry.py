@@ -1,5 +1,5 @@
-"""What a session needs of each game, under one interface: sessions, what-ifs and simulated people know no
-game.
+"""What a session needs of each game, under one interface: sessions, what-ifs and simulated participants know
+no game.
 
 No game is imported here: its plugin (`core.plugins`) imports it when it is asked for, and compiled code comes
 with it.
@@ -62,7 +62,7 @@ class Game(Interface):
         ...
 
     def oracle(self, protocol: Protocol) -> Oracle:
-        """Return by whom simulated people judge."""
+        """Return by whom simulated participants judge."""
         ...
 
     def viewing(self, protocol: Protocol) -> Viewing:

@@ -61,7 +61,22 @@ def simulate_session(
         others=others,
         asking=protocol.agent.asking,
     )
-    header = Header(
+    header = _header(protocol, root_seed, clock, participant=participant, software=software)
+    header = msgspec.structs.replace(header, source=dict(source or {}), study=dict(study or {}))
+    writer = LineWriter(target, header)
+    for output in session.run(simulated, clock):
+        writer.write(output)
+        for item in simulated.watch(output):
+            writer.write(item)
+    writer.close()
+    return target
+
+
+def _header(
+    protocol: Protocol, root_seed: int, clock: ManualClock, *, participant: str, software: dict[str, str]
+) -> Header:
+    """Return the first line of the recording of a simulated session."""
+    return Header(
         origin="simulated",
         created_utc=wall_time_utc(),
         clock="simulated",
@@ -72,24 +87,15 @@ def simulate_session(
         protocol=to_plain(protocol),
         software=software,
         departures=protocol.departures(),
-        source=dict(source or {}),
-        study=dict(study or {}),
         participants=protocol.participants,
     )
-    writer = LineWriter(target, header)
-    for output in session.run(simulated, clock):
-        writer.write(output)
-        for item in simulated.watch(output):
-            writer.write(item)
-    writer.close()
-    return target
 
 
 def simulated_people(protocol: Protocol, root_seed: int) -> list[ParticipantParts[Any]]:
     """Return the simulated participants of a session, each with their gate: `trainer`, then `others`.
 
     Args:
-        protocol: of the session; where it has people, those without an entry in `others` are as `trainer`.
+        protocol: of the session; where it has `people`, those without an entry in `others` are as `trainer`.
         root_seed: of the session.
     """
     game, numbers = game_of(protocol), count()

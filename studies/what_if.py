@@ -184,7 +184,7 @@ def scheme_named(name: str, own: Scheme) -> Scheme:
 
 def _with(protocol: Protocol, delay: Delay, scheme: str) -> Protocol:
     if delay != protocol.agent.credit.delay:
-        # A rule that is asked for is everybody's; under the protocol's own each person keeps theirs.
+        # A rule that is asked for holds for all; under the protocol's own each participant keeps theirs.
         people = tuple(msgspec.structs.replace(person, delay=None) for person in protocol.people)
         protocol = msgspec.structs.replace(protocol, people=people)
     agent = msgspec.structs.replace(

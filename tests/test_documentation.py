@@ -251,6 +251,26 @@ def test_a_name_of_the_glossary_exists(name: str):
     assert resolve(name) is not None
 
 
+@pytest.mark.parametrize("name", ["architecture.md", "extending.md"])
+def test_files_and_names_that_a_page_for_developers_gives_exist(name: str):
+    text = (DOCS / name).read_text(encoding="utf-8")
+    files = set(re.findall(r"`((?:core|studies|arl_tui|tests|examples)/[\w./]+)`", text))
+    missing = [file for file in files if "NAME" not in file and not (REPOSITORY / file).exists()]
+    assert sorted(missing) == ["core/combination/trust/recent.py"] * (name == "extending.md")
+    for dotted in set(re.findall(r"\b((?:core|studies|arl_tui)(?:\.\w+)+)\b", text)):
+        assert resolve(dotted) is not None, dotted
+
+
+def test_the_rooms_of_the_architecture_are_the_folders_there_are():
+    rooms = (DOCS / "architecture.md").read_text(encoding="utf-8").split("```")[1]
+    folders = {
+        path.parent.name
+        for top in ("core", "studies", "arl_tui")
+        for path in (REPOSITORY / top).glob("*/__init__.py")
+    }
+    assert sorted(folder for folder in folders if f"{folder}/" not in rooms) == []
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(REPOSITORY)))
 def test_links_to_files_lead_somewhere(page: Path):
     text = FENCE.sub("", page.read_text(encoding="utf-8"))

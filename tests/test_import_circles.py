@@ -1,4 +1,4 @@
-"""No circle of modules: whoever reads one file never needs a file that needs this one."""
+"""No circle of modules: no file needs one that needs it."""
 
 from collections.abc import Mapping
 from graphlib import CycleError, TopologicalSorter

@@ -49,7 +49,7 @@ class OpenQuestion:
         return self._config.limit_s - since_ns / NS_PER_S
 
     def answered_by(self, pressed: KeyPressed) -> QuestionAnswered | None:
-        """Return what a key press answers; None where it is no answer, or came before anybody had read it."""
+        """Return what a key press answers; None where it is no answer, or came before it could be read."""
         option = self._config.option_of(pressed.read_as or pressed.key, len(self.posed.options))
         if option is None or self._shown_ns is None:
             return None

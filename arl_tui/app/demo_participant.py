@@ -1,6 +1,6 @@
 """Simulated participants beside the real ones: in the worker, they suggest key presses to the screen.
 
-The screen makes each suggestion a real key event, so a suggested press takes the same way as a person's.
+The screen makes each suggestion a real key event, so a suggested press takes the same way as a participant's.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -15,7 +15,9 @@ if TYPE_CHECKING:
 
 
 class DemoParticipant:
-    """Judges each step by an oracle's values, as `protocol.trainer` says; of several people all of them."""
+    """Judges each step by an oracle's values, as `protocol.trainer` says; of several participants all of
+    them.
+    """
 
     def __init__(self, session: "Session", protocol: Protocol, root_seed: int) -> None:
         # Here, not above: compiled code, and the screen's process imports this module with the worker's.
@@ -65,7 +67,7 @@ class DemoParticipant:
     def answer(self, posed: QuestionPosed, *, shown_ns: int) -> PressSuggested:
         """Return the press that answers a question which is about to be shown at `shown_ns`.
 
-        Of several people the first one answers.
+        Of several participants the first one answers.
         """
         assert self._state is not None, "an episode starts before its first question"
         first = self._people[0]

@@ -27,6 +27,7 @@ from arl_tui.app.link import (
 from arl_tui.app.tally import Tally
 from arl_tui.app.unconfirmed import EventSink, UnconfirmedPresses
 from core.events import (
+    CoverReason,
     EpisodeStarted,
     Event,
     FocusLost,
@@ -54,7 +55,6 @@ from core.feedback.people import new_gate
 from core.numerics.clock import NS_PER_S, Clock
 from core.recording.joined import latest_ns
 
-Cover = Literal["pause", "help", "quit-dialogue", "resize", "gap", "count-down", "question"]
 Occurrence = Event | Picture | PressSuggested | Practised | Preparing | Ready | TakenFor | AskNow
 
 
@@ -79,7 +79,7 @@ class LiveSession:
         """Prepare; nothing is recorded before `begin`.
 
         Args:
-            keys: which keys mean what; of several people those of each.
+            keys: which keys mean what; of several participants those of each.
             root_seed: the session's seed (stream "wrong-press" says which presses are asked to be wrong).
             link: the worker.
             clock: the clock of key and flush times.
@@ -261,7 +261,7 @@ class LiveSession:
             now_ns = self._clock.now_ns()
             self._enter(FocusRegained(time_ns=now_ns) if has_focus else FocusLost(time_ns=now_ns))
 
-    def cover(self, reason: Cover) -> None:
+    def cover(self, reason: CoverReason) -> None:
         """Note that something else is on screen: simulated time stops."""
         if self.phase == "running" and not self.gate.covered:
             self.collect_frames()

@@ -20,7 +20,7 @@ class StepsShown:
         """Begin with an empty screen.
 
         Args:
-            rules: by which each person's presses are credited, in order.
+            rules: by which each participant's presses are credited, in order.
         """
         self._rules = rules
         self._intervals: deque[tuple[int, int, int]] = deque(maxlen=REMEMBERED)

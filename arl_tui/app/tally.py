@@ -20,7 +20,7 @@ class Tally:
     bad: int = 0
     taken_back: int = 0
     said: dict[tuple[int, float], int] = field(default_factory=dict)
-    """How many presses of each person had each value, those taken back left out."""
+    """How many presses of each participant had each value, those taken back left out."""
     trust: float = 0.0
     """What the rule of trust says of the participant, after the last episode."""
     weight: float | None = None

@@ -51,7 +51,9 @@ class Unconfirmed:
 
 
 class UnconfirmedPresses:
-    """Keeps presses until they are in the file, and each person's budget as far as presses are confirmed."""
+    """Keeps presses until they are in the file, and each participant's budget as far as presses are
+    confirmed.
+    """
 
     def __init__(
         self,
@@ -64,7 +66,7 @@ class UnconfirmedPresses:
 
         Args:
             gate: knows what is left of each budget when a press is made.
-            n_participants: how many people press, >= 1.
+            n_participants: how many participants press, >= 1.
             clock: says how long a press has waited.
             listener: told of each press when it is in the file, then of what it was taken for.
         """
@@ -76,7 +78,7 @@ class UnconfirmedPresses:
         """What presses were taken for that are not known to be in the file yet."""
         self._episodes_begun = 0
         self._left = [gate.left_of(person) for person in range(n_participants)]
-        """Presses that are left of each person's budget, as far as presses have been confirmed."""
+        """Presses that are left of each participant's budget, as far as presses have been confirmed."""
         self._person_of: dict[int, int] = {}
 
     @property
@@ -94,7 +96,7 @@ class UnconfirmedPresses:
         self._person_of[press.press] = press.person
 
     def episode_started(self) -> None:
-        """Give each person the budget of a new episode."""
+        """Give each participant the budget of a new episode."""
         self._episodes_begun += 1
         self._left = [self._gate.left_of(person) for person in range(len(self._left))]
 

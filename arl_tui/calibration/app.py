@@ -25,9 +25,10 @@ from arl_tui.calibration.pages import (
 )
 from arl_tui.calibration.plan import PLANNED, CalibrationSetup, Part, new_parts, unfinished
 from arl_tui.calibration.texts import key_reminder
-from arl_tui.calibration.trial_screen import SMALLEST, TrialScreen
+from arl_tui.calibration.trial_screen import TrialScreen
 from arl_tui.calibration.trial_store import TrialStore
 from arl_tui.calibration.views import BoxView
+from arl_tui.games.panel import SMALLEST
 from arl_tui.games.registry import screens_called
 from arl_tui.games.trial_view import TrialView
 from arl_tui.language import later
@@ -174,7 +175,7 @@ class CalibrationApp(PlainApp[CalibrationOutcome]):
             if part.schedule.config.task == "feedback lag" and not part.complete:
                 module = screens_called(part.schedule.config.game).judging_module
                 self._asked[module] = asyncio.ensure_future(self._helper(module, part.schedule))
-                # Whoever waits for it gets its error; if nothing waits for it, nothing gets it.
+                # A caller that waits for it gets its error; if none waits for it, none gets it.
                 self._asked[module].add_done_callback(lambda task: task.cancelled() or task.exception())
 
     async def _ask(self, page: PageScreen) -> bool:

@@ -12,12 +12,12 @@ from textual import events
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Center, Horizontal, Vertical
-from textual.geometry import Size
 from textual.screen import Screen
 from textual.widgets import Static
 
 from arl_tui.app.garbage import GarbageControl
 from arl_tui.calibration.texts import LET_GO, key_reminder, practice_word, session_keys
+from arl_tui.games.panel import SMALLEST
 from arl_tui.games.trial_view import TrialView
 from arl_tui.language import tr
 from arl_tui.screens.covers import fits_into
@@ -25,13 +25,12 @@ from core.numerics.clock import NS_PER_S, Clock, seconds
 from studies.reaction_time.protocol import BlockPlan, Schedule, TrialPlan, TrialRecord
 from studies.reaction_time.trial import Trial, TrialTiming
 
-SMALLEST = Size(80, 24)
 GAP_S = 0.4
 """From the end of a trial to the next one."""
 WORD_S = 1.2
 """How long a word about a practice trial stands."""
 PATIENCE_S = 1.0
-"""Whoever still holds a key after this long is asked to let go."""
+"""A participant who still holds a key after this long is asked to let go."""
 
 
 class TrialScreen(Screen[bool], inherit_bindings=False):

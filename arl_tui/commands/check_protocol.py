@@ -14,14 +14,12 @@ from core.feedback.delays import GammaDelay, describe
 from core.session.contradictions import warnings_of
 from core.session.effects import idle
 from core.session.plan import plan
-from core.session.protocol import DEFAULTS, Protocol
+from core.session.protocol import DEFAULTS, ENOUGH_REACH, Protocol
 
 WIDEST = 110
 """Columns of a line at most."""
 INDENT = 10
 """Columns of the topics."""
-ENOUGH = 0.70
-"""Below this fraction another pace or credit rule is advised (docs/decisions/pace-of-a-session.md)."""
 
 IN_SHORT = ("Games", "Presses", "Time", "Weight", "Credit", "Compiled", "Reach")
 """The topics that are printed before a session, in order."""
@@ -95,7 +93,9 @@ def _reach(protocol: Protocol) -> str:
         f"{reach.fraction:.0%} of a press reaches the step it was meant for, for a participant with the "
         f"delay {describe(delay_in_force(protocol))} (a step lasts {reach.step_s:.2g} s)"
     )
-    return text if reach.fraction >= ENOUGH else f"{text}: less than {ENOUGH:.0%}; a slower pace reaches more"
+    if reach.fraction >= ENOUGH_REACH:
+        return text
+    return f"{text}: less than {ENOUGH_REACH:.0%}; a slower pace reaches more"
 
 
 def _compiled(protocol: Protocol) -> str:

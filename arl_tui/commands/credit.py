@@ -73,8 +73,8 @@ def settle_credit(
 def _settle_people(
     protocol: Protocol, asked: str, option: str | None, recordings: Path
 ) -> tuple[Protocol, dict[str, str]]:
-    """Return the protocol with the delay of each person at the keyboard in numbers, found under their code,
-    and where each comes from.
+    """Return the protocol with the delay of each participant at the keyboard in numbers, found under their
+    code, and where each comes from.
     """
     people: list[PersonConfig] = []
     sources: dict[str, str] = {}
@@ -152,7 +152,7 @@ def with_credit(protocol: Protocol, choice: CreditChoice) -> Protocol:
 
 
 def credited_alike(protocol: Protocol) -> Protocol:
-    """Return the protocol with one credit rule for everybody at the keyboard: `agent.credit.delay`."""
+    """Return the protocol with one credit rule for all participants at the keyboard: `agent.credit.delay`."""
     people = tuple(msgspec.structs.replace(person, delay=None) for person in protocol.people)
     return msgspec.structs.replace(protocol, people=people)
 

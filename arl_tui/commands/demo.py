@@ -26,7 +26,7 @@ def demo_protocol(game: str, participant: TrainerConfig | None = None) -> Protoc
 
     Args:
         game: its name.
-        participant: who presses; by default whoever the game's own protocol has.
+        participant: who presses; by default the participant of the game's own protocol.
     """
     return screens_called(game).demo(participant)
 

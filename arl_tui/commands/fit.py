@@ -243,7 +243,7 @@ def refuse_folders(paths: Sequence[Path]) -> None:
 
 
 def fit_with_bar(samples: "Mapping[str, Sample]", request: Request) -> "GroupFit":
-    """Fit everybody with a bar that shows how far it is; stop where nobody can be fitted."""
+    """Fit all participants with a bar that shows how far it is; stop where none can be fitted."""
     from studies.reaction_time.fit import FitSettings, fit_group
     from studies.reaction_time.pooling import FEWEST_PEOPLE
 

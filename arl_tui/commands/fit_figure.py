@@ -67,13 +67,8 @@ def means_figure(group: "GroupFit") -> "Figure":
     )
     if group.pooled:
         pooled = [group.pooled[one.participant] for one in people]
-        axes.plot(
-            [d.offset_s + d.shape * d.scale_s for d in pooled],
-            rows,
-            "x",
-            color="#d55e00",
-            label="pooled mean",
-        )
+        means = [each.offset_s + each.shape * each.scale_s for each in pooled]
+        axes.plot(means, rows, "x", color="#d55e00", label="pooled mean")
     axes.set_yticks(
         list(rows) if named else [], [in_plot(one.participant) for one in people] if named else []
     )

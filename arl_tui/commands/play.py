@@ -117,7 +117,7 @@ def in_language(protocol: Protocol, language: str | None, *, written: bool) -> P
     Args:
         protocol: as it is so far.
         language: as asked for on the command line; None: nothing was.
-        written: the protocol comes from a file, which says the language for everybody.
+        written: the protocol comes from a file, which says the language for all participants.
     """
     if language is None:
         if written:

@@ -1,4 +1,4 @@
-"""`arl practice`: a person plays."""
+"""`arl practice`: a participant plays."""
 
 import os
 import secrets
@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from core.keepaway.practice import KeeperPractice
 
 KEEPAWAY_SPEED = 0.4
-"""Simulated seconds per second: slow enough for a person to look and decide. (Our choice; sessions that are
-only watched are shown at 0.2.)"""
+"""Simulated seconds per second: slow enough for a participant to look and decide. (Our choice; sessions that
+are only watched are shown at 0.2.)"""
 
 
 def practise(game: str, *, seed: int | None, games: int, language: str | None = None) -> None:

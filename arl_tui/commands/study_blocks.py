@@ -70,8 +70,8 @@ def _play_block(loaded: LoadedStudy, call: BlockCall, step: Block) -> Played:
 def settle_simulated(loaded: LoadedStudy) -> Callable[[BlockCall, Block], tuple[Protocol, dict[str, str]]]:
     """Return what settles the credit rule of a simulated participant's block.
 
-    It is the rule of a person where there is a calibration. Where there is none, a simulated participant's
-    own delay is known all the same.
+    It is the rule of a participant where there is a calibration. Where there is none, a simulated
+    participant's own delay is known all the same.
     """
 
     def settle(call: BlockCall, step: Block) -> tuple[Protocol, dict[str, str]]:

@@ -3,10 +3,7 @@
 from arl_tui.app.link import Ready
 from arl_tui.games.registry import screens_of
 from core.feedback.delays import CurrentStep, GammaDelay, PreviousStep, describe
-from core.session.protocol import Protocol
-
-ENOUGH = 0.70
-"""As `core.session.reach.ENOUGH`, which comes with compiled code."""
+from core.session.protocol import ENOUGH_REACH, Protocol
 
 
 def pace_facts(ready: Ready | None) -> dict[str, str]:
@@ -38,7 +35,7 @@ def pace_warning(protocol: Protocol, ready: Ready | None) -> str:
         protocol: of the session.
         ready: what the worker has worked out; None where it has not yet.
     """
-    if ready is None or ready.reach is None or ready.reach >= ENOUGH:
+    if ready is None or ready.reach is None or ready.reach >= ENOUGH_REACH:
         return ""
     rule = protocol.agent.credit.delay
     delay = GammaDelay() if isinstance(rule, PreviousStep | CurrentStep) else rule

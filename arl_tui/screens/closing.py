@@ -112,7 +112,7 @@ class ClosingScreen(PageScreen):
         return "\n".join([*said, self._weight()]).rstrip()
 
     def _told(self) -> str:
-        """Return how often each key was pressed, of several people a line for each."""
+        """Return how often each key was pressed, of several participants a line for each."""
         protocol, tally = self._protocol, self.outcome.tally
         if protocol is None:
             return tr("good {good}, bad {bad}", good=tally.good, bad=tally.bad)

@@ -102,8 +102,8 @@ def feedback_keys(keys: KeyConfig) -> str:
 
 
 def keys_of_all(protocol: Protocol) -> str:
-    """Return the feedback keys of all who take part, in markup: of several people a line for each, or two in
-    a line where there are many.
+    """Return the feedback keys of all who take part, in markup: of several participants a line for each, or
+    two in a line where there are many.
     """
     if not protocol.people:
         return feedback_keys(protocol.keys)

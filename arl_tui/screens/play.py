@@ -12,7 +12,7 @@ from textual.widgets import Static
 
 from arl_tui.app.gaps import length_s
 from arl_tui.app.link import AskNow, Picture, Practised, Preparing, TakenFor
-from arl_tui.app.live_session import Cover, LiveSession, Occurrence
+from arl_tui.app.live_session import LiveSession, Occurrence
 from arl_tui.app.once import after
 from arl_tui.app.outcome import SessionControls
 from arl_tui.app.tally import weight_in_use
@@ -34,6 +34,7 @@ from arl_tui.screens.question import Questioning
 from arl_tui.widgets.feedback_bar import HOLD_S, FeedbackBar
 from arl_tui.widgets.people_bar import PeopleBar
 from core.events import (
+    CoverReason,
     EpisodeEnded,
     EpisodeStarted,
     KeyPressed,
@@ -233,7 +234,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
     def _tell_presses_left(self) -> None:
         """Write beside the game how many presses are left, as long as there is something to judge.
 
-        Of several people the feedback bar says it.
+        Of several participants the feedback bar says it.
         """
         if self._playing and not self._several:
             self.panel.presses_left(self._live.presses_left)
@@ -365,7 +366,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
             )
 
     def _lay_over(
-        self, page: PageScreen, reason: Cover, then: Callable[[bool | None], None] | None = None
+        self, page: PageScreen, reason: CoverReason, then: Callable[[bool | None], None] | None = None
     ) -> None:
         if self._count_down.running:
             self._count_down.stop()

@@ -1,4 +1,6 @@
-"""Practice: a person plays the agent's game with the agent's primitives. Nothing is recorded or learned."""
+"""Practice: a participant plays the agent's game with the agent's primitives. Nothing is recorded or
+learned.
+"""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field

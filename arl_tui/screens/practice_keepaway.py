@@ -1,4 +1,4 @@
-"""Practice of Keepaway: a person decides for whichever keeper has the ball. Nothing is recorded."""
+"""Practice of Keepaway: a participant decides for whichever keeper has the ball. Nothing is recorded."""
 
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, ClassVar, cast
@@ -9,6 +9,7 @@ from textual.widgets import Static
 
 from arl_tui.language import key_for, key_name, later, tr, trn
 from arl_tui.screens.page import PageScreen, key_cap
+from arl_tui.screens.practice import CALL
 from arl_tui.screens.watch import WatchScreen, summary
 
 if TYPE_CHECKING:
@@ -29,7 +30,6 @@ ROWS = (
     ("stop", later("stop")),
 )
 """The program's own keys, by name, and what they do."""
-CALL = later("Press {key_space} to go on, {key_stop} to leave")
 PANEL = later("[b]Practice[/]\n\nGame {game} of {games}")
 KEPT = later("Kept {seconds} s")
 PAUSED = later("[reverse] PAUSED [/]")

@@ -16,7 +16,7 @@ from arl_tui.app.once import after
 from arl_tui.games.panel import DrawsOptions, Panel
 from arl_tui.games.registry import screens_of
 from arl_tui.language import later, tr
-from arl_tui.screens.page import key_cap
+from arl_tui.screens.page import BAR_WIDTH, key_cap
 from arl_tui.widgets.feedback_bar import FeedbackBar
 from core.events import QuestionAnswered, QuestionPosed
 from core.feedback.asking_config import AskingConfig
@@ -34,8 +34,6 @@ NOT_CHOSEN = later("No answer, and that is fine. The game goes on.")
 """What participants read, except for the options themselves (`GameScreens.option`)."""
 TICK_S = 0.25
 """How often the time that is left is looked at, seconds."""
-BAR_WIDTH = 20
-"""Cells of the bar of the time that is left."""
 
 
 def about_questions(asking: AskingConfig) -> str:

@@ -17,6 +17,7 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from arl_tui.app.plain_app import PlainApp
+from arl_tui.drawing_rate import FRAME_S
 from arl_tui.games.keepaway.playback import Playback, Source
 from arl_tui.language import bold_cap, tr
 from arl_tui.palette import STANDARD, palette_for
@@ -30,8 +31,6 @@ from arl_tui.widgets.pitch_ink import DETAILS, Detail
 from core.keepaway.pitch import END_REASONS, OUT
 from core.numerics.clock import NS_PER_S, Clock, MonotonicClock
 
-FRAME_S = 1 / 30
-"""How often the clock is looked at, seconds."""
 PANEL_S = 0.25
 """Figures are written at most this often, seconds."""
 PANEL_WIDTH = 36
@@ -341,7 +340,7 @@ class WatchApp(PlainApp[str]):
     def _get_ready(self) -> None:
         try:
             source = self._prepare()
-        except Exception as error:  # noqa: BLE001 - told by whoever started the app
+        except Exception as error:  # noqa: BLE001 - told by the command that started the app
             self._tell(self._fail, error)
         else:
             self._tell(self.view.begin, source)

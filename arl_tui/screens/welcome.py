@@ -21,7 +21,7 @@ from core.numerics.clock import NS_PER_S, Clock, MonotonicClock
 from core.session.protocol import Protocol
 
 AT_SCREEN_S = 10.0
-"""Whoever pressed the start key at most this long ago is taken to look at the screen still."""
+"""A participant who pressed the start key at most this long ago is taken to look at the screen still."""
 CALL = later("Press {key_enter} to start, {key_stop} to leave")
 
 

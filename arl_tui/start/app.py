@@ -160,7 +160,7 @@ class HomeApp(PaletteApp[Arguments]):
         """
         super().__init__(language=language)
         self.marked = marked
-        """The entry of the first page that was chosen last: whoever comes back finds it marked."""
+        """The entry of the first page that was chosen last: it is marked when the page returns."""
         self._recordings = recordings
         self._why_there = why_there
 

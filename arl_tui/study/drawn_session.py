@@ -30,7 +30,7 @@ LOOK_S = 0.1
 
 
 class DrawnSessionError(RuntimeError):
-    """A screen or the learner failed: a session with a person would fail as well."""
+    """A screen or the learner failed: a session with a participant would fail as well."""
 
 
 def draw_session(

@@ -66,7 +66,7 @@ class Habits:
 
 
 class StuckError(RuntimeError):
-    """A page could not be left by keys: the study cannot be finished by a person either."""
+    """A page could not be left by keys: the study cannot be finished by a participant either."""
 
 
 class SimulatedPresenter:

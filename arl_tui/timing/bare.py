@@ -1,6 +1,6 @@
 """The least program that could be tested: writes a marker, waits for a key, without any screen library.
 
-Its errors are what this machine and its pseudo-terminals add to everybody's times. Run by the robot as
+Its errors are what this machine and its pseudo-terminals add to all participants' times. Run by the robot as
 `python -m arl_tui.timing.bare PLAN SEEN PARENT`; writes what it saw to the file SEEN.
 """
 

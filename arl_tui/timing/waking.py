@@ -1,4 +1,4 @@
-"""How late this machine wakes whoever sleeps: what no program on it can do better than.
+"""How late this machine wakes a program that sleeps: no program on it can do better.
 
 A virtual machine that shares its processors may be away for milliseconds without any load of its own to show
 for it.

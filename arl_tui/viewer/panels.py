@@ -42,7 +42,7 @@ def press_line(press: Press, n_presses: int, place: int, start_ns: int, by_whom:
         n_presses: how many there are.
         place: its number, from 1.
         start_ns: when the recording begins.
-        by_whom: who pressed, of several people.
+        by_whom: who pressed, of several participants.
     """
     style = {"good": GOOD, "bad": BAD}.get(press.kind, DIM)
     seconds = (press.time_ns - start_ns) / 1e9

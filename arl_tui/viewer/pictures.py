@@ -13,8 +13,8 @@ from arl_tui.viewer.looks import Board, Look, board_of, tick_number
 from arl_tui.viewer.played_again import PlayedAgain
 from arl_tui.viewer.rendered import RenderedPictures
 from core.events import StepTaken
-from core.feedback.keys import NS_PER_MS
 from core.keepaway.pitch import KeepawayConfig
+from core.numerics.clock import NS_PER_MS
 from core.plugins import GameError, View
 from core.session.protocol import Protocol as SessionProtocol
 from core.tetris.action import PlacedPiece

@@ -12,6 +12,7 @@ from textual.containers import Horizontal, Vertical
 from textual.screen import Screen
 from textual.widgets import Input
 
+from arl_tui.drawing_rate import FRAME_S
 from arl_tui.palette import palette_for
 from arl_tui.themes import theme_in_use
 from arl_tui.viewer.asked import question_lines
@@ -31,7 +32,6 @@ from studies.session_view.session import Kind, Moment
 from studies.session_view.tags import Tag
 from studies.session_view.transport import Transport
 
-FRAME_S = 1 / 30
 ROOMY = 32
 """From so many lines on the timeline takes the whole width below the game."""
 KEYS = (

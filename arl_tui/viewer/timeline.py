@@ -88,7 +88,7 @@ class Facts:
             for person, name in enumerate(session.people)
             for mine in [counted & (presses["person"] == person)]
         ]
-        """Code of each of several people, and when they pressed good, bad and neither."""
+        """Code of each of several participants, and when they pressed good, bad and neither."""
         self.taken_back: Times = np.sort(times[(presses["verdict"] == 0) & ~counted])
         self.refused: Times = np.sort(times[(presses["verdict"] != 0) & ~np.isnan(value)])
         self.starts: Times = session.times("game")
@@ -157,7 +157,7 @@ class Timeline(Rows):
         self._drawn = ()
 
     def get_content_height(self, *_: object) -> int:
-        """Return the number of lines: a tall one has a line for each of several people."""
+        """Return the number of lines: a tall one has a line for each of several participants."""
         return len(self._names())
 
     def zoom(self, factor: float, centre_ns: int) -> None:
@@ -324,7 +324,7 @@ def _marks(times: Times, edges: Times, mark: str, style: Style) -> list[Cell]:
 
 
 def _of_person(when: Sequence[Times], edges: Times) -> list[Cell]:
-    """Return in one line when one of several people pressed good, bad and neither."""
+    """Return in one line when one of several participants pressed good, bad and neither."""
     good, bad, neither = when
     said = _over(_marks(neither, edges, "◇", OTHER), _marks(good, edges, "▲", GOOD))
     return _over(said, _marks(bad, edges, "▼", BAD))

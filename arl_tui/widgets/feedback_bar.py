@@ -152,7 +152,7 @@ class FeedbackBar(Widget, inherit_bindings=False, can_focus=False):
 
         Args:
             taken: in words.
-            press: its number; of one person always the press that has just been confirmed.
+            press: its number; of one participant always the press that has just been confirmed.
         """
         if self.note == self._counted:
             self.note += f" {taken}"

@@ -1,4 +1,4 @@
-"""Confirms the key presses of several people: a few lines for each, always in the same place."""
+"""Confirms the key presses of several participants: a few lines for each, always in the same place."""
 
 from asyncio import TimerHandle
 from collections.abc import Sequence
@@ -31,10 +31,10 @@ class _Line:
 
 
 class PeopleBar(FeedbackBar):
-    """Name, last press, presses left and keys of each person; nothing moves when another one presses."""
+    """Name, last press, presses left and keys of each participant; nothing moves when another one presses."""
 
     def __init__(self, people: Sequence[tuple[str, KeyConfig]], *, id: str | None = None) -> None:
-        """Show everybody's keys and a full budget.
+        """Show all participants' keys and a full budget.
 
         Args:
             people: name and keys of each, in order; at least one.
@@ -47,11 +47,11 @@ class PeopleBar(FeedbackBar):
         """Lines for each person."""
 
     def said_to(self, person: int) -> tuple[str, str]:
-        """Return the word and the note that stand in a person's line."""
+        """Return the word and the note that stand in a participant's line."""
         return self._people[person].word, self._people[person].note
 
     def begin_game(self, presses_left: int) -> None:
-        """Clear the bar and show everybody's new budget; `presses_left` is that of the first."""
+        """Clear the bar and show all participants' new budget; `presses_left` is that of the first."""
         for person, line in enumerate(self._people):
             line.presses_left = line.keys.max_presses_per_episode
             self._tell(person, "", "idle", "")
@@ -118,7 +118,7 @@ class PeopleBar(FeedbackBar):
         self.refresh()
 
     def render_line(self, y: int) -> Strip:
-        """Return one line: of each person what was said, below it budget and keys."""
+        """Return one line: of each participant what was said, below it budget and keys."""
         person, line = divmod(y, self._high)
         if person >= len(self._people):
             return self._line([])

@@ -17,8 +17,7 @@ from core.combination.config import (
     waits_for_feedback,
 )
 from core.combination.environment import environment_sides
-from core.combination.human_learner import HumanLearner
-from core.combination.listeners import Listeners, ListenersTrust
+from core.combination.listeners import ListenersTrust, new_listeners
 from core.combination.preference import best_action, choose, takes_control, worst_action
 from core.combination.ranking import EpisodeReport
 from core.combination.schedule import EpisodesSoFar, NextEpisode, next_episode
@@ -30,24 +29,15 @@ from core.combination.sides import (
     EpisodeStart,
     HumanPreference,
 )
-from core.combination.window import DecisionWindow, Values
+from core.combination.window import DecisionWindow, Values, exact_values
 from core.domain import Choices, Features
 from core.events import CreditGiven
 from core.feedback.config import CreditConfig
 from core.learners.contract import EnvironmentLearner, StepwiseLearner
-from core.learners.linear import action_values
-from core.numerics.fixed_point import exact_weights
 from core.numerics.streams import stream, stream_seed
 from core.numerics.tile_coding import Tiling, tile_values
 
-__all__ = ["ArlAgent", "Decision", "EpisodeOutcome", "EpisodePolicy", "exact_values"]
-
-
-def exact_values(rows: Features, weights: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return rows (n, F) times weights (F,) on the grid of `core.numerics.fixed_point`: as a compiled player
-    has them.
-    """
-    return action_values(np.asarray(rows, np.float64), exact_weights(weights))
+__all__ = ["ArlAgent", "Decision", "EpisodeOutcome", "EpisodePolicy"]
 
 
 class ArlAgent:
@@ -97,7 +87,7 @@ class ArlAgent:
         """The environment's learner; what plays for it in compiled code lets it learn there."""
         human_values = human_values or (tile_values(feedback_tiles) if feedback_tiles else exact_values)
         credits = credits or (config.credit,) * n_participants
-        self.human = _listeners(config, credits, n_feedback_features, feedback_tiles)
+        self.human = new_listeners(config.human_model, credits, n_feedback_features, feedback_tiles)
         self.window = DecisionWindow(config.bootstrap.window_decisions, environment_values, human_values)
         self.bootstrap = ListenersTrust(config.bootstrap, self.window, self.human, root_seed=root_seed)
         self.so_far = EpisodesSoFar()
@@ -213,7 +203,7 @@ class ArlAgent:
     def learn_from_step(
         self, choices: Choices, action: int, reward: float, *, watched_step: int = -1
     ) -> None:
-        """Take in what was done in the decision last made, whoever chose it, and the reward of its step.
+        """Take in the action of the decision last made, whichever side chose it, and the reward of its step.
 
         `watched_step` is the step's number among all watched ones of the session, by which presses name it;
         -1 of a step that is not watched.
@@ -237,7 +227,7 @@ class ArlAgent:
 
         Args:
             policy: from `begin_episode`.
-            played: the outcome, with the agreement that whoever played has counted.
+            played: the outcome, with the agreement that the player has counted.
         """
         self._environment.end_episode(
             EpisodeEnd(
@@ -391,11 +381,3 @@ def _check_trust(rule: TrustRule) -> None:
             "this rule of trust needs learners side by side, and an agent has one: choose another one, or "
             f"play compiled Keepaway (core.keepaway.arl_autoplay); got {rule}"
         )
-
-
-def _listeners(
-    config: AgentConfig, credits: Sequence[CreditConfig], n_features: int, tiles: Tiling | None
-) -> Listeners:
-    """Return the human models of participants that have not pressed yet, one per entry of `credits`."""
-    models = [HumanLearner(credit, config.human_model, n_features, tiles=tiles) for credit in credits]
-    return Listeners(models, tiles.n_weights if tiles else n_features)

@@ -22,7 +22,7 @@ class BootstrapLearning:
 
         Args:
             config: settings.
-            window: recent decisions; whoever fills it decides which. None: none are kept.
+            window: recent decisions, as the caller fills it. None: none are kept.
             root_seed: of the session; the rule's random choices follow from it.
 
         Raises:

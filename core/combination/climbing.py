@@ -1,5 +1,5 @@
 """The environment's side of an agent whose learner is an actor: its softmax is drawn from together with the
-human's say.
+participant's say.
 
 Where presses are to teach the actor itself (COACH, MacGlashan et al. 2017), this side keeps the trace that
 each watched step left: theta <- theta + alpha f e.

@@ -24,8 +24,11 @@ from core.combination.trust.measures import selection_probabilities
 from core.combination.window import DecisionWindow, Values
 from core.domain import Choices, Features
 from core.events import CreditGiven
+from core.feedback.config import CreditConfig
 from core.feedback.samples import MassAccount
+from core.learners.human_config import HumanModelConfig
 from core.numerics.arrays import Floats
+from core.numerics.tile_coding import Tiling
 
 
 class Listeners:
@@ -184,6 +187,21 @@ class Listeners:
     def consistency_bytes(self) -> bytes:
         """Return all that decides about all participants' later consistency, for fingerprints."""
         return b"".join(learner.consistency_bytes() for learner in self.learners)
+
+
+def new_listeners(
+    model: HumanModelConfig, credits: Sequence[CreditConfig], n_features: int, tiles: Tiling | None
+) -> Listeners:
+    """Return the human models of participants who have not pressed yet.
+
+    Args:
+        model: the same for all.
+        credits: how each participant's presses become samples, one per participant.
+        n_features: G, length of psi(s, a).
+        tiles: what psi(s, a) means where it lists active tiles; None for plain features.
+    """
+    models = [HumanLearner(credit, model, n_features, tiles=tiles) for credit in credits]
+    return Listeners(models, tiles.n_weights if tiles else n_features)
 
 
 class ListenersTrust:

@@ -8,7 +8,7 @@ order of the actions, so that plain Python gives the same bits. Values must be f
 import math
 from typing import Final, NamedTuple
 
-from core.combination.episode_weights import ADVISE, EXPONENTIAL, LINEAR, LINEAR_RAW
+from core.combination.episode_weights import ADVISE, EXPONENTIAL, LINEAR, LINEAR_RAW, EpisodeWeights
 from core.numerics.arrays import Bools, Floats
 from core.numerics.compiled import inner_kernel, kernel
 from core.numerics.counters import uniform_at
@@ -16,6 +16,32 @@ from core.numerics.softmax import exponential
 
 LEAST_CHANCE: Final = 1e-300
 """A chance of being right below this counts as this: its logarithm is finite."""
+
+
+class KernelWeights(NamedTuple):
+    """`EpisodeWeights` as kernels take them."""
+
+    form: int
+    """LINEAR, EXPONENTIAL, LINEAR_RAW or ADVISE."""
+    w_r: float
+    """Weight of R, >= 0."""
+    w_h: float
+    """Weight of H."""
+    handover: float
+    """Probability, per decision, of taking the human model's best action instead, in [0, 1]."""
+    shaping: float
+    """What is added to the reward of a step per unit of its H."""
+
+
+def kernel_weights(weights: EpisodeWeights) -> KernelWeights:
+    """Return the weights of an episode with the types that compiled code expects."""
+    return KernelWeights(
+        int(weights.form),
+        float(weights.w_r),
+        float(weights.w_h),
+        float(weights.handover),
+        float(weights.shaping),
+    )
 
 
 @kernel

@@ -1,4 +1,4 @@
-"""Counting agreement: one kernel counts a decision, whoever plays it, in compiled code or not.
+"""Counting agreement: one kernel counts each decision, in compiled code or not.
 
 A tally is an array of shape (3,): how many decisions there were with a human policy, at how many of them the
 environment policy chose the human policy's best action, and at how many its worst.

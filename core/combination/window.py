@@ -11,13 +11,22 @@ from core.combination.agreement import Agreement
 from core.combination.preference import mean_and_sd
 from core.combination.tally import Tally, agreement_of, compare_choices, new_tally
 from core.domain import Choices, Features
+from core.learners.linear import action_values
 from core.numerics.compiled import kernel
+from core.numerics.fixed_point import exact_weights
 
 Values = Callable[[Features, NDArray[np.float64]], NDArray[np.float64]]
 """Values of actions: (feature rows (n, F), weights (F,)) -> (n,)."""
 
 N_RANDOM_POLICIES = 20
 """Random policies behind an estimate of chance agreement."""
+
+
+def exact_values(rows: Features, weights: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return rows (n, F) times weights (F,) on the grid of `core.numerics.fixed_point`: as a compiled player
+    has them.
+    """
+    return action_values(np.asarray(rows, np.float64), exact_weights(weights))
 
 
 @kernel
@@ -58,7 +67,7 @@ def mean_spread(
 
 
 class DecisionWindow:
-    """The last decisions, whoever made them: a sample of states in which to compare policies."""
+    """The last decisions, whichever side made them: a sample of states in which to compare policies."""
 
     def __init__(self, capacity: int, environment_values: Values, human_values: Values) -> None:
         self._decisions: deque[Choices] = deque(maxlen=capacity)

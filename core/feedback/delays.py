@@ -98,6 +98,11 @@ class UniformDelay(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag=
         return np.clip((delay_s - self.low_s) / (self.high_s - self.low_s), 0.0, 1.0)
 
     @property
+    def mean_s(self) -> float:
+        """Mean delay in seconds."""
+        return (self.low_s + self.high_s) / 2
+
+    @property
     def horizon_s(self) -> float:
         """The longest delay, in seconds."""
         return self.high_s
@@ -115,7 +120,7 @@ class CurrentStep(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="
 
 
 Density = GammaDelay | UniformDelay
-PressRule = GammaDelay | UniformDelay | PreviousStep | CurrentStep
+PressRule = Density | PreviousStep | CurrentStep
 """What one press is shared out by: `rule_for`."""
 
 
@@ -172,7 +177,7 @@ class PerValueDelay(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag
         return max(density.horizon_s for density in self.densities)
 
 
-Delay = GammaDelay | UniformDelay | PreviousStep | CurrentStep | PerValueDelay
+Delay = PressRule | PerValueDelay
 """Any credit rule; msgspec decodes it by its tag, the field "type"."""
 
 
@@ -234,7 +239,7 @@ def _parse_per_value(text: str, rest: str) -> PerValueDelay:
     for part in filter(None, rest.split(";")):
         name, equals, density_text = part.partition("=")
         density = parse_delay(density_text) if equals else None
-        if not isinstance(density, GammaDelay | UniformDelay):
+        if not isinstance(density, Density):
             raise ValueError(  # noqa: TRY004 - the text is wrong, not its type
                 f"credit rule {text!r}: expected VALUE=gamma:... or VALUE=uniform:..., got {part!r}"
             )

@@ -14,10 +14,7 @@ import msgspec
 from core.configuration.fields import number, text
 from core.events import KeyPressed, PressRetracted
 from core.feedback.layouts import KeyReader
-from core.numerics.clock import NS_PER_S
-
-NS_PER_MS = 1_000_000
-
+from core.numerics.clock import NS_PER_MS, NS_PER_S
 
 FeedbackKey = Annotated[str, text("one lower-case letter a-z")]
 GRADES = (-2.0, -1.0, 0.0, 1.0, 2.0)
@@ -138,7 +135,7 @@ class PressGate:
         return self.config.max_presses_per_episode - len(self._accepted)
 
     def left_of(self, person: int) -> int:
-        """Return `presses_left` for any number: one person uses this gate."""
+        """Return `presses_left` for any number: one participant uses this gate."""
         return self.presses_left
 
     def episode_started(self) -> None:

@@ -1,7 +1,7 @@
 """Several people at one keyboard: whose key is which, and a gate for each of them.
 
-Everything that a key says follows from the protocol: the letters of all people differ, so a press has one
-owner. Who pressed is recorded with the press (`core.events.KeyPressed.person`).
+Everything that a key says follows from the protocol: the letters of all participants differ, so a press has
+one owner. Who pressed is recorded with the press (`core.events.KeyPressed.person`).
 """
 
 import re
@@ -19,9 +19,9 @@ from core.feedback.keys import FeedbackKey, KeyConfig, PressGate
 from core.feedback.layouts import KeyReader
 
 NOBODY = -1
-"""In place of a person's number: the key belongs to none of them."""
+"""In place of a participant's number: the key belongs to none of them."""
 MOST_PEOPLE = 8
-"""There are 26 letters, and each person needs three."""
+"""There are 26 letters, and each participant needs three."""
 _NAME = re.compile(r"[A-Za-z0-9_-]{1,32}")
 
 
@@ -78,8 +78,8 @@ def keys_of_person(person: PersonConfig, shared: KeyConfig) -> KeyConfig:
 
 
 def credit_of_person(person: PersonConfig, shared: CreditConfig) -> CreditConfig:
-    """Return how one person's presses become samples: as everybody's, but by their own delay if they have
-    one.
+    """Return how one participant's presses become samples: as all participants', but by their own delay if
+    they have one.
     """
     return shared if person.delay is None else msgspec.structs.replace(shared, delay=person.delay)
 
@@ -114,9 +114,9 @@ def check_people(people: Sequence[PersonConfig], shared: KeyConfig) -> None:
 
 
 class PeopleGate:
-    """The gates of several people, to be used as one `core.feedback.keys.PressGate`.
+    """The gates of several participants, to be used as one `core.feedback.keys.PressGate`.
 
-    A press goes through the gate of the person whose key it is. A key that nobody has is recorded as
+    A press goes through the gate of the participant whose key it is. A key that nobody has is recorded as
     `NOBODY`'s.
     """
 
@@ -131,7 +131,7 @@ class PeopleGate:
         self.of_each = tuple(
             PressGate(config, person=person, numbers=numbers) for person, config in enumerate(keys)
         )
-        """One gate per person, in order."""
+        """One gate per participant, in order."""
         self._nobody = PressGate(keys[0], person=NOBODY, numbers=numbers)
         self._owners = {letter: gate for gate in self.of_each for letter in gate.config.letters}
         self.reader = KeyReader()
@@ -188,12 +188,12 @@ class PeopleGate:
 
     @property
     def wrong_asked(self) -> bool:
-        """Whether a wrong press is asked for: never of several people (`check_people`)."""
+        """Whether a wrong press is asked for: never of several participants (`check_people`)."""
         return False
 
     @property
     def presses_left(self) -> int:
-        """How many presses all people together have left of this episode's budgets."""
+        """How many presses all participants together have left of this episode's budgets."""
         return sum(gate.presses_left for gate in self.of_each)
 
     def episode_started(self) -> None:
@@ -202,7 +202,7 @@ class PeopleGate:
             gate.episode_started()
 
     def left_of(self, person: int) -> int:
-        """Return how many presses of this episode's budget a person has left; 0 for `NOBODY`."""
+        """Return how many presses of this episode's budget a participant has left; 0 for `NOBODY`."""
         return self.of_each[person].presses_left if person >= 0 else 0
 
     def judge(
@@ -219,10 +219,10 @@ class PeopleGate:
 
 
 def new_gate(keys: Sequence[KeyConfig], *, numbers: Iterator[int] | None = None) -> PressGate | PeopleGate:
-    """Return the gate of one person, or of several at one keyboard.
+    """Return the gate of one participant, or of several at one keyboard.
 
     Args:
-        keys: of each person, in order (`core.session.protocol.Protocol.keys_of_people`).
+        keys: of each participant, in order (`core.session.protocol.Protocol.keys_of_people`).
         numbers: gives out the numbers of presses. None: from 0.
     """
     return PressGate(keys[0], numbers=numbers) if len(keys) == 1 else PeopleGate(keys, numbers=numbers)

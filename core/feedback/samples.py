@@ -11,7 +11,7 @@ __all__ = ["CreditConfig", "FeedbackSample", "MassAccount", "PressCredit"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FeedbackSample:
-    """One thing a person said about one step."""
+    """One thing a participant said about one step."""
 
     features: Features
     """psi(s, a) of the step, shape (G,)."""

@@ -1,4 +1,4 @@
-"""Simulated people by name: one registry, from which experiments and tests take them.
+"""Simulated participants by name: one registry, from which experiments and tests take them.
 
 All keep the paper's budget (section 4): at most 5 judgements in an episode, 2 on average where it is long
 enough, and about 1 in 10 wrong, unless their name says otherwise.
@@ -41,12 +41,12 @@ _PEOPLE = {
 
 
 def persons() -> Mapping[str, TrainerConfig]:
-    """Return all simulated people by name."""
+    """Return all simulated participants by name."""
     return MappingProxyType(_PEOPLE)
 
 
 def person(name: str) -> TrainerConfig:
-    """Return one simulated person.
+    """Return one simulated participant.
 
     Raises:
         ValueError: nobody has this name.

@@ -52,7 +52,7 @@ class ParticipantParts(Generic[State]):
 class SimulatedParticipant(Generic[State]):
     """Watches a session at its pace and presses keys; a `core.session.rollout.FeedbackSource`.
 
-    Whoever consumes the session's outputs hands each of them to `watch` before asking for the next one::
+    The consumer of the session's outputs hands each of them to `watch` before asking for the next one::
 
         for output in session.run(participant, clock):
             record(output)
@@ -81,7 +81,7 @@ class SimulatedParticipant(Generic[State]):
             gate: decides which presses count.
             clock: the session's clock; it is moved on while steps are on screen.
             viewing: how long everything stays on screen.
-            others: further people who watch and press.
+            others: further participants.
             asking: keys and limit of answers; None: the defaults. The first participant answers.
         """
         self._domain = domain

@@ -239,16 +239,20 @@ class SimulatedTrainer:
         if anticipates < config.anticipation_rate:
             first_ns = shown_ns + round(moment * (hidden_ns - shown_ns))
         else:
-            rng = stream(self._root_seed, "trainer delay", self._episode, step)
-            delay = rule_for(config.delay, value)
-            assert isinstance(delay, GammaDelay | UniformDelay), "a participant's delay is a density"
-            first_ns = hidden_ns + round(draw_delay_s(delay, rng=rng) * NS_PER_S)
+            first_ns = hidden_ns + self._delay_ns(step, value)
         n_presses = config.burst_presses if bursts < config.burst_rate else 1
         interval_ns = round(config.burst_interval_s * NS_PER_S)
         return tuple(
             IntendedPress(first_ns + k * interval_ns, value, step, believed, deliberate)
             for k in range(n_presses)
         )
+
+    def _delay_ns(self, step: int, value: float) -> int:
+        """Return the time from the outcome of a step to the press about it."""
+        rng = stream(self._root_seed, "trainer delay", self._episode, step)
+        delay = rule_for(self.config.delay, value)
+        assert isinstance(delay, Density), "a participant's delay is a density"
+        return round(draw_delay_s(delay, rng=rng) * NS_PER_S)
 
     def answer(self, step: int, oracle_values: NDArray[np.float64], options: Sequence[int]) -> int | None:
         """Return which of the agent's options they choose; None where they do not say.
@@ -282,7 +286,7 @@ class SimulatedTrainer:
         """
         rng = stream(self._root_seed, "trainer answer delay", self._episode, step)
         delay = rule_for(self.config.delay, 1.0)
-        assert isinstance(delay, GammaDelay | UniformDelay), "a participant's delay is a density"
+        assert isinstance(delay, Density), "a participant's delay is a density"
         return READING_S + draw_delay_s(delay, rng=rng)
 
 

@@ -1,4 +1,6 @@
-"""How long everything is on screen, and how noticeable it is: what simulated people see of a session."""
+"""How long everything is on screen, and how noticeable it is: what simulated participants see of a
+session.
+"""
 
 from dataclasses import dataclass
 from typing import Any, Protocol

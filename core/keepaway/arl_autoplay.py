@@ -1,4 +1,5 @@
-"""Whole episodes of keepers that learn from their environment and from a simulated person, for experiments.
+"""Whole episodes of keepers that learn from their environment and from a simulated participant, for
+experiments.
 
 An episode is one call of compiled code, presses included; what happens once per episode is done by the
 classes of a session: bootstrap learning, the weights of the scheme, the participant's budget and fatigue.
@@ -21,6 +22,7 @@ from core.combination.config import (
     Linear,
     waits_for_feedback,
 )
+from core.combination.preference import kernel_weights
 from core.combination.ranking import EpisodeReport
 from core.combination.schedule import EpisodesSoFar, NextEpisode, next_episode
 from core.combination.tally import agreement_of
@@ -39,6 +41,7 @@ from core.keepaway.arl_cycles import (
     PRESSES,
     STOPPED,
     Mix,
+    Span,
     new_timeline,
     play,
 )
@@ -250,7 +253,7 @@ class ArlAutoplay:
             truncated=reason == STOPPED,
             start_ns=start_ns,
             trust=trust,
-            weight=mix.w_h,
+            weight=mix.weights.w_h,
             steps=int(counts[EPISODE_STEPS]),
             agreement=agreement_of(self._timeline.tally),
             presses=self._made(),
@@ -291,10 +294,8 @@ class ArlAutoplay:
             self._rule,
             self._timeline,
             self.streams,
+            Span(self._start_ns, self._pause_ns, SESSION_CYCLE_LIMIT),
             anew,
-            self._start_ns,
-            self._pause_ns,
-            SESSION_CYCLE_LIMIT,
         )
 
     @property
@@ -313,10 +314,7 @@ class ArlAutoplay:
         if self._w_h_of and self.human.samples[0]:
             playing, w_h_of = self._w_h_of.index(self.bootstrap.w_h), self._w_h_of
         return Mix(
-            form=int(weights.form),
-            w_r=float(weights.w_r),
-            w_h=float(weights.w_h),
-            handover=float(weights.handover),
+            weights=kernel_weights(weights),
             handover_seed=seed,
             sets=max(1, len(self._w_h_of)),
             playing=playing,

@@ -1,15 +1,15 @@
-"""Compiled play of keepers that learn from their environment and from a person: whole episodes, presses
+"""Compiled play of keepers that learn from their environment and from a participant: whole episodes, presses
 included.
 
 Steps, intervals and decisions are those of a session: a step is the decision of a keeper, on screen until the
-next one by any keeper or the end of the episode; presses reach back over all of them, whoever decided.
+next one by any keeper or the end of the episode; presses reach back over all of them.
 """
 
 from typing import Final, NamedTuple
 
 import numpy as np
 
-from core.combination.preference import choose, takes_control
+from core.combination.preference import KernelWeights, choose, takes_control
 from core.combination.tally import Tally, compare_choices, new_tally
 from core.feedback.compiled_credit import CreditRule, share_out
 from core.keepaway.participant import Judge, watch_step, would_choose
@@ -89,10 +89,7 @@ class Mix(NamedTuple):
     (`core.combination.config.EpisodeWeights`).
     """
 
-    form: int
-    w_r: float
-    w_h: float
-    handover: float
+    weights: KernelWeights
     handover_seed: int
     sets: int
     """How many sets of learners there are, one learner per keeper each: 1, or one set per attitude
@@ -101,6 +98,17 @@ class Mix(NamedTuple):
     """The set that chooses; the others look on."""
     w_h_of: tuple[float, ...]
     """w_h of each set; three numbers also where there is one set."""
+
+
+class Span(NamedTuple):
+    """When an episode is played."""
+
+    start_ns: int
+    """Time at which it started."""
+    pause_ns: int
+    """How long its last picture is shown."""
+    limit: int
+    """Cycles after which it is stopped."""
 
 
 def new_timeline(places: int, n_variables: int, n_options: int) -> Timeline:
@@ -132,10 +140,8 @@ def play(
     rule: CreditRule,
     timeline: Timeline,
     streams: Streams,
+    span: Span,
     anew: bool,
-    start_ns: int,
-    pause_ns: int,
-    limit: int,
 ) -> int:
     """Play to the end of the episode and of the pause after it.
 
@@ -146,14 +152,12 @@ def play(
         human: the keepers' human models, in place.
         mix: how the two are combined.
         judge: the simulated participant.
-        presses: of the person, in place.
+        presses: of the participant, in place.
         rule: how presses are credited.
         timeline: the steps, in place.
         streams: of the match.
+        span: when the episode is played.
         anew: set up the next episode first.
-        start_ns: time at which the episode started.
-        pause_ns: how long its last picture is shown.
-        limit: cycles after which the episode is stopped.
 
     Returns:
         ENDED or STOPPED: the episode is over. NEEDS_DRAWS: it is not.
@@ -164,7 +168,7 @@ def play(
     while True:
         if counts[EPISODE_STEPS] + rules.n_keepers > len(judge.draws) and len(judge.delays_ns) > 0:
             return NEEDS_DRAWS
-        now_ns = start_ns + match.status[CYCLE] * CYCLE_NS
+        now_ns = span.start_ns + match.status[CYCLE] * CYCLE_NS
         while is_due(presses, now_ns):
             _press(human, presses, rule, timeline)
         if begin_cycle(match, rules, streams):
@@ -172,29 +176,30 @@ def play(
                 if match.deciding[i]:
                     _decide(match, sarsa, human, mix, timeline, i, streams.policy)
                     _show(match, timeline, i, now_ns)
-                    wanted = would_choose(judge, match, rules, i)
-                    watch_step(
-                        judge,
-                        presses,
-                        wanted,
-                        match.actions[i],
-                        counts[EPISODE_STEPS] - 1,
-                        counts[STEPS] - 1,
-                        now_ns,
-                    )
+                    _watch(match, rules, judge, presses, counts, i, now_ns)
         ended = finish_cycle(match, rules, streams)
-        if ended or match.status[CYCLE] >= limit:
+        if ended or match.status[CYCLE] >= span.limit:
             break
     if ended:
         end_episode(sarsa, match.status[CYCLE])
     else:
         forget_episode(sarsa)
-    end_ns = start_ns + match.status[CYCLE] * CYCLE_NS
+    end_ns = span.start_ns + match.status[CYCLE] * CYCLE_NS
     if counts[EPISODE_STEPS] > 0:
         timeline.hidden_ns[(counts[STEPS] - 1) % len(timeline.option)] = end_ns
-    while is_due(presses, end_ns + pause_ns):
+    while is_due(presses, end_ns + span.pause_ns):
         _press(human, presses, rule, timeline)
     return ENDED if ended else STOPPED
+
+
+@inner_kernel
+def _watch(
+    match: Match, rules: Rules, judge: Judge, presses: Presses, counts: Ints, i: int, now_ns: int
+) -> None:
+    """Let the participant watch keeper i's decision, which has just come on screen."""
+    wanted = would_choose(judge, match, rules, i)
+    step_of_episode, step = counts[EPISODE_STEPS] - 1, counts[STEPS] - 1
+    watch_step(judge, presses, wanted, match.actions[i], step_of_episode, step, now_ns)
 
 
 @inner_kernel
@@ -232,8 +237,8 @@ def _decide(
                 timeline.h_values,
                 timeline.available,
                 len(timeline.h_values),
-                mix.form,
-                mix.w_r,
+                mix.weights.form,
+                mix.weights.w_r,
                 mix.w_h_of[looking_on],
             )
             learn_beside(sarsa, other, windows, option, own, time, before)
@@ -257,16 +262,16 @@ def _prefer(values: Floats, human: HumanSet, mix: Mix, timeline: Timeline, i: in
     """Return the option that environment and participant together prefer; -1 where the participant has no
     say.
     """
-    h_values, n = timeline.h_values, len(timeline.h_values)
+    weights, h_values, n = mix.weights, timeline.h_values, len(timeline.h_values)
     h_values[:] = 0.0
     if human.samples[0] > 0:
         human_values(human, i, windows, h_values)
-        liked = compare_choices(values, h_values, timeline.available, n, timeline.tally)
-        if takes_control(mix.handover_seed, timeline.counts[EPISODE_STEPS], mix.handover):
-            return liked
-    if mix.w_h == 0.0:
+        human_best = compare_choices(values, h_values, timeline.available, n, timeline.tally)
+        if takes_control(mix.handover_seed, timeline.counts[EPISODE_STEPS], weights.handover):
+            return human_best
+    if weights.w_h == 0.0:
         return -1
-    return choose(values, h_values, timeline.available, n, mix.form, mix.w_r, mix.w_h)
+    return choose(values, h_values, timeline.available, n, weights.form, weights.w_r, weights.w_h)
 
 
 @inner_kernel

@@ -24,7 +24,7 @@ from core.numerics.compiled import inner_kernel
 from core.numerics.streams import stream
 
 LAY_DANGER_M: Final = 4.0
-"""A lay person passes when a taker is nearer than this."""
+"""A lay participant passes when a taker is nearer than this."""
 N_DRAWS: Final = 6
 """Draws about a step."""
 
@@ -154,8 +154,8 @@ def would_choose(judge: Judge, match: Match, rules: Rules, i: int) -> int:
 
 @inner_kernel
 def lay_choice(variables: Floats, n_keepers: int, n_takers: int) -> int:
-    """Return what a lay person would do: pass to the mate farthest from all takers when one is near, else
-    hold.
+    """Return what a lay participant would do: pass to the mate farthest from all takers when one is near,
+    else hold.
     """
     if variables[n_keepers] > LAY_DANGER_M:
         return 0

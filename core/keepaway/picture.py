@@ -15,7 +15,7 @@ from core.plugins import View
 Place = tuple[float, float]
 """x and y in metres."""
 SLACK = 2.0
-"""Whoever moves further than this many times the top speed in a cycle has been put elsewhere, and does not
+"""A player who moves further than this many times the top speed in a cycle was put elsewhere, and does not
 slide."""
 
 

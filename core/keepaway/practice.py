@@ -1,4 +1,6 @@
-"""A match of Keepaway in which a person decides for whichever keeper has the ball, by the agent's options."""
+"""A match of Keepaway in which a participant decides for whichever keeper has the ball, by the agent's
+options.
+"""
 
 from collections import deque
 

@@ -10,8 +10,9 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from core.feedback.keys import NS_PER_MS, KeyConfig
+from core.feedback.keys import KeyConfig
 from core.numerics.arrays import Bools, Floats, Ints
+from core.numerics.clock import NS_PER_MS
 from core.numerics.compiled import inner_kernel, kernel
 
 NEVER_NS: Final = (1 << 63) - 1

@@ -41,15 +41,15 @@ class Consistency:
             label: what it said.
             weight: how much it counts, > 0.
         """
-        told = prediction - self._prediction_mean
+        deviation = prediction - self._prediction_mean
         if self._prediction_squares > 0:
             spread = math.sqrt(self._prediction_squares / self._weight)
-            gain = weight * min(max(told / spread, -1.0), 1.0) * (label - self._label_mean)
+            gain = weight * min(max(deviation / spread, -1.0), 1.0) * (label - self._label_mean)
             self._drift += gain
             self._variation += gain * gain
         self._weight += weight
-        self._prediction_mean += weight / self._weight * told
-        self._prediction_squares += weight * told * (prediction - self._prediction_mean)
+        self._prediction_mean += weight / self._weight * deviation
+        self._prediction_squares += weight * deviation * (prediction - self._prediction_mean)
         self._label_mean += weight / self._weight * (label - self._label_mean)
 
     def state_bytes(self) -> bytes:

@@ -45,8 +45,8 @@ class StepwiseLearner(Protocol):
     gradient).
 
     An episode is `begin_episode`, then for each decision `values`, `act`, and `took` when the step's outcome
-    is there, then `end_episode`. Whoever only wants to know what the learner would do asks for `values` and
-    `act` and leaves out `took`.
+    is there, then `end_episode`. A caller that only wants to know what the learner would do asks for
+    `values` and `act` and leaves out `took`.
     """
 
     def begin_episode(self, *, rng: np.random.Generator) -> None:
@@ -75,7 +75,7 @@ class StepwiseLearner(Protocol):
         shaping: float = 0.0,
         augmentation: float = 0.0,
     ) -> None:
-        """Learn from a decision: `action` was taken, whoever chose it, and its step brought `reward`.
+        """Learn from a decision: `action` was taken, by whichever side, and its step brought `reward`.
 
         Args:
             choices: the decision.

@@ -32,7 +32,7 @@ class HumanSet(NamedTuple):
 
 
 def new_human_set(config: TileModel, coder: TileCoder, n_learners: int, n_options: int) -> HumanSet:
-    """Return models that have heard nothing.
+    """Return models without a sample.
 
     Args:
         config: step size, and whether one model is shared by all.
@@ -87,15 +87,15 @@ def learn_sample(
 @inner_kernel
 def _note(state: Floats, prediction: float, label: float, weight: float) -> None:
     """Take in a prediction made before the press was known (`core.learners.consistency.Consistency.note`)."""
-    told = prediction - state[2]
+    deviation = prediction - state[2]
     if state[3] > 0.0:
         spread = math.sqrt(state[3] / state[0])
-        gain = weight * min(max(told / spread, -1.0), 1.0) * (label - state[1])
+        gain = weight * min(max(deviation / spread, -1.0), 1.0) * (label - state[1])
         state[4] += gain
         state[5] += gain * gain
     state[0] += weight
-    state[2] += weight / state[0] * told
-    state[3] += weight * told * (prediction - state[2])
+    state[2] += weight / state[0] * deviation
+    state[3] += weight * deviation * (prediction - state[2])
     state[1] += weight / state[0] * (label - state[1])
 
 

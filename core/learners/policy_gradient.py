@@ -31,7 +31,7 @@ __all__ = ["PolicyGradient", "PolicyGradientConfig", "PolicyGradientLearner"]
 
 
 class PolicyGradient:
-    """The policy that climbs. Whoever plays an episode hands `memory` to the kernels of each decision."""
+    """The policy that climbs. The player of an episode hands `memory` to the kernels of each decision."""
 
     def __init__(self, config: PolicyGradientConfig, *, scales: ArrayLike) -> None:
         """Begin with the uniform policy.

@@ -1,4 +1,4 @@
-"""Sarsa as an agent's learner: one step at a time, whoever chooses the action (`core.learners.contract`)."""
+"""Sarsa as an agent's learner: one step at a time, whichever side chooses (`core.learners.contract`)."""
 
 from collections.abc import Callable
 
@@ -48,7 +48,7 @@ class SarsaLearner:
             n_learners: >= 1.
             n_actions: of each decision, >= 1.
             reward_is_time: the reward of the domain is its own time, unit for unit (Keepaway: each cycle). It
-                is then counted in whole units, and the rewards that `took` is told of are not needed.
+                is then counted in whole units, and the rewards that `took` gets are not needed.
             tiled: what is tiled, made of an observation (tiles over several variables together); the
                 observation itself where None.
         """

@@ -5,7 +5,10 @@ from datetime import UTC, datetime
 from typing import Protocol
 
 NS_PER_S = 1_000_000_000
+NS_PER_MS = 1_000_000
 S_PER_HOUR = 3600.0
+LONGEST_NS = 1 << 62
+"""Longest time that is taken from a file, nanoseconds: 146 years."""
 
 
 class Clock(Protocol):

@@ -151,13 +151,6 @@ def _length(kernel: "Kernel") -> float:
     return float(len(kernel.py_func.__code__.co_code))
 
 
-def kernels_at_hand() -> int:
-    """Return how many kernels this process has compiled or loaded, parts and entries."""
-    if JIT_DISABLED:
-        return 0
-    return sum(len(kernel._parts) + len(kernel.overloads) for kernel in list(by_name.values()))
-
-
 def kernel_notes() -> list[str]:
     """Return why programs are slower than they could be, one line per reason
     (`core.numerics.kernel_files`).

@@ -27,8 +27,8 @@ if sys.platform != "win32":
 MAGIC = b"arl kernel 1\n"
 SUFFIX = ".kernel"
 IN_USE = "in-use"
-"""File that every program with open compiled code holds, shared; whoever removes the folder holds it
-alone."""
+"""File that every program with open compiled code holds, shared; a program that removes the folder holds
+it alone."""
 KEPT_FOLDERS = 4
 """Folders of compiled code that are kept: those of the sources used last."""
 OLD_FORMAT_S = 86_400.0
@@ -235,8 +235,8 @@ def _forget(old: Path, *, now: float) -> bool:
     try:
         with (old / IN_USE).open("ab") as in_use:
             fcntl.flock(in_use, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            # Under another name first: whoever comes now makes a new folder instead of finding half of this
-            # one.
+            # Under another name first: a program that starts now makes a new folder instead of finding half
+            # of this one.
             doomed = old.with_name(f".{old.name}-{os.getpid()}")
             old.rename(doomed)
             shutil.rmtree(doomed, ignore_errors=True)

@@ -16,7 +16,8 @@ from typing import Any, Literal, get_args
 import msgspec
 
 from core.events import KeyPressed, QuestionAnswered
-from core.feedback.keys import NS_PER_MS, KeyConfig
+from core.feedback.keys import KeyConfig
+from core.numerics.clock import NS_PER_MS
 from core.recording.lines import CHAIN_MARK
 from core.recording.reader import Recording
 from core.recording.recorder import CHAIN_DIGITS, Chain

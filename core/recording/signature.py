@@ -1,7 +1,7 @@
 """Signatures of recordings: Ed25519 by a key of the experimenter's (optional: `pip install
 'arl-tui[signing]'`).
 
-The chain of a recording is a hash: it finds damage, and whoever changes the file can compute it anew. A
+The chain of a recording is a hash: it finds damage, but who changes the file can compute it anew. A
 signature in the end line cannot be made without the private key. What it proves, and what not, is said in
 `SECURITY.md`.
 """

@@ -16,8 +16,8 @@ from core.recording.sealed import SealedFile, UnusualFileError
 
 WORTH_SKIMMING = 1 << 22
 """Bytes from which on a file is skimmed: 4 MB."""
-_STEP = b'{"type":"step-taken"'
-_COUNTED = (b'{"type":"frame-shown"', _STEP, b'{"type":"credit-given"')
+STEP_BEGINS = b'{"type":"step-taken"'
+_COUNTED = (b'{"type":"frame-shown"', STEP_BEGINS, b'{"type":"credit-given"')
 
 
 def skim_recording(path: Path) -> Recording:
@@ -45,7 +45,7 @@ def _skimmed(path: Path) -> Recording | None:
     try:
         for piece in file.pieces(every_line=False):
             n_lines += len(piece.payloads)
-            steps += sum([payload.startswith(_STEP) for payload in piece.payloads])
+            steps += sum([payload.startswith(STEP_BEGINS) for payload in piece.payloads])
             kept += [payload for payload in piece.payloads if not payload.startswith(_COUNTED)]
     except UnusualFileError:
         return None

@@ -83,7 +83,9 @@ class RecordingSummary:
     presses_simulated: int
     """Of these, those of simulated participants."""
     presses_of_people: tuple[tuple[str, int], ...]
-    """Code and counted presses of each of several people at one keyboard, in order; () where there is one."""
+    """Code and counted presses of each of several participants at one keyboard, in order; () where there is
+    one.
+    """
     presses_by_value: tuple[tuple[float, int], ...]
     """Counted presses of each value, from the lowest, where feedback was graded; else ()."""
     presses_taken_back: int
@@ -226,7 +228,7 @@ def _stop_words(header: Header, stop: StopAsked, *, complete: bool, last_word: b
 
 
 def _of_people(header: Header, counted: Sequence[KeyPressed]) -> tuple[tuple[str, int], ...]:
-    """Return how many presses of each of several people counted."""
+    """Return how many presses of each of several participants counted."""
     names = header.participants if isinstance(header.participants, list) else []
     return tuple(
         (name, sum(press.person == person for press in counted)) for person, name in enumerate(names)
@@ -234,7 +236,7 @@ def _of_people(header: Header, counted: Sequence[KeyPressed]) -> tuple[tuple[str
 
 
 def _by_value(protocol: Mapping[str, Any], counted: Sequence[KeyPressed]) -> tuple[tuple[float, int], ...]:
-    """Return how many presses of each value counted, where anybody's feedback was graded."""
+    """Return how many presses of each value counted, where any participant's feedback was graded."""
     keys = [protocol.get("keys"), *(protocol.get("people") or ())]
     if not any(isinstance(each, Mapping) and each.get("graded") for each in keys):
         return ()

@@ -8,10 +8,14 @@ from collections.abc import Iterator
 from core.combination.config import Coach
 from core.configuration.messages import Path
 from core.configuration.reading import Problem
-from core.feedback.delays import Delay, GammaDelay, PerValueDelay, UniformDelay
-from core.learners.cross_entropy_config import CrossEntropyConfig
+from core.feedback.delays import (
+    CurrentStep,
+    Delay,
+    GammaDelay,
+    PerValueDelay,
+    PreviousStep,
+)
 from core.learners.human_config import SgdModel
-from core.learners.policy_gradient_config import PolicyGradientConfig
 from core.plugins import plugin_of
 from core.session.answer_keys import keys_used_twice
 from core.session.protocol import Protocol
@@ -69,14 +73,12 @@ def contradictions(protocol: Protocol) -> Iterator[Problem]:
 def wrong_delay(delay: Delay) -> str:
     """Return why nobody means a delay; "" for one that a participant may have."""
     match delay:
-        case GammaDelay():
-            mean_s = delay.mean_s
-        case UniformDelay():
-            mean_s = (delay.low_s + delay.high_s) / 2
         case PerValueDelay():
             return next(filter(None, map(wrong_delay, delay.densities)), "")
-        case _:
+        case PreviousStep() | CurrentStep():
             return ""
+        case _:
+            mean_s = delay.mean_s
     if mean_s <= USUAL_MEAN_S:
         return ""
     return (
@@ -89,7 +91,7 @@ def warnings_of(protocol: Protocol) -> Iterator[str]:
     """Yield what an experimenter may not have meant, in sentences, for the start of a session."""
     session = protocol.session
     never_proposes = session.watched == "top" and session.unseen_between == 0 and session.episodes > 1
-    if isinstance(protocol.learner, CrossEntropyConfig | PolicyGradientConfig) and never_proposes:
+    if protocol.learner.kind != "stepwise" and never_proposes:
         yield (
             'with watched = "top" and unseen_between = 0 the learner plays only '
             + ("before the first game" if session.unseen_before else "the first game")

@@ -1,6 +1,6 @@
 """Whether the inputs of a recording can have happened: checked before anything is run again.
 
-A recording's seal finds damage; whoever changes a file can seal it anew. What the screen and the participant
+A recording's seal finds damage, but who changes a file can seal it anew. What the screen and the participant
 did must then still fit together. The gate that decided which presses count and the ledger of frames are
 followed again from the protocol (`core.feedback.keys`, `core.feedback.frames`): each press must come out as
 it was recorded. Times must allow cause and effect: a frame follows the step that it shows, and an input
@@ -38,6 +38,7 @@ from core.feedback.frames import FrameLedger
 from core.feedback.keys import KeyConfig, PressGate, WrongPressPlan
 from core.feedback.layouts import KeyReader, Reading, possible_readings
 from core.feedback.people import PeopleGate
+from core.numerics.clock import LONGEST_NS
 from core.recording.reader import RecordingError
 from core.recording.schema import Header
 from core.recording.stored import AnyRecording
@@ -46,8 +47,6 @@ from core.session.answers import Impossible, QuestionsFollowed, refuse
 CLOCKS_AGREE_NS = (1_000_000, 50_000_000)
 """Times that two processes read from one clock may differ by its resolution in the wrong order: at least and
 at most so much is allowed for."""
-LONGEST_NS = 1 << 62
-"""No time of a session is beyond this, or below 0: 146 years."""
 
 
 def check_inputs(
@@ -57,7 +56,7 @@ def check_inputs(
 
     Args:
         recording: live or simulated. Imported recordings have no gate: nothing is checked.
-        keys: of the recording's own protocol; of several people at one keyboard those of each.
+        keys: of the recording's own protocol; of several participants at one keyboard those of each.
         asking: of it, too: keys and limit of answers. None: the defaults.
 
     Raises:
@@ -260,8 +259,8 @@ class _Screen:
                 )
 
     def _gate(self, person: int) -> PressGate | PeopleGate:
-        """Return the gate of a press: of several people at one keyboard one for all, which tells by the key
-        whose it is.
+        """Return the gate of a press: of several participants at one keyboard one for all, which tells by the
+        key whose it is.
         """
         number = 0 if self._people else person
         if number not in self._gates:
@@ -276,7 +275,7 @@ class _Screen:
         return self._gates[number]
 
     def _gate_of_first(self) -> PressGate:
-        """Return the gate of the one who is asked for wrong presses: never of several people."""
+        """Return the gate of the one who is asked for wrong presses: never of several participants."""
         gate = self._gate(0)
         return gate if isinstance(gate, PressGate) else PressGate(self._keys)
 

@@ -181,7 +181,7 @@ def _questions(protocol: Protocol) -> dict[str, str]:
 
 
 def _presses_of(keys: KeyConfig, games: int, in_all: str) -> str:
-    """Return how many presses one person has, and their keys."""
+    """Return how many presses one participant has, and their keys."""
     most = keys.max_presses_per_episode
     letters = f"good {keys.good}, bad {keys.bad}"
     if keys.graded:

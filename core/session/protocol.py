@@ -29,6 +29,9 @@ from core.learners.sarsa_config import SarsaConfig
 from core.plugins import DomainConfig, is_game, plugin_called, plugin_of
 from core.recording.schema import FIRST_GAME
 
+ENOUGH_REACH = 0.70
+"""A session in which a smaller fraction of presses reaches the step they are meant for says so before it
+starts, and `arl protocol --check` advises another pace (docs/decisions/pace-of-a-session.md)."""
 LearnerConfig = CrossEntropyConfig | PolicyGradientConfig | SarsaConfig
 """How the environment's learner learns; msgspec decodes it by its tag, the field "type"."""
 
@@ -125,7 +128,7 @@ class ScreenConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
 DelayIfMissing = Literal["refuse", "pooled", "paper"]
 """What a participant has whose delay was not measured (see `Protocol.delay_if_missing`)."""
 DelayOf = Literal["rule", "feedback-lag", "simple", "pooled", "paper"]
-"""Whose delay gives credit: as written in the protocol, or of whoever takes part (see
+"""Whose delay gives credit: as written in the protocol, or the participant's own (see
 `Protocol.delay_of`)."""
 
 
@@ -212,7 +215,7 @@ class Protocol(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
 
     @property
     def n_participants(self) -> int:
-        """How many people the agent listens to, >= 1."""
+        """How many participants the agent listens to, >= 1."""
         return len(self.people) or 1 + len(self.others)
 
     @property

@@ -1,6 +1,6 @@
 """A protocol from plain types or from a TOML file, checked against what has an effect in its sessions."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -38,11 +38,30 @@ def protocol_from(plain: Mapping[str, Any], *, game: str = FIRST_GAME, to_run: b
         raise ConfigurationError([Problem(("domain", TAG), str(error), named)]) from error
     protocol = read(plain, default, to_run=to_run)
     if to_run:
-        problems = list(contradictions(protocol))
+        problems = [*_said_twice(plain, protocol), *contradictions(protocol)]
         problems += [each.problem() for each in idle(protocol, default) if each.use.refused]
         if problems:
             raise ConfigurationError(problems)
     return protocol
+
+
+def _said_twice(plain: Mapping[str, Any], protocol: Protocol) -> Iterator[Problem]:
+    """Yield the settings of `[domain]` that have moved to `[learner.encoder]` (`OLD` of the domain's
+    configuration) where both places are written and do not agree.
+    """
+    domain, learner = plain.get("domain"), plain.get("learner")
+    encoder = learner.get("encoder") if isinstance(learner, Mapping) else None
+    if not (isinstance(domain, Mapping) and isinstance(encoder, Mapping)):
+        return
+    moved: frozenset[str] = getattr(protocol.domain, "OLD", frozenset())
+    for key in sorted(moved & domain.keys() & encoder.keys()):
+        if domain[key] != encoder[key]:
+            yield Problem(
+                ("domain", key),
+                f"it is the old place of [learner.encoder] {key}, which says {encoder[key]!r}: say it in "
+                "[learner.encoder] alone",
+                domain[key],
+            )
 
 
 def load_protocol(path: Path | None, *, game: str = FIRST_GAME) -> Protocol:

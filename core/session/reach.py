@@ -18,7 +18,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol as Interface
-from typing import assert_never
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -31,14 +30,11 @@ from core.feedback.delays import (
     PerValueDelay,
     PressRule,
     PreviousStep,
-    UniformDelay,
 )
 from core.feedback.viewing import Watched
 from core.numerics.clock import NS_PER_S
-from core.session.protocol import Protocol
+from core.session.protocol import ENOUGH_REACH, Protocol
 
-ENOUGH = 0.70
-"""Below this fraction a session says so before it starts (docs/decisions/pace-of-a-session.md)."""
 DELAY_STEP_S = 0.002
 """Resolution of the average over delays."""
 
@@ -71,8 +67,8 @@ class Reach:
 
     @property
     def enough(self) -> bool:
-        """Whether the fraction is at least `ENOUGH`."""
-        return self.fraction >= ENOUGH
+        """Whether the fraction is at least `ENOUGH_REACH`."""
+        return self.fraction >= ENOUGH_REACH
 
 
 def reach_of(protocol: Protocol, delay: DelayDistribution | None = None) -> Reach:
@@ -104,7 +100,7 @@ def _reach(steps: Sequence[Watched], rule: Delay, delay: DelayDistribution | Per
     fractions = []
     for one in each:
         if isinstance(delay, PerValueDelay):
-            assert isinstance(one, GammaDelay | UniformDelay), "a delay per value is that of such a rule"
+            assert isinstance(one, Density), "a delay per value is that of such a rule"
             fractions.append(fraction_reached(steps, one, one))
         else:
             fractions.append(fraction_reached(steps, one, delay))
@@ -142,10 +138,8 @@ def fraction_reached(steps: Sequence[Watched], rule: PressRule, delay: DelayDist
             fractions = _probability(delay, left_s)
         case PreviousStep():
             fractions = _probability(delay, left_s + following_s) - _probability(delay, left_s)
-        case GammaDelay() | UniformDelay():
-            fractions = _by_density(duration_s, judged_s, rule, delay)
         case _:
-            assert_never(rule)
+            fractions = _by_density(duration_s, judged_s, rule, delay)
     return float(np.average(fractions, weights=weights))
 
 

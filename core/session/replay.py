@@ -60,7 +60,7 @@ class Recorded:
         self.given = 0
         """How many inputs have been given out: the last of them is being acted on."""
         self.taken_before_next_output = 0
-        """How many inputs had been taken in before the next output: set by whoever drives the replay."""
+        """How many inputs had been taken in before the next output: set by what drives the replay."""
 
     def add(self, event: Input) -> None:
         """Append the recording's next input."""
@@ -131,7 +131,7 @@ def replay_exactly(
 
 
 def _keys_of(protocol: Mapping[str, Any]) -> list[KeyConfig]:
-    """Return the keys of each person at the keyboard, from a header's protocol."""
+    """Return the keys of each participant at the keyboard, from a header's protocol."""
     shared = msgspec.convert(protocol.get("keys", {}), KeyConfig)
     people = msgspec.convert(protocol.get("people", []), list[PersonConfig])
     return [keys_of_person(person, shared) for person in people] or [shared]

@@ -30,7 +30,7 @@ class Session:
         self._root_seed = root_seed
         self._next_step = 0
         self.before_unseen: Callable[[], None] = lambda: None
-        """Called before each block of unseen episodes: whoever runs the session may wait there for compiled
+        """Called before each block of unseen episodes: the caller may wait there for compiled
         code."""
         self.after_unseen: Callable[[int, int], None] = lambda done, count: None
         """Called after each unseen episode with how many of this block are done, and how many it has."""

@@ -309,8 +309,8 @@ def _play_unseen(agent: ArlAgent, play: Player, protocol: Protocol, root_seed: i
 
 
 def _attend_rest(intake: FeedbackIntake, source: Recorded, recording: Recording) -> Iterator[CreditGiven]:
-    """Take in what came after the last output of a session that was cut off; a closed one has heard
-    everything.
+    """Take in what came after the last output of a session that was cut off; a closed one has
+    none.
     """
     if recording.outputs and isinstance(recording.outputs[-1], SessionEnded):
         return

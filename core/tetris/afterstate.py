@@ -14,7 +14,6 @@ from core.tetris.board import (
     COLUMNS,
     FEATURES,
     FEATURES_BEFORE,
-    FULL,
     LEFT,
     MAX_PLACEMENTS,
     NOW,
@@ -70,8 +69,6 @@ class Placement:
     """Leftmost column."""
     row: int
     """Landing row: of the piece's lowest cell, before full rows are removed."""
-    full_rows: int
-    """Mask of the rows that are removed."""
 
 
 class Tetris:
@@ -166,9 +163,7 @@ class Tetris:
         at = allowed[_checked(action, len(allowed))]
         piece = self.piece(state)
         orientation = work[SHAPE, at] - FIRST_SHAPE[piece]
-        return Placement(
-            piece, int(orientation), int(work[LEFT, at]), int(work[ROW, at]), int(work[FULL, at])
-        )
+        return Placement(piece, int(orientation), int(work[LEFT, at]), int(work[ROW, at]))
 
     def choices(self, state: TetrisState) -> Choices:
         """Describe the placements of the piece: features of the afterstate, differences for the human

@@ -42,9 +42,6 @@ from core.tetris.features import BERTSEKAS_21, feature_set
 from core.tetris.kept_game import FINISHED, LINES, PIECES
 from core.tetris.pieces import MAX_SHAPE_SIZE
 
-PIECE_LIMIT = 2**40
-"""A piece cap that no game reaches."""
-
 
 class GreedyGames:
     """n games, each played greedily by its own policy, that can be continued slice by slice."""

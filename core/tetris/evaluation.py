@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.numerics.arrays import Floats, Ints
-from core.numerics.compiled import kernel
+from core.numerics.compiled import inner_kernel, kernel
 from core.numerics.fixed_point import fixed_point_shifts
 from core.tetris.board import (
     COLUMNS,
@@ -164,7 +164,7 @@ def set_weights(code: int, table: Ints, numbers: Floats, rules: Ints, integers: 
             table[OUTLINE + shape, left] = outline
 
 
-@kernel
+@inner_kernel
 def fill_values(
     code: int, table: Ints, numbers: Floats, work: Ints, rules: Ints, n: int, relative: bool, values: Floats
 ) -> None:

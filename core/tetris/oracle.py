@@ -1,4 +1,4 @@
-"""What simulated people know of Tetris: by these values they judge the agent's placements."""
+"""What simulated participants know of Tetris: by these values they judge the agent's placements."""
 
 import numpy as np
 from numpy.typing import NDArray

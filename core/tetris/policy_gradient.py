@@ -7,17 +7,18 @@ model may change between two pieces.
 """
 
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from core.combination.config import ENVIRONMENT_WEIGHTS, EpisodeWeights
-from core.combination.preference import choose, fill_logits, takes_control
-from core.combination.tally import Tally, compare_choices
+from core.combination.preference import KernelWeights, choose, fill_logits, takes_control
+from core.combination.tally import compare_choices
 from core.learners.linear import action_values
 from core.learners.policy_gradient import PolicyGradient
 from core.learners.policy_gradient_kernels import Memory, fill_score, learn_from_reward, remember_score
-from core.numerics.arrays import Floats, Ints
+from core.numerics.arrays import Bools, Floats, Ints
 from core.numerics.compiled import inner_kernel, kernel
 from core.numerics.counters import uniform_at
 from core.numerics.softmax import drawn, softmax
@@ -31,26 +32,25 @@ from core.tetris.board import (
     LEFT,
     MAX_PLACEMENTS,
     NOW,
-    OVERFLOW,
     ROW,
-    ROWS,
-    SEVEN_BAG,
     SHAPE,
-    allow_all,
     fill_heights,
-    mark_ruled_out,
-    piece_at,
-    put_down,
-    remove_rows,
-    scan_placements,
-    wall_height,
 )
-from core.tetris.combined import place_among_offered
-from core.tetris.config import MAX_COLUMNS, TetrisConfig
-from core.tetris.evaluation import fill_values
+from core.tetris.config import TetrisConfig
+from core.tetris.evaluation import LinearPolicy, fill_values
 from core.tetris.features import BERTSEKAS_21, feature_set, fill_after, fill_bertsekas
-from core.tetris.kept_game import FINISHED, LINES, PIECES, KeptGame
-from core.tetris.pieces import MAX_SHAPE_SIZE, SHAPE_TOPS, SHAPE_WIDTHS
+from core.tetris.kept_game import (
+    CHANCE_SEED,
+    FINISHED,
+    HANDOVER_SEED,
+    PIECE_SEED,
+    PIECES,
+    GameMemory,
+    KeptGame,
+    find_placements,
+    put_piece,
+)
+from core.tetris.pieces import SHAPE_TOPS, SHAPE_WIDTHS
 
 N_SCALE_GAMES = 20
 """Random games behind `placement_scales`."""
@@ -74,7 +74,7 @@ class PolicyGradientGame(KeptGame):
         handover_seed: int = 0,
         window: int = 1,
     ) -> None:
-        """Set up a game; the learner begins an episode, and whoever asked for it ends it (`end_episode`).
+        """Set up a game; the learner begins an episode, which the caller ends (`end_episode`).
 
         Args:
             learner: with one weight per feature of `config.features`; learns in place. The reward of a
@@ -103,25 +103,16 @@ class PolicyGradientGame(KeptGame):
 
     def advance(self, piece_cap: int) -> None:
         """Play on until the game ends or has `piece_cap` pieces."""
-        combination = self._combination
         _play_on(
             self._memory,
             self._code,
             self._units,
-            *self._human,
+            self._human,
             self._human_known,
-            self._work,
-            self._rules,
+            self._weights,
+            self._game,
             self._seeds,
             piece_cap,
-            combination.form,
-            float(combination.w_r),
-            float(combination.w_h),
-            float(combination.handover),
-            float(combination.shaping),
-            self._ring,
-            self._counters,
-            self.tally,
         )
 
     def set_human_weights(self, human_weights: NDArray[np.float64]) -> None:
@@ -197,71 +188,96 @@ def _write_row(work: Ints, units: Floats, rows: Floats, action: int) -> None:
         rows[action, i] = work[FEATURES, i] / units[i]
 
 
-# One episode step by step: the loop is the algorithm, and splitting it would hand a dozen arrays around (60
-# lines).
+class _Decision(NamedTuple):
+    """Working memory of one decision among at most m placements."""
+
+    rows: Floats
+    """Scaled features of each placement, shape (m, F)."""
+    human_values: Floats
+    """H of each, shape (m,); 0 where there is no human policy."""
+    ruled_out: Bools
+    """Shape (m,)."""
+    logits: Floats
+    """Shape (m,)."""
+    gains: Floats
+    """Derivative of each logit by the placement's R, shape (m,)."""
+    probabilities: Floats
+    """Of the softmax, shape (m,)."""
+    score: Floats
+    """Gradient of the logarithm of the chosen placement's probability, shape (F,)."""
+
+
+@kernel
+def _new_decision(n_features: int) -> _Decision:
+    m = MAX_PLACEMENTS
+    return _Decision(
+        np.empty((m, n_features)),
+        np.zeros(m),
+        np.zeros(m, dtype=np.bool_),
+        np.empty(m),
+        np.empty(m),
+        np.empty(m),
+        np.empty(n_features),
+    )
+
+
 @kernel
 def _play_on(
     memory: Memory,
     code: int,
     units: Floats,
-    human_code: int,
-    human_table: Ints,
-    human_numbers: Floats,
+    human: LinearPolicy,
     human_known: bool,
-    work: Ints,
-    rules: Ints,
+    weights: KernelWeights,
+    game: GameMemory,
     seeds: Ints,
     cap: int,
-    form: int,
-    w_r: float,
-    w_h: float,
-    handover: float,
-    shaping: float,
-    ring: Ints,
-    counters: Ints,
-    tally: Tally,
 ) -> None:
-    """Play on to the game's end or to `cap` pieces; memory, board, `ring`, `counters` and `tally` are
-    changed.
-    """
-    n_columns, must_fit = rules[COLUMNS], rules[OVERFLOW] == 0
-    human_values, logits, gains = np.zeros(MAX_PLACEMENTS), np.empty(MAX_PLACEMENTS), np.empty(MAX_PLACEMENTS)
-    probabilities, ruled_out = np.empty(MAX_PLACEMENTS), np.zeros(MAX_PLACEMENTS, dtype=np.bool_)
-    rows, score = np.empty((MAX_PLACEMENTS, len(units))), np.empty(len(units))
-    fill_heights(work, NOW, n_columns)
+    """Play on to the game's end or to `cap` pieces; `memory` and `game` are changed."""
+    work, rules, counters = game.work, game.rules, game.counters
+    decision = _new_decision(len(units))
+    human_values, ruled_out, score = decision.human_values, decision.ruled_out, decision.score
+    fill_heights(work, NOW, rules[COLUMNS])
     while counters[FINISHED] == 0:
         piece = counters[PIECES]
-        n = scan_placements(work, rules, piece_at(seeds[0], piece, rules[SEVEN_BAG]))
-        crowded = wall_height(work, NOW, n_columns) + MAX_SHAPE_SIZE > rules[ROWS]
-        n_open = mark_ruled_out(work, rules, n, ruled_out) if crowded else allow_all(ruled_out, n)
-        counters[FINISHED] = must_fit and n_open == 0
+        n, _, crowded = find_placements(game, seeds[PIECE_SEED], ruled_out)
         if counters[FINISHED] != 0 or piece >= cap:
             break
-        kept = piece % len(ring)
-        for column in range(n_columns):
-            ring[kept, column] = work[NOW, column]
-        _fill_rows(code, units, work, rules, n, rows)
-        env_values = action_values(rows[:n], memory.weights)
+        _fill_rows(code, units, work, rules, n, decision.rows)
+        env_values = action_values(decision.rows[:n], memory.weights)
         human_best = 0
         if human_known:
-            fill_values(human_code, human_table, human_numbers, work, rules, n, True, human_values)
-            human_best = compare_choices(env_values, human_values, ruled_out, n, tally)
-        if handover > 0.0 and takes_control(seeds[1], piece, handover):
+            fill_values(human.code, human.table, human.numbers, work, rules, n, True, human_values)
+            human_best = compare_choices(env_values, human_values, ruled_out, n, game.tally)
+        if weights.handover > 0.0 and takes_control(seeds[HANDOVER_SEED], piece, weights.handover):
             action = human_best
             score[:] = 0.0
-        elif w_r == 0.0:
-            action = choose(env_values, human_values, ruled_out, n, form, w_r, w_h)
-            score[:] = 0.0
         else:
-            reference = fill_logits(env_values, human_values, ruled_out, n, form, w_r, w_h, logits, gains)
-            softmax(logits, ruled_out, n, probabilities)
-            action = drawn(probabilities, n, uniform_at(seeds[2], piece))
-            fill_score(rows, gains, probabilities, n, action, reference, score)
+            action = _act(env_values, decision, n, weights, uniform_at(seeds[CHANCE_SEED], piece))
         remember_score(memory, score)
-        full = put_down(work, NOW, action)
-        lines = remove_rows(work, NOW, n_columns, full) if full != 0 else 0
-        learn_from_reward(memory, lines + shaping * human_values[action])
-        ring[kept, MAX_COLUMNS] = place_among_offered(ruled_out, action) if must_fit else action
-        counters[LINES] += lines
-        counters[PIECES] += 1
-        counters[FINISHED] = crowded and not must_fit and wall_height(work, NOW, n_columns) > rules[ROWS]
+        lines = put_piece(game, ruled_out, action, crowded)
+        learn_from_reward(memory, lines + weights.shaping * human_values[action])
+
+
+@kernel
+def _act(env_values: Floats, decision: _Decision, n: int, weights: KernelWeights, point: float) -> int:
+    """Return an action of the softmax over f(R, H) and write its score, which is 0 where R has no weight.
+
+    Args:
+        env_values: R of each action, shape (n,).
+        decision: working memory, with the rows, H and what is ruled out.
+        n: number of actions.
+        weights: of R and H.
+        point: of the draw, uniform in [0, 1).
+    """
+    human_values, ruled_out = decision.human_values, decision.ruled_out
+    form, w_r, w_h = weights.form, weights.w_r, weights.w_h
+    if w_r == 0.0:
+        decision.score[:] = 0.0
+        return choose(env_values, human_values, ruled_out, n, form, w_r, w_h)
+    logits, gains, probabilities = decision.logits, decision.gains, decision.probabilities
+    reference = fill_logits(env_values, human_values, ruled_out, n, form, w_r, w_h, logits, gains)
+    softmax(logits, ruled_out, n, probabilities)
+    action = drawn(probabilities, n, point)
+    fill_score(decision.rows, gains, probabilities, n, action, reference, decision.score)
+    return action

@@ -1,4 +1,4 @@
-"""A game of Tetris for a person to play: the same board, pieces and primitives as the agent has."""
+"""A game of Tetris for a participant to play: the same board, pieces and primitives as the agent has."""
 
 from collections.abc import Callable
 from typing import Literal
@@ -14,7 +14,7 @@ PIECE_STREAMS: dict[str, Callable[[int, int], int]] = {"uniform": uniform_piece,
 class Practice:
     """The state of a practice game.
 
-    It knows no clock: whoever runs it says when gravity acts. A piece that gravity cannot move settles; where
+    It knows no clock: its caller says when gravity acts. A piece that gravity cannot move settles; where
     that fills rows, they are shown full until the next fall. The game is over when the pile is higher than
     the board.
     """

@@ -13,13 +13,12 @@ from core.combination.human_learner import HumanLearner
 from core.combination.tally import AGREED, AGREED_WORST, agreement_of
 from core.domain import Choices, Domain
 from core.events import EpisodeEnded, StepTaken
-from core.feedback.keys import NS_PER_MS
 from core.feedback.viewing import SteadyViewing, Watched
 from core.learners.cross_entropy import CrossEntropyLearner
 from core.learners.cross_entropy_config import CrossEntropyConfig
 from core.learners.policy_gradient import PolicyGradientLearner
 from core.learners.policy_gradient_config import PolicyGradientConfig
-from core.numerics.clock import NS_PER_S
+from core.numerics.clock import NS_PER_MS, NS_PER_S
 from core.registry import Oracle, Player
 from core.session.protocol import Protocol
 from core.session.rollout import Played

@@ -15,10 +15,10 @@ from core.combination.agent import ArlAgent
 from core.combination.tally import AGREED, AGREED_WORST, Tally, agreement_of, new_tally
 from core.events import KeyPressed
 from core.feedback.delays import CurrentStep, PreviousStep
-from core.feedback.keys import NS_PER_MS, PressGate
+from core.feedback.keys import PressGate
 from core.feedback.source import Oracle
 from core.feedback.trainers import IntendedPress, SimulatedTrainer
-from core.numerics.clock import NS_PER_S
+from core.numerics.clock import NS_PER_MS, NS_PER_S
 from core.numerics.streams import stream_seed
 from core.session.protocol import Protocol
 from core.session.rollout import Played

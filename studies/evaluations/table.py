@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
 
-from core.numerics.clock import NS_PER_S
+from core.numerics.clock import LONGEST_NS, NS_PER_S
 from core.recording.importers.contract import ImporterError
 from studies.reaction_time.tables.cells import Table, parse
 from studies.reaction_time.tables.contract import SECONDS, Columns, ReadError, shown
@@ -18,10 +18,6 @@ from studies.reaction_time.tables.text import read_text
 from studies.reaction_time.tables.units import unit_in_name
 
 _CODE = re.compile(r"[A-Za-z0-9_-]{1,32}")
-
-
-LONGEST_NS = 1 << 62
-"""No time or delay is as long: 146 years."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

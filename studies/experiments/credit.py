@@ -1,5 +1,5 @@
-"""What a wrong delay density costs in Keepaway, where feedback is late: the person's own fit, the paper's,
-uniform, none.
+"""What a wrong delay density costs in Keepaway, where feedback is late: the participant's own fit, the
+paper's, uniform, none.
 """
 
 from core.feedback.delays import CurrentStep, GammaDelay, PreviousStep, UniformDelay

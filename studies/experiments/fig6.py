@@ -13,7 +13,7 @@ from studies.experiments.results import Results, read_beside
 from studies.experiments.sweep import Condition, Experiment
 from studies.experiments.tetris_pages import CLAIM, report_page, scores
 from studies.experiments.tetris_settings import DEPARTURES, PERSON, quick, session, tetris_agent
-from studies.experiments.tetris_trial import GradientTrial, run_gradient_trial
+from studies.experiments.tetris_trial import run_trial
 
 GRADIENT = PolicyGradientConfig()
 """OLPOMDP with the constants of the library's default."""
@@ -26,25 +26,31 @@ The paper's other claim here, that PG clears fewer lines than CE, is not tested 
 PERSON_TEXT = "The person is that of Fig. 5."
 
 
-def gradient_trial(agent: AgentConfig, person: TrainerConfig = PERSON) -> GradientTrial:
-    """Return a trial of policy gradient: as many watched games as in Fig. 5."""
-    return GradientTrial(session(agent, person), GRADIENT)
+def gradient_condition(
+    name: str, label: str, agent: AgentConfig, participant: TrainerConfig = PERSON
+) -> Condition:
+    """Return a condition of policy gradient: as many watched games as in Fig. 5.
 
-
-def quick_gradient(settings: GradientTrial) -> GradientTrial:
-    """Return a trial of a second."""
-    return msgspec.structs.replace(settings, protocol=quick(settings.protocol))
+    Its published trials name the session of Fig. 5, and the learner beside it.
+    """
+    of_fig5 = session(agent, participant)
+    return Condition(
+        name,
+        label,
+        msgspec.structs.replace(of_fig5, learner=GRADIENT),
+        written={"protocol": of_fig5, "gradient": GRADIENT},
+    )
 
 
 EXPERIMENT = Experiment(
     name="fig6",
     title="Figure 6: Tetris, policy gradient",
     conditions=(
-        Condition("pg", "PG", gradient_trial(tetris_agent(scheme=EnvironmentOnly()))),
-        Condition("arl-pg", "ARL + PG (Eqs. 3, 4)", gradient_trial(tetris_agent())),
+        gradient_condition("pg", "PG", tetris_agent(scheme=EnvironmentOnly())),
+        gradient_condition("arl-pg", "ARL + PG (Eqs. 3, 4)", tetris_agent()),
     ),
-    trial=run_gradient_trial,
-    quick=quick_gradient,
+    trial=run_trial,
+    quick=quick,
     departures=(*DEPARTURES[:1], *DEPARTURES[2:], "the gradient is estimated by OLPOMDP, after every piece"),
 )
 
@@ -79,7 +85,7 @@ def _against_ce(results: Results, against: Results) -> Verdict | None:
     """
     pg, ce = results.experiment.condition("pg").settings, against.experiment.condition("ce").settings
     both = sorted(set(results.seeds) & set(against.seeds))
-    if pg.protocol != ce or not both:
+    if msgspec.structs.replace(pg, learner=ce.learner) != ce or not both:
         return None
     values = {}
     for found, name in ((against, "ce"), (results, "pg")):

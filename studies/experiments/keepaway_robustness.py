@@ -24,8 +24,8 @@ HOURS = 2.0
 
 
 PEOPLE = ("lay", "hesitant", "instructed", "bursty", "hasty", "slow", "tiring", "leaves")
-"""Simulated people by name (`core.feedback.simulated_participants`) beside the rates. (There is no *myopic*
-one: an option has no immediate effect.)"""
+"""Simulated participants by name (`core.feedback.simulated_participants`) beside the rates. (There is no
+*myopic* one: an option has no immediate effect.)"""
 OURS = "side"
 """The rule that is for Sarsa (`docs/decisions/side-by-side.md`)."""
 RANDOM_PERCENT = 50
@@ -35,7 +35,7 @@ TRIED_ON_PEOPLE = (OURS, "margin", "constant", "tried")
 
 
 def talkative(name: str) -> KeepawayPersonConfig:
-    """Return a named person who is as talkative as the person of Fig. 7."""
+    """Return a named participant who is as talkative as the participant of Fig. 7."""
     usual = person()
     trainer = msgspec.structs.replace(
         persons()[name],
@@ -139,7 +139,7 @@ def _goal_table(scores: Mapping[str, Floats]) -> str:
 
 
 def _people_table(results: Results, scores: Mapping[str, Floats]) -> str:
-    """Return the ratio to Sarsa alone of each rule with each named person, and w_h at the end."""
+    """Return the ratio to Sarsa alone of each rule with each named participant, and w_h at the end."""
     rows = []
     for participant in PEOPLE:
         cells = []

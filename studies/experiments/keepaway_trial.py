@@ -1,4 +1,4 @@
-"""One trial in Keepaway: keepers learn by Sarsa while a simulated person watches every episode."""
+"""One trial in Keepaway: keepers learn by Sarsa while a simulated participant watches every episode."""
 
 import msgspec
 import numpy as np
@@ -34,7 +34,7 @@ class KeepawayTrial(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def own_fit(trial: KeepawayTrial, calibration_trials: int) -> KeepawayTrial:
-    """Return the trial with credit by the person's own fitted delay in place of a given one."""
+    """Return the trial with credit by the participant's own fitted delay in place of a given one."""
     return msgspec.structs.replace(trial, calibration_trials=calibration_trials)
 
 

@@ -11,14 +11,13 @@ import numpy as np
 
 from core.domain import Choices, Domain, Features, Transition
 from core.events import EpisodeEnded, StepTaken
-from core.feedback.keys import NS_PER_MS
 from core.feedback.viewing import SteadyViewing, Watched
 from core.interop.gymnasium.action import EnvAction
 from core.interop.gymnasium.config import GymnasiumConfig
 from core.interop.gymnasium.tiles import JointTiles
 from core.learners.encoding import ActionTiles
 from core.numerics.arrays import Floats
-from core.numerics.clock import NS_PER_S
+from core.numerics.clock import NS_PER_MS, NS_PER_S
 from core.numerics.tile_coding import Range
 from core.registry import Oracle
 from core.session.protocol import Protocol

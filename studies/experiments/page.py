@@ -215,23 +215,12 @@ def how_it_was_made(results: Results, *, others: Sequence[Results] = ()) -> str:
     """
     record, seeds = results.record, results.seeds
     runs = [run for found in (results, *others) for run in found.record.software]
-    lines = [", ".join(f"{name} {value}" for name, value in run.items()) for run in runs]
-    versions = list(dict.fromkeys(lines))
+    versions = dict.fromkeys(", ".join(f"{name} {value}" for name, value in run.items()) for run in runs)
     departures = "\n".join(f"- {sentence}." for sentence in results.experiment.departures)
     settings = {name: _flat(record.conditions[name]) for name in results.conditions}
     common, own = shared_settings(settings)
     differing = "\n".join(
         f"- `{name}`: `{msgspec.json.encode(value).decode()}`" for name, value in own.items()
-    )
-    missing = [
-        f"{condition.name} ({results.left_out.get(condition.name, 0)})"
-        for condition in results.experiment.conditions
-        if condition.name not in results.trials
-    ]
-    unfinished = (
-        f"- Not reported, because too few of their trials were played: {', '.join(missing)}.\n"
-        if missing
-        else ""
     )
     typed = results.experiment.typed
     quickly = " --quick" if record.quick else ""
@@ -242,7 +231,7 @@ def how_it_was_made(results: Results, *, others: Sequence[Results] = ()) -> str:
 
 - Trials: {len(seeds)} per condition, root seeds {seeds[0]} to {seeds[-1]}.
 - Software: {"; ".join(versions)}.
-{unfinished}
+{_unfinished(results)}
 Departures from the paper, and what it leaves open:
 
 {departures}
@@ -259,6 +248,18 @@ What differs between the conditions:
 
 </details>
 """
+
+
+def _unfinished(results: Results) -> str:
+    """Return the line that names the conditions that are not reported; "" where all are."""
+    missing = [
+        f"{condition.name} ({results.left_out.get(condition.name, 0)})"
+        for condition in results.experiment.conditions
+        if condition.name not in results.trials
+    ]
+    if not missing:
+        return ""
+    return f"- Not reported, because too few of their trials were played: {', '.join(missing)}.\n"
 
 
 def shared_settings(settings: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:

@@ -1,5 +1,5 @@
-"""Robustness: how wrong may a person be, and when should an agent listen? Trust rules against rates of wrong
-presses.
+"""Robustness: how wrong may a participant be, and when should an agent listen? Trust rules against rates of
+wrong presses.
 """
 
 from collections.abc import Iterator
@@ -16,7 +16,7 @@ from core.combination.config import (
 from core.feedback.config import TrainerConfig
 from core.feedback.simulated_participants import person
 from core.session.protocol import Protocol
-from studies.experiments.fig6 import gradient_trial, quick_gradient
+from studies.experiments.fig6 import gradient_condition
 from studies.experiments.page import Page
 from studies.experiments.results import Results
 from studies.experiments.robustness_settings import (
@@ -32,7 +32,7 @@ from studies.experiments.robustness_settings import (
 )
 from studies.experiments.sweep import Condition, Experiment, Rows
 from studies.experiments.tetris_settings import DEPARTURES, PERSON, quick, session, tetris_agent
-from studies.experiments.tetris_trial import GradientTrial, run_gradient_trial, run_trial
+from studies.experiments.tetris_trial import run_trial
 
 
 class FreshTrial(msgspec.Struct, frozen=True):
@@ -44,12 +44,12 @@ class FreshTrial(msgspec.Struct, frozen=True):
 
 
 def wrong(rate: int) -> TrainerConfig:
-    """Return the person of Fig. 5 with another rate of wrong presses, in per cent."""
+    """Return the participant of Fig. 5 with another rate of wrong presses, in per cent."""
     return msgspec.structs.replace(PERSON, mistake_rate=rate / 100)
 
 
 def talkative(name: str) -> TrainerConfig:
-    """Return a named person who is as talkative as the person of Fig. 5."""
+    """Return a named participant who is as talkative as the participant of Fig. 5."""
     return msgspec.structs.replace(person(name), press_probability=PERSON.press_probability)
 
 
@@ -66,18 +66,16 @@ def _conditions() -> tuple[Condition, ...]:
             found.append(Condition(f"{name}-{rate:03d}", label, session(agent, wrong(rate))))
     found.extend(_fresh_conditions())
     listening = tetris_agent(trust=RULE)
-    found.append(Condition(GRADIENT, "policy gradient, environment only", gradient_trial(alone)))
+    found.append(gradient_condition(GRADIENT, "policy gradient, environment only", alone))
     for rate in RATES:
-        found.append(
-            Condition(f"gradient-{rate:03d}", "policy gradient", gradient_trial(listening, wrong(rate)))
-        )
+        found.append(gradient_condition(f"gradient-{rate:03d}", "policy gradient", listening, wrong(rate)))
     for name in PEOPLE:
-        found.append(Condition(f"gradient-{name}", name, gradient_trial(listening, talkative(name))))
+        found.append(gradient_condition(f"gradient-{name}", name, listening, talkative(name)))
     return tuple(found)
 
 
 def _fresh_conditions() -> Iterator[Condition]:
-    """Yield what the goal is judged by, and everybody whom the rule meets, on seeds of their own."""
+    """Yield what the goal is judged by, and all participants whom the rule meets, on seeds of their own."""
 
     def fresh(name: str, label: str, agent: AgentConfig, participant: TrainerConfig = PERSON) -> Condition:
         return Condition(name, label, FreshTrial(session(agent, participant)))
@@ -97,20 +95,18 @@ def _fresh_conditions() -> Iterator[Condition]:
         yield fresh(f"person-{name}", name, listening, talkative(name))
 
 
-def run_any(settings: Protocol | FreshTrial | GradientTrial, root_seed: int) -> Rows:
-    """Play a trial of either learner."""
+def run_any(settings: Protocol | FreshTrial, root_seed: int) -> Rows:
+    """Play a trial on its root seed, or on the one that a fresh trial has in its place."""
     if isinstance(settings, FreshTrial):
         return run_trial(settings.protocol, settings.seeds_from + root_seed)
-    if isinstance(settings, GradientTrial):
-        return run_gradient_trial(settings, root_seed)
     return run_trial(settings, root_seed)
 
 
-def quick_any(settings: Protocol | FreshTrial | GradientTrial) -> Protocol | FreshTrial | GradientTrial:
+def quick_any(settings: Protocol | FreshTrial) -> Protocol | FreshTrial:
     """Return a trial of a second."""
     if isinstance(settings, FreshTrial):
         return FreshTrial(quick(settings.protocol), settings.seeds_from)
-    return quick_gradient(settings) if isinstance(settings, GradientTrial) else quick(settings)
+    return quick(settings)
 
 
 EXPERIMENT = Experiment(

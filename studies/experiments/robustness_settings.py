@@ -29,8 +29,8 @@ MARGIN = "margin"
 """Name of the rule under test in conditions."""
 
 PEOPLE = ("lay", "myopic", "hesitant", "instructed", "bursty", "hasty", "slow", "tiring", "leaves")
-"""Simulated people by name (`core.feedback.simulated_participants`) whom the rule meets beside the rates,
-which are the other four."""
+"""Simulated participants by name (`core.feedback.simulated_participants`) whom the rule meets beside the
+rates, which are the other four."""
 
 ENVIRONMENT = "environment"
 FRESH_ENVIRONMENT = "fresh-environment"

@@ -37,6 +37,9 @@ class Condition:
     """In figures and tables."""
     settings: Any
     """All that decides a trial but its root seed; msgspec turns it to JSON."""
+    written: Any = None
+    """The settings as results name them, where an earlier version gave them another form; None: as
+    `settings`. Seals of published trials go by it."""
 
     def __post_init__(self) -> None:
         if not self.name or not all(c.islower() or c.isdigit() or c == "-" for c in self.name):
@@ -56,7 +59,7 @@ class Experiment:
     departures: tuple[str, ...] = ()
     """Where this differs from the paper, or fills its silence, in sentences for the report."""
     name: str = field(default="", kw_only=True)
-    """Of the folder of its results. Whoever loads it takes it from the module (`load_experiment`); "" until
+    """Of the folder of its results. `load_experiment` takes it from the module (`load_experiment`); "" until
     then."""
     source: str = field(default="", kw_only=True)
     """What finds its module in any process: one of our names, a module, or the absolute path of a file."""
@@ -210,7 +213,10 @@ def describe_settings(conditions: Sequence[Condition]) -> dict[str, Any]:
     Settings that came later are left out at their defaults (`core.recording.schema.leave_out_later`), so that
     trials played before there were such settings are still those of their condition.
     """
-    settings = {condition.name: condition.settings for condition in conditions}
+    settings = {
+        condition.name: condition.settings if condition.written is None else condition.written
+        for condition in conditions
+    }
     plain = msgspec.to_builtins(settings)
     leave_out_later(settings, plain)
     read_back: dict[str, Any] = msgspec.json.decode(msgspec.json.encode(plain))

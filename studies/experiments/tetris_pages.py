@@ -1,5 +1,5 @@
-"""What the pages of experiments in Tetris share: scores of trials, figures over iterations, how the person
-came through.
+"""What the pages of experiments in Tetris share: scores of trials, figures over iterations, how the
+participant came through.
 """
 
 from __future__ import annotations
@@ -140,7 +140,7 @@ def _curves_figure(results: Results) -> Figure:
 
 
 def _person_table(results: Results) -> str:
-    """Return how often the person spoke, and how many games the piece cap stopped, by condition."""
+    """Return how often the participant spoke, and how many games the piece cap stopped, by condition."""
     rows = []
     for name in results.conditions:
         presses, pieces = results.table(name, "presses"), results.table(name, "pieces")

@@ -1,14 +1,12 @@
-"""One trial in Tetris: a simulated person watches every episode of a learner, and what came of it, episode by
-episode.
+"""One trial in Tetris: a simulated participant watches every episode of a learner, and what came of it,
+episode by episode.
 """
 
-import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from core.feedback.keys import NS_PER_MS
 from core.feedback.trainers import SimulatedTrainer
-from core.learners.policy_gradient_config import PolicyGradientConfig
+from core.numerics.clock import NS_PER_MS
 from core.session.protocol import Protocol
 from core.session.session import build_agent
 from core.tetris.oracle import TetrisOracle
@@ -33,35 +31,14 @@ def new_trial(protocol: Protocol, root_seed: int) -> WatchedTetris:
     )
 
 
-class GradientTrial(msgspec.Struct, frozen=True):
-    """A trial whose environment learner is policy gradient."""
-
-    protocol: Protocol
-    """The session; its `learner` plays no part."""
-    gradient: PolicyGradientConfig
-
-
-def new_gradient_trial(settings: GradientTrial, root_seed: int) -> WatchedTetris:
-    """Return a trial of policy gradient that has not begun; as `new_trial`."""
-    return new_trial(msgspec.structs.replace(settings.protocol, learner=settings.gradient), root_seed)
-
-
-def run_gradient_trial(settings: GradientTrial, root_seed: int) -> dict[str, NDArray[np.float64]]:
-    """Play a trial of policy gradient; columns as in `run_trial`."""
-    return _played(new_gradient_trial(settings, root_seed), settings.protocol.session.episodes)
-
-
 def run_trial(protocol: Protocol, root_seed: int) -> dict[str, NDArray[np.float64]]:
     """Play a trial of `protocol.session.episodes` episodes.
 
     Returns:
         Columns with one number per episode: lines, pieces, presses, w_h (the weight in use).
     """
-    return _played(new_trial(protocol, root_seed), protocol.session.episodes)
-
-
-def _played(trial: WatchedTetris, n_episodes: int) -> dict[str, NDArray[np.float64]]:
-    episodes = [trial.play() for _ in range(n_episodes)]
+    trial = new_trial(protocol, root_seed)
+    episodes = [trial.play() for _ in range(protocol.session.episodes)]
     return {
         "lines": np.array([episode.performance for episode in episodes]),
         "pieces": np.array([float(episode.steps) for episode in episodes]),

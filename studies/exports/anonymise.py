@@ -52,7 +52,7 @@ def read_or_make_key(path: Path, *, apart_from: Iterable[Path]) -> bytes:
 
     Args:
         path: of the key: a line of 64 hex digits.
-        apart_from: folders in which a key must not lie: whoever gets them must not get it.
+        apart_from: folders in which a key must not lie: a recipient of them must not get it.
 
     Raises:
         AnonymiseError: the key would lie among the data, or the file holds no key.

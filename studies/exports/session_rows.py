@@ -161,7 +161,7 @@ class SessionRows:
         return self.presses[press].verdict == "accepted" and press not in self.retracted
 
     def keys_of(self, press: KeyPressed) -> Row:
-        """Return the first columns of a press; with the code of whichever of several people pressed."""
+        """Return the first columns of a press; with the code of whichever of several participants pressed."""
         return {**self.keys, "participant": code_of(self.recording.header, press.person)}
 
     def action(self, step: int) -> str | None:

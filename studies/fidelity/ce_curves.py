@@ -110,17 +110,7 @@ def read_published(path: Path) -> list[CurvePoint]:
     Args:
         path: CSV with the columns noise, run, iteration, mean_lines_of_mean_vector_30_games.
     """
-    with path.open(newline="") as lines:
-        return [
-            CurvePoint(
-                "published",
-                row["noise"],
-                int(row["run"]),
-                int(row["iteration"]),
-                float(row["mean_lines_of_mean_vector_30_games"]),
-            )
-            for row in csv.DictReader(lines)
-        ]
+    return _read_rows(path, "mean_lines_of_mean_vector_30_games", rules="published")
 
 
 def lines_at(points: Iterable[CurvePoint], rules: str, noise: str, iteration: int) -> NDArray[np.float64]:
@@ -190,10 +180,19 @@ def write_csv(points: Iterable[CurvePoint], path: Path) -> None:
 
 def read_csv(path: Path) -> list[CurvePoint]:
     """Read what `write_csv` wrote."""
+    return _read_rows(path, "mean_lines")
+
+
+def _read_rows(path: Path, lines_column: str, rules: str | None = None) -> list[CurvePoint]:
+    """Return the rows of a CSV file as points; `rules` None: as its column says."""
     with path.open(newline="") as lines:
         return [
             CurvePoint(
-                row["rules"], row["noise"], int(row["run"]), int(row["iteration"]), float(row["mean_lines"])
+                row["rules"] if rules is None else rules,
+                row["noise"],
+                int(row["run"]),
+                int(row["iteration"]),
+                float(row[lines_column]),
             )
             for row in csv.DictReader(lines)
         ]

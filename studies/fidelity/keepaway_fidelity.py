@@ -6,6 +6,7 @@ and for some settings logged trajectories. Both sides go through the same functi
 
 import csv
 import gzip
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -177,24 +178,40 @@ def read_traces(path: Path) -> list[Trace]:
     return traces
 
 
-def play_traces(setting: Setting, n_episodes: int, root_seed: int) -> list[Trace]:
-    """Play episodes cycle by cycle and keep what the reference's logs keep: all rows but the last."""
-    game = Autoplay(setting.config, root_seed, "fidelity traces", setting.label)
+def play_cycles(game: Autoplay, policy: int, n_episodes: int) -> Iterator[tuple[Floats, Floats, Bools]]:
+    """Play episodes cycle by cycle; yield of each what the reference's logs keep: all rows but the last.
+
+    Args:
+        game: at the start of its first episode.
+        policy: number of a fixed policy (`core.keepaway.simulator.policies`).
+        n_episodes: how many.
+
+    Yields:
+        The ball, shape (cycles, 4), the players, shape (cycles, n_players, columns), and who had
+        kicked, shape (cycles, n_players).
+    """
     match, rules, streams = game.match, game.rules, game.streams
-    k, policy = setting.config.n_keepers, POLICIES[setting.policy]
     step = specialised(step_cycle, match, rules, policy, streams)
-    traces = []
     for episode in range(n_episodes):
         if episode:
             start_episode(match, rules, streams.placement)
-        balls, places = [match.ball.copy()], [match.players[:k, :2].copy()]
-        kicked = [np.zeros(k, np.bool_)]
+        balls, players = [match.ball.copy()], [match.players.copy()]
+        kicked = [np.zeros(len(match.players), np.bool_)]
         while not step(match, rules, policy, streams):
             balls.append(match.ball.copy())
-            places.append(match.players[:k, :2].copy())
-            kicked.append(match.commands[:k, KIND] == KICK)
-        traces.append(Trace(np.array(balls), np.array(places), np.array(kicked)))
-    return traces
+            players.append(match.players.copy())
+            kicked.append(match.commands[:, KIND] == KICK)
+        yield np.array(balls), np.array(players), np.array(kicked)
+
+
+def play_traces(setting: Setting, n_episodes: int, root_seed: int) -> list[Trace]:
+    """Play episodes and keep what the reference's logs keep of ball and keepers."""
+    game = Autoplay(setting.config, root_seed, "fidelity traces", setting.label)
+    k = setting.config.n_keepers
+    return [
+        Trace(ball, players[:, :k, :2], kicked[:, :k])
+        for ball, players, kicked in play_cycles(game, POLICIES[setting.policy], n_episodes)
+    ]
 
 
 def passes_of(trace: Trace) -> list[tuple[float, int]]:

@@ -52,9 +52,9 @@ def chance_of(curve: Floats, table: Floats) -> float:
         curve: block means, shape (blocks,).
         table: block means of the runs it is compared with, shape (runs, blocks), three runs or more.
     """
-    everybody = np.vstack([table, curve])
+    all_curves = np.vstack([table, curve])
     distances = []
-    for number, one in enumerate(everybody):
-        others = np.delete(everybody, number, axis=0)
+    for number, one in enumerate(all_curves):
+        others = np.delete(all_curves, number, axis=0)
         distances.append(np.abs((one - others.mean(axis=0)) / others.std(axis=0, ddof=1)).max())
     return float(np.mean(np.array(distances) >= distances[-1]))

@@ -1,6 +1,6 @@
 """The ledger of a study: an append-only file that says who has which place, and how far each participant is.
 
-Several computers may share it in one folder. Whoever appends holds a lock on the file, reads what others have
+Several computers may share it in one folder. A writer holds a lock on the file, reads what others have
 written meanwhile, and forces the line to the disk. Every line is sealed like those of a recording.
 
 A place and a code are claimed by creating a file that must not exist yet. So they stay unique on file
@@ -128,7 +128,7 @@ _decoder: msgspec.json.Decoder[Line] = msgspec.json.Decoder(Line)
 def read_ledger(path: Path) -> tuple[Line, ...]:
     """Return the lines of a ledger, checked.
 
-    A last line that was cut off in the middle is left out: whoever wrote it was killed, and the next one to
+    A last line that was cut off in the middle is left out: its writer was killed, and the next one to
     append removes it.
 
     Raises:
@@ -258,7 +258,7 @@ class Ledger:
 
 @contextmanager
 def exclusive(path: Path) -> Iterator[None]:
-    """Hold a lock while the block runs; wait for whoever holds it.
+    """Hold a lock while the block runs; wait while another process holds it.
 
     Args:
         path: of the lock's file, which stays empty.

@@ -117,7 +117,7 @@ class Progress:
 
 
 def progress(lines: Iterable[Line]) -> Progress:
-    """Return where everybody is after these lines of a ledger."""
+    """Return where each participant is after these lines of a ledger."""
     people: dict[str, Participant] = {}
     declined = 0
     for line in lines:

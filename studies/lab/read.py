@@ -8,7 +8,7 @@ from typing import Any
 
 import msgspec
 
-from core.configuration.reading import ConfigurationError, Problem, read_whole
+from core.configuration.reading import ConfigurationError, Problem, filled, read_whole
 from core.configuration.toml_places import places
 from core.feedback.delays import GammaDelay
 from core.session.practice import practice_of
@@ -104,19 +104,7 @@ def combined(base: Mapping[str, Any], differences: Mapping[str, Any]) -> dict[st
 
     A table that names another `type` than the base's replaces the base's table as a whole.
     """
-    result = dict(base)
-    for name, value in differences.items():
-        below = base.get(name)
-        if isinstance(below, Mapping) and isinstance(value, Mapping) and _of_one_type(below, value):
-            result[name] = combined(below, value)
-        else:
-            result[name] = value
-    return result
-
-
-def _of_one_type(base: Mapping[str, Any], differences: Mapping[str, Any]) -> bool:
-    kind = base.get("type")
-    return bool(differences.get("type", kind) == kind)
+    return filled(differences, base)
 
 
 def _texts(study: Study, folder: Path, trouble: list[str]) -> dict[str, str]:

@@ -23,7 +23,7 @@ def open_sealed_lines(
 ) -> tuple[tuple[Line, ...], Chain, int]:
     """Check and decode sealed lines.
 
-    A last line without its newline is left out: whoever wrote it was killed.
+    A last line without its newline is left out: its writer was killed.
 
     Args:
         path: of the file, for messages.

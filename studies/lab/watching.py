@@ -1,6 +1,6 @@
 """How running sittings are doing, from their append-only files alone: nothing is locked, asked or written.
 
-A file is read once; afterwards only what has been added to it. Whoever is in a session notices nothing.
+A file is read once; afterwards only what has been added to it. A participant in a session notices nothing.
 """
 
 import statistics

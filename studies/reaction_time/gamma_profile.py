@@ -22,9 +22,10 @@ GRID = 40
 LOG_SHAPE_LOW, LOG_SHAPE_HIGH, TABLE_SIZE = -4.0, 14.0, 601
 """Range of log shape searched, and of the table of log quantiles."""
 
-
 GRID_STEPS = 40
 """Steps of the coarse grid that a golden-section search begins with."""
+NEWTON_DIFFERENCE = 1e-4
+"""In log shape and log scale: what derivatives are taken over."""
 
 
 @kernel
@@ -147,6 +148,39 @@ def _golden_along(
 
 
 @kernel
+def _uphill(
+    n: int,
+    mean: float,
+    s: float,
+    waits: NDArray[np.float64],
+    offset: float,
+    p: float,
+    q: float,
+    here: float,
+) -> tuple[float, float]:
+    """Return the Newton step at (p, q) = (log shape, log scale), where the log-likelihood is `here`.
+
+    Derivatives are differences over `NEWTON_DIFFERENCE`. Where the log-likelihood is not concave, the step
+    goes half a unit along the gradient.
+    """
+    step = NEWTON_DIFFERENCE
+    pp = _value(n, mean, s, waits, offset, math.exp(p + step), math.exp(q))
+    pm = _value(n, mean, s, waits, offset, math.exp(p - step), math.exp(q))
+    qp = _value(n, mean, s, waits, offset, math.exp(p), math.exp(q + step))
+    qm = _value(n, mean, s, waits, offset, math.exp(p), math.exp(q - step))
+    both = _value(n, mean, s, waits, offset, math.exp(p + step), math.exp(q + step))
+    gp, gq = (pp - pm) / (2.0 * step), (qp - qm) / (2.0 * step)
+    hpp = (pp - 2.0 * here + pm) / (step * step)
+    hqq = (qp - 2.0 * here + qm) / (step * step)
+    hpq = (both - pp - qp + here) / (step * step)
+    determinant = hpp * hqq - hpq * hpq
+    if hpp < 0.0 and determinant > 0.0:
+        return (hpq * gq - hqq * gp) / determinant, (hpq * gp - hpp * gq) / determinant
+    size = math.sqrt(gp * gp + gq * gq)
+    return 0.5 * gp / size, 0.5 * gq / size
+
+
+@kernel
 def _free(
     n: int,
     mean: float,
@@ -169,23 +203,8 @@ def _free(
         return _value(n, mean, s, waits, offset, k, mean / k)
     p, q = math.log(k), math.log(mean / k)
     here = _value(n, mean, s, waits, offset, math.exp(p), math.exp(q))
-    step = 1e-4
     for _ in range(60):
-        pp = _value(n, mean, s, waits, offset, math.exp(p + step), math.exp(q))
-        pm = _value(n, mean, s, waits, offset, math.exp(p - step), math.exp(q))
-        qp = _value(n, mean, s, waits, offset, math.exp(p), math.exp(q + step))
-        qm = _value(n, mean, s, waits, offset, math.exp(p), math.exp(q - step))
-        both = _value(n, mean, s, waits, offset, math.exp(p + step), math.exp(q + step))
-        gp, gq = (pp - pm) / (2.0 * step), (qp - qm) / (2.0 * step)
-        hpp = (pp - 2.0 * here + pm) / (step * step)
-        hqq = (qp - 2.0 * here + qm) / (step * step)
-        hpq = (both - pp - qp + here) / (step * step)
-        determinant = hpp * hqq - hpq * hpq
-        if hpp < 0.0 and determinant > 0.0:
-            dp, dq = (hpq * gq - hqq * gp) / determinant, (hpq * gp - hpp * gq) / determinant
-        else:
-            size = math.sqrt(gp * gp + gq * gq)
-            dp, dq = 0.5 * gp / size, 0.5 * gq / size
+        dp, dq = _uphill(n, mean, s, waits, offset, p, q, here)
         length = max(abs(dp), abs(dq))
         if length > 1.0:
             dp, dq = dp / length, dq / length

@@ -65,7 +65,7 @@ class Fitted:
     data_set: DataSet
     samples: dict[str, Sample]
     together: Sample
-    """Everybody's times as one person's."""
+    """All participants' times as one participant's."""
     fits_together: tuple[FamilyFit, ...]
     """Best AIC first, as in `fits`."""
     fits: dict[str, tuple[FamilyFit, ...]]

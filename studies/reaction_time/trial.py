@@ -12,10 +12,9 @@ from typing import Literal
 
 import msgspec
 
-from core.numerics.clock import NS_PER_S, Clock, seconds
+from core.numerics.clock import NS_PER_MS, NS_PER_S, Clock, seconds
 from studies.reaction_time.protocol import BlockPlan, Schedule, Status, TrialPlan, TrialRecord
 
-NS_PER_MS = 1_000_000
 Phase = Literal["quiet", "foreperiod", "asked", "shown", "confirming", "done"]
 
 

@@ -247,8 +247,9 @@ def over_games(sessions: Sequence[SessionFigures], what: str) -> Floats:
 def differences_of(groups: dict[str, list[SessionFigures]], by: By) -> Iterator[Difference]:
     """Yield how each group differs from the first one, with paired intervals.
 
-    Groups of conditions or protocols are paired by participant: the means of whoever is in both. Participants
-    are paired by game number: the same game of both, for performance, presses, trust, weight and match.
+    Groups of conditions or protocols are paired by participant: the means of those who are in both.
+    Participants are paired by game number: the same game of both, for performance, presses, trust, weight and
+    match.
     """
     (control, first), *others = groups.items()
     for name, sessions in others:

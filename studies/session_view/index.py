@@ -21,13 +21,13 @@ from core.recording.reader import RecordingError, read_recording
 from core.recording.recorder import LineWriter
 from core.recording.schema import VERSION, Header, Line
 from core.recording.sealed import SealedFile, UnusualFileError
+from core.recording.skim import STEP_BEGINS
 from core.recording.version_1 import with_schedules
 from studies.session_view.building import Building
 from studies.session_view.tables import Contents, Rows, read_tables, write_tables
 
 INDEX_VERSION: Final = 3
 SUFFIX: Final = ".index"
-STEP_BEGINS: Final = b'{"type":"step-taken"'
 STRETCH: Final = 1 << 20
 """Bytes of a recording that are looked at together."""
 FIRST_PART = 1 << 22

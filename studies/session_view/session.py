@@ -132,7 +132,7 @@ class SessionView:
 
     @property
     def people(self) -> list[str]:
-        """Codes of several people at one keyboard, in order; [] where one participated."""
+        """Codes of several participants at one keyboard, in order; [] where one participated."""
         names = self.index.header.participants
         return names if isinstance(names, list) else []
 

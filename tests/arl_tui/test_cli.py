@@ -79,7 +79,7 @@ def test_what_each_command_is_for_fits_into_a_line() -> None:
     assert "..." not in result.output.partition("Commands:")[2]
 
 
-def test_the_demo_names_everybody_who_can_press_and_refuses_anybody_else() -> None:
+def test_the_demo_names_all_who_can_press_and_refuses_others() -> None:
     help_text = " ".join(run("demo", "--help").output.split())
     assert all(name in help_text for name in persons())
     result = run("demo", "--person", "nobody")

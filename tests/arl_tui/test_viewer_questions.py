@@ -104,7 +104,7 @@ def test_the_index_finds_every_question_and_its_answer(tmp_path: Path) -> None:
     assert question_near(session, every[0].time_ns - 1) is None
 
 
-async def test_a_press_of_several_people_has_the_code_of_whoever_pressed(tmp_path: Path) -> None:
+async def test_a_press_of_several_participants_has_the_code_of_who_pressed(tmp_path: Path) -> None:
     eager = TrainerConfig(press_probability=0.9, max_presses=15, delay=UniformDelay(0.2, 0.4))
     protocol = small_protocol(people=PEOPLE, trainer=eager)
     simulated(tmp_path, protocol)

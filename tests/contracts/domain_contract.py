@@ -44,7 +44,7 @@ class DomainContract:
         assert domain.terminal(self.random_episode(domain, 5)[-1][0])
 
     def test_a_transition_leaves_the_old_state_as_it_was(self, domain):
-        # An episode may end before anybody decides: keepers who do not see all only hold.
+        # An episode may end before any decision: keepers who do not see all only hold.
         starts = (domain.initial(seed) for seed in range(7, 27))
         state = next(start for start in starts if not domain.terminal(start))
         before = repr(state)

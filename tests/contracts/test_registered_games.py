@@ -1,4 +1,4 @@
-"""Every game that is registered keeps the contracts, whoever brings it: nothing here names one."""
+"""Every game that is registered keeps the contracts, whichever package brings it: nothing here names one."""
 
 from typing import Any
 

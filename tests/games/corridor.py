@@ -15,12 +15,13 @@ from core.combination.config import AgentConfig
 from core.configuration.fields import number
 from core.domain import Choices, Domain, Features, Transition
 from core.events import ActionRecord, EpisodeEnded, StepTaken
-from core.feedback.keys import NS_PER_MS, KeyConfig
+from core.feedback.keys import KeyConfig
 from core.feedback.trainers import TrainerConfig
 from core.feedback.viewing import SteadyViewing, Watched
 from core.learners.encoding import ActionTiles
 from core.learners.human_config import TileModel
 from core.learners.sarsa_config import SarsaConfig
+from core.numerics.clock import NS_PER_MS
 from core.numerics.streams import stream
 from core.numerics.tile_coding import Range, tile_coder
 from core.plugins import DomainConfig, GamePlugin

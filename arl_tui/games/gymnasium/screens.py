@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from arl_tui.games.registry import GameScreens
 from arl_tui.language import later, later_n, tr
 from arl_tui.words import Words
-from core.feedback.keys import NS_PER_MS
+from core.numerics.clock import NS_PER_MS
 from core.session.protocol import Protocol, ScreenConfig
 
 if TYPE_CHECKING:

@@ -7,6 +7,7 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from arl_tui.app.link import Picture, TakenFor
+from arl_tui.drawing_rate import FRAME_S
 from arl_tui.games.panel import SMALLEST, Progress
 from arl_tui.games.rendering import Place
 from arl_tui.language import tr, trn
@@ -19,8 +20,6 @@ from core.keepaway.pitch import KeepawayConfig
 from core.numerics.clock import Clock, MonotonicClock
 from core.session.protocol import Protocol
 
-FRAME_S = 1 / 30
-"""How often what lies between two cycles is drawn, seconds."""
 BESIDE = 36
 """Columns beside the pitch."""
 KEPT_SHOWN = 3

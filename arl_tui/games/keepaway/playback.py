@@ -12,7 +12,7 @@ SLOWEST, FASTEST = 0.02, 20.0
 REST_S: Final = 1.5
 """How long an episode's last picture stays, seconds of the clock."""
 MOST_CYCLES: Final = 20
-"""Cycles made up for at once; whoever is later than that has lost the time."""
+"""Cycles made up for at once; a longer delay is not made up for."""
 
 Values = tuple[tuple[str, float], ...]
 

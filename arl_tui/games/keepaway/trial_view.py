@@ -8,8 +8,8 @@ from arl_tui.games.keepaway.judging import MARK, Clip
 from arl_tui.language import tr
 from arl_tui.palette import Palette
 from arl_tui.widgets.pitch import PitchWidget
-from core.feedback.keys import NS_PER_MS
 from core.keepaway.picture import between
+from core.numerics.clock import NS_PER_MS
 from studies.reaction_time.protocol import TrialPlan
 
 PICTURES_PER_S = 30

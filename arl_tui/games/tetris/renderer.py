@@ -2,7 +2,7 @@
 
 from arl_tui.games.rendering import Place, TickView
 from core.events import EpisodeStarted, StepTaken
-from core.feedback.keys import NS_PER_MS
+from core.numerics.clock import NS_PER_MS
 from core.tetris.action import PlacedPiece
 from core.tetris.config import TetrisConfig
 from core.tetris.game import FallingPiece, landing_row, reachable_placements

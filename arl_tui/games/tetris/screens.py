@@ -8,7 +8,7 @@ from arl_tui.games.registry import GameScreens
 from arl_tui.language import later, later_n, tr
 from arl_tui.words import JudgingWords, Words
 from core.feedback.config import TrainerConfig
-from core.feedback.keys import NS_PER_MS
+from core.numerics.clock import NS_PER_MS
 from core.session.protocol import Protocol, ScreenConfig, SessionConfig
 from core.tetris.config import TetrisConfig
 from core.tetris.shapes import ORIENTATION_ROWS

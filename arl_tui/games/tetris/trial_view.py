@@ -8,7 +8,7 @@ from textual.widget import Widget
 from arl_tui.games.tetris.judging import TrialPosition
 from arl_tui.palette import Palette
 from arl_tui.widgets.board import TetrisBoard
-from core.feedback.keys import NS_PER_MS
+from core.numerics.clock import NS_PER_MS
 from studies.reaction_time.protocol import TrialPlan
 
 AROUND = Size(58, 3)

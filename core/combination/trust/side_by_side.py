@@ -1,4 +1,4 @@
-"""The rule "side-by-side": learners side by side, and the signed match of the one without the human."""
+"""The rule "side-by-side": learners side by side, and the signed match of the one without the participant."""
 
 import math
 import struct

@@ -77,7 +77,7 @@ def begin_cycle(match: Match, rules: Rules, streams: Streams) -> bool:
 
 @inner_kernel
 def finish_cycle(match: Match, rules: Rules, streams: Streams) -> bool:
-    """Carry out the decisions in `match.actions`, command everybody, move everything, and let the referee
+    """Carry out the decisions in `match.actions`, command all players, move everything, and let the referee
     look.
 
     Returns:

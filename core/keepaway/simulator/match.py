@@ -66,15 +66,6 @@ BLOCK_PASS: Final = 4
 SEARCH_BALL: Final = 5
 WATCH_BALL: Final = 6
 """A taker whose team mate has the ball turns towards it."""
-OPTION_NAMES: Final = (
-    "HoldBall",
-    "PassBall",
-    "GoToBall",
-    "GetOpen",
-    "BlockPass",
-    "SearchBall",
-    "WatchBall",
-)
 
 NEVER_SEEN: Final = 1 << 30
 SEE_PERIOD: Final = 3
@@ -202,7 +193,7 @@ def new_match(config: KeepawayConfig, streams: Streams) -> Match:
 
 @kernel
 def start_episode(match: Match, rules: Rules, rng: np.random.Generator) -> None:
-    """Put everybody in place for the next episode; everybody forgets what they have seen.
+    """Put all players in place for the next episode; all forget what they have seen.
 
     Three keepers go to three corner boxes in a random rotation, further ones to the centre, takers to the
     fourth corner; the ball lies at rest in the first keeper corner. Body and neck directions stay.
@@ -290,7 +281,7 @@ def is_stuck(match: Match) -> bool:
     """Return whether the ball has not left a circle of 3 m for 100 cycles; its clock starts anew then.
 
     The server's own rule, unnoticed in most episodes but the end of many a long hold. The clock runs on over
-    resets, and looks at the last cycle of an episode, too, before everybody is put back.
+    resets, and looks at the last cycle of an episode, too, before all players are put back.
     """
     ball, stuck, now = match.ball, match.stuck, float(match.status[CLOCK])
     moved = not length(ball[X] - stuck[X], ball[Y] - stuck[Y]) <= STUCK_AREA
@@ -302,7 +293,7 @@ def is_stuck(match: Match) -> bool:
 
 @inner_kernel
 def drop_ball(match: Match) -> None:
-    """Stop the ball where it is; whoever stands within 9.15 m of it is put back to that distance, at rest.
+    """Stop the ball where it is; players within 9.15 m of it are put back to that distance, at rest.
 
     Two who come to stand in one place overlap until they are parted
     (`core.keepaway.simulator.motion.collide`).

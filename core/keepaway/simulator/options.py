@@ -75,8 +75,9 @@ def open_decision(
     """Find what keeper i, who can kick, does: returns (whether it decides, whether its option starts now).
 
     No decision while its pass is still being carried out, nor while some player is out of its knowledge: then
-    it holds, and nothing is learned. What is carried out is "pass to the a-th nearest": whoever that is in
-    this cycle, so that a pass takes a new aim, and time, when two receivers change places in the order.
+    it holds, and nothing is learned. What is carried out is "pass to the a-th nearest": the player who is
+    that in this cycle, so that a pass takes a new aim, and time, when two receivers change places in the
+    order.
     """
     if row[ACTION] > 0 and row[ACTION_CYCLE] == cycle - 1:
         sort_by_distance(i, players, 0, n_keepers, order)

@@ -34,7 +34,7 @@ def perceive(match: Match, rules: Rules, rng: np.random.Generator) -> None:
             first, last = (0, rules.n_keepers) if i < rules.n_keepers else (rules.n_keepers, n)
             listen(match, i, first, last, rng)
     for i in range(n):
-        # With eyes all round, whoever is near is about to be seen: no need to reckon where he went.
+        # With eyes all round, a player nearby is about to be seen: no need to reckon where he went.
         sure_to_see = NUMBER_SEEN if sees(match, i) and rules.view_angle >= 360.0 else -1.0
         first, last = (rules.n_keepers, n) if i < rules.n_keepers else (0, rules.n_keepers)
         ages, beliefs, known = match.player_age[i], match.seen_players[i], match.known[i]

@@ -63,7 +63,7 @@ def reckon_players(
         first: first opponent.
         last: one past the last opponent.
         forward: +1 where the player's team plays towards +x, else -1.
-        sure_to_see: distance within which everybody is seen in this cycle; negative for none.
+        sure_to_see: distance within which all players are seen in this cycle; negative for none.
     """
     runner = NOT_FOUND
     for j in range(beliefs.shape[0]):

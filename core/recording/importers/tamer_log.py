@@ -73,7 +73,7 @@ class ImportReport:
 def tamer_protocol() -> Protocol:
     """Return the agent that what-if replays let live through these logs, if not told otherwise.
 
-    TAMER's features, credit and silence rule; the person alone decides. The human model is least squares
+    TAMER's features, credit and silence rule; the participant alone decides. The human model is least squares
     instead of TAMER's gradient descent, on the same raw inputs (`docs/decisions/replaying-tamer-logs.md`).
     """
     return Protocol(

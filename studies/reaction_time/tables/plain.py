@@ -10,7 +10,7 @@ from studies.reaction_time.tables.units import is_bids, unit_of
 
 
 class Plain:
-    """Columns are named by whoever reads the table; BIDS's names are the default."""
+    """Columns are named by the caller; BIDS's names are the default."""
 
     name = "table"
     title = "a table"

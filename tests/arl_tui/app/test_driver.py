@@ -6,8 +6,7 @@ import threading
 import pytest
 
 from arl_tui.app.driver import FlushClock, WatchedFile, stamped_driver
-from core.feedback.keys import NS_PER_MS
-from core.numerics.clock import ManualClock
+from core.numerics.clock import NS_PER_MS, ManualClock
 
 
 def bench() -> tuple[ManualClock, FlushClock, WatchedFile, io.StringIO]:

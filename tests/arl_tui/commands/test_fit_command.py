@@ -8,12 +8,12 @@ import pytest
 from click.testing import CliRunner, Result
 
 from arl_tui.cli import main
-from core.numerics.clock import ManualClock
+from core.numerics.clock import NS_PER_MS, ManualClock
 from core.numerics.streams import stream
 from studies.reaction_time.protocol import TaskConfig
 from studies.reaction_time.report import read_result
 from studies.reaction_time.schedule import make_schedule
-from studies.reaction_time.trial import NS_PER_MS, Trial
+from studies.reaction_time.trial import Trial
 from studies.reaction_time.trial_log import TrialHeader, TrialWriter
 from tests.data_folder import data_folder
 

@@ -8,7 +8,7 @@ from textual.pilot import Pilot
 
 from arl_tui.app.link import Preparing, Ready
 from arl_tui.app.outcome import SessionOutcome
-from arl_tui.games.pace import ENOUGH, pace_facts, pace_warning
+from arl_tui.games.pace import pace_facts, pace_warning
 from arl_tui.screens.play import PlayScreen
 from arl_tui.screens.welcome import AT_SCREEN_S, WelcomeScreen
 from arl_tui.session_app import ArlApp
@@ -16,7 +16,7 @@ from core.keepaway.plugin import KEEPAWAY
 from core.numerics.clock import NS_PER_S, ManualClock
 from core.recording.schema import to_plain
 from core.session import reach
-from core.session.protocol import DEFAULTS, Protocol, ScreenConfig
+from core.session.protocol import DEFAULTS, ENOUGH_REACH, Protocol, ScreenConfig
 from core.session.protocol_reading import protocol_from
 from tests.arl_tui.driving import SIZE, app_for, begin, recorded, settle, text_of
 from tests.arl_tui.fakes import FakeLink, episode_ended, episode_started, session_ended
@@ -25,15 +25,11 @@ LOW = Ready(warm_up_ns=1, reach=0.49, step_s=0.65)
 HIGH = Ready(warm_up_ns=1, reach=0.92, step_s=1.63)
 
 
-def test_the_limit_is_that_of_the_model() -> None:
-    assert ENOUGH == reach.ENOUGH
-
-
 @pytest.mark.jit
 @pytest.mark.parametrize("game", DEFAULTS)
 def test_at_the_default_pace_a_press_usually_reaches_its_step(game: str) -> None:
     found = reach.reach_of(DEFAULTS[game])
-    assert found.fraction >= ENOUGH
+    assert found.fraction >= ENOUGH_REACH
     assert pace_warning(DEFAULTS[game], Ready(warm_up_ns=1, reach=found.fraction, step_s=found.step_s)) == ""
 
 

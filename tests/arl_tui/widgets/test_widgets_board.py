@@ -16,6 +16,7 @@ from arl_tui.palette import COLOUR_BLIND, HIGH_CONTRAST, PALETTES, SIXTEEN, STAN
 from arl_tui.widgets.board import TetrisBoard
 from core.tetris.game import FallingPiece
 from core.tetris.picture import UNKNOWN, Counts, Snapshot, Wall, animate, snapshot
+from tests.arl_tui.widgets.refreshes import refreshes_of
 
 L, O = 6, 1
 
@@ -43,15 +44,7 @@ def background(strip: Strip, x: int) -> str:
 @pytest.fixture
 def paints(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Region, ...]]:
     """Collect the regions of every refresh of a board."""
-    asked: list[tuple[Region, ...]] = []
-    refresh = TetrisBoard.refresh
-
-    def noting(self: TetrisBoard, *regions: Region, **options: bool) -> TetrisBoard:
-        asked.append(regions)
-        return refresh(self, *regions, **options)
-
-    monkeypatch.setattr(TetrisBoard, "refresh", noting)
-    return asked
+    return refreshes_of(TetrisBoard, monkeypatch)
 
 
 async def test_a_board_of_20_rows_takes_22_lines_and_22_columns():

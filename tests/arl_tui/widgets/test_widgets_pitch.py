@@ -22,6 +22,7 @@ from arl_tui.widgets.pitch_drawing import draw, fit, plain
 from arl_tui.widgets.pitch_ink import BALL, DETAILS, INKS, KEEPER, PATH, Detail, Row, Shape
 from core.keepaway.picture import PitchFrame, PlayerView
 from tests.arl_tui.pitches import HOLDING, PASSING
+from tests.arl_tui.widgets.refreshes import refreshes_of
 from tests.arl_tui.widgets.test_widgets_board import SEEN_BY, contrast, lightness_and_hue
 
 SMALL = Shape(42, 22)
@@ -273,15 +274,7 @@ class PitchApp(App[None]):
 @pytest.fixture
 def paints(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Region, ...]]:
     """Collect the regions of every refresh of a pitch."""
-    asked: list[tuple[Region, ...]] = []
-    refresh = PitchWidget.refresh
-
-    def noting(self: PitchWidget, *regions: Region, **options: bool) -> PitchWidget:
-        asked.append(regions)
-        return refresh(self, *regions, **options)
-
-    monkeypatch.setattr(PitchWidget, "refresh", noting)
-    return asked
+    return refreshes_of(PitchWidget, monkeypatch)
 
 
 @asynccontextmanager

@@ -7,7 +7,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from core.combination.agent import ArlAgent, EpisodePolicy, exact_values
+from core.combination.agent import ArlAgent, EpisodePolicy
 from core.combination.agreement import Agreement
 from core.combination.config import (
     ENVIRONMENT_WEIGHTS,
@@ -27,6 +27,7 @@ from core.combination.config import (
 )
 from core.combination.preference import takes_control
 from core.combination.tally import EpisodeTally
+from core.combination.window import exact_values
 from core.domain import Choices
 from core.feedback.credit import CurrentStep, PreviousStep
 from core.feedback.samples import CreditConfig

@@ -7,7 +7,6 @@ import msgspec
 import numpy as np
 import pytest
 
-from core.combination.agent import exact_values
 from core.combination.agreement import Agreement
 from core.combination.bootstrap_learning import BootstrapLearning
 from core.combination.config import (
@@ -22,7 +21,7 @@ from core.combination.config import (
 )
 from core.combination.ranking import EpisodeReport, draw_policy
 from core.combination.trust.measures import selection_probabilities
-from core.combination.window import DecisionWindow
+from core.combination.window import DecisionWindow, exact_values
 from core.domain import Choices
 from core.numerics.streams import stream
 

@@ -120,7 +120,7 @@ def test_who_presses_more_has_no_more_say():
     np.testing.assert_allclose(folds[0], folds[1], rtol=1e-12)
 
 
-def test_a_press_is_taken_back_from_whoever_made_it():
+def test_a_press_is_taken_back_from_the_one_who_made_it():
     who = agent(2)
     press(who, 0, (2.0, 0.0), 1.0, participant=0)
     press(who, 1, (0.0, 2.0), 1.0, participant=1)

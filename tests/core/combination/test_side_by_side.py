@@ -60,7 +60,7 @@ def test_until_the_own_policy_has_warmed_up_each_learner_plays_a_third():
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_somebody_with_whom_the_own_policy_agrees_is_believed_and_an_adversary_the_other_way(sign):
+def test_a_participant_with_whom_the_own_policy_agrees_is_believed_and_an_adversary_the_other_way(sign):
     used = play({0.0: 0.4 * sign, 1.0: 0.0, -1.0: 0.0})[300:]
     own, believed, opposite = shares(used * sign)
     assert own == pytest.approx(0.2, abs=FIFTH)

@@ -35,7 +35,7 @@ def play(rule: Tried, helps: dict[float, float], *, consistency: float, episodes
     return np.array(used)
 
 
-def test_somebody_who_helps_is_believed_soon_and_for_good():
+def test_a_participant_who_helps_is_believed_soon_and_for_good():
     used = play(Tried(), {0.0: 1.0, 1.0: 5.0, -1.0: 0.2}, consistency=9.0)
     assert (used[100:] == 1.0).mean() > 0.9
     assert (used[100:] != -1.0).all()
@@ -50,7 +50,7 @@ def test_nothing_is_tried_while_presses_cannot_be_told_from_random_ones():
     assert (play(Tried(), {0.0: 1.0, 1.0: 9.0, -1.0: 9.0}, consistency=2.0) == 0.0).all()
 
 
-def test_somebody_consistent_who_only_harms_costs_the_trials_and_no_more():
+def test_a_consistent_participant_who_only_harms_costs_the_trials_and_no_more():
     used = play(Tried(trial_share=0.2), {0.0: 5.0, 1.0: 0.5, -1.0: 0.5}, consistency=9.0, episodes=1000)
     # standard error sqrt(0.2 * 0.8 / 1000) = 0.013; allow 4 of them
     assert (used != 0.0).mean() == pytest.approx(0.2, abs=0.052)
@@ -70,7 +70,7 @@ def test_belief_ends_when_the_environment_turns():
     assert (np.array(used[700:]) == 1.0).mean() < 0.3
 
 
-def test_control_episodes_go_on_while_somebody_is_believed():
+def test_control_episodes_go_on_while_a_participant_is_believed():
     used = play(Tried(control_share=0.25), {0.0: 1.0, 1.0: 5.0, -1.0: 0.2}, consistency=9.0, episodes=800)[
         200:
     ]

@@ -54,7 +54,7 @@ def test_uniform_credit_by_hand() -> None:
     assert result.before_first == 0.0
 
 
-def test_credit_before_the_first_step_is_counted_and_not_given_to_anybody() -> None:
+def test_credit_before_the_first_step_is_counted_and_given_to_no_step() -> None:
     # Press at 1.0, window [0.2, 0.8], first step at 0.5: half the window lies before.
     result = at_s(1.0, ns(0.5), np.array([STILL_SHOWN_NS]), UniformDelay())
     assert result.before_first == pytest.approx(0.5)

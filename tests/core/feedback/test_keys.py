@@ -5,8 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from core.events import KeyPressed, PressRetracted
-from core.feedback.keys import NS_PER_MS, KeyConfig, PressGate
-from core.numerics.clock import NS_PER_S
+from core.feedback.keys import KeyConfig, PressGate
+from core.numerics.clock import NS_PER_MS, NS_PER_S
 
 
 def playing(**settings) -> PressGate:

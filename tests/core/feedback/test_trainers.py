@@ -151,7 +151,7 @@ def test_fatigue_halves_the_rate() -> None:
     assert rates == pytest.approx([0.4, 0.4 / math.sqrt(2), 0.2, 0.2 / math.sqrt(2), 0.1])
 
 
-def test_somebody_who_stops_says_nothing_any_more() -> None:
+def test_a_participant_who_stops_presses_no_more() -> None:
     said = presses_of(talkative(stops_after_episodes=2), n_episodes=4)
     assert [len(values(said[60 * k : 60 * (k + 1)])) for k in range(4)] == [60, 60, 0, 0]
 

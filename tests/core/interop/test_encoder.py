@@ -3,6 +3,7 @@
 import msgspec
 import pytest
 
+from core.configuration.reading import ConfigurationError
 from core.interop.gymnasium.config import GymnasiumConfig, with_encoder
 from core.interop.gymnasium.plugin import PLUGIN
 from core.learners.encoder_config import TileEncoder
@@ -47,3 +48,16 @@ def test_the_protocol_of_an_earlier_recording_is_read_with_the_old_place() -> No
     assert isinstance(protocol.domain, GymnasiumConfig)
     assert isinstance(protocol.learner, SarsaConfig)
     assert with_encoder(protocol.domain, protocol.learner.encoder).tilings == 4
+
+
+def test_an_old_place_that_the_new_one_contradicts_is_refused_where_a_protocol_is_to_be_run() -> None:
+    plain = {
+        "domain": {"type": "gymnasium", "joint": True, "tilings": 8},
+        "learner": {"type": "sarsa", "encoder": {"joint": False, "tilings": 8}},
+    }
+    with pytest.raises(ConfigurationError, match=r"\[domain\] joint.* say it in \[learner.encoder\] alone"):
+        protocol_from(plain, to_run=True)
+    # A header writes the encoder's defaults beside an old place that was used: it is read as it was meant.
+    read = protocol_from(plain)
+    assert isinstance(read.domain, GymnasiumConfig)
+    assert with_encoder(read.domain, TileEncoder()).joint

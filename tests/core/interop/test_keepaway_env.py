@@ -71,7 +71,7 @@ def test_a_match_is_that_of_a_session_with_the_same_episode_seed(settings: dict[
         assert seconds == pytest.approx(domain.performance(state))
 
 
-def test_whoever_has_to_decide_needs_an_action() -> None:
+def test_a_keeper_that_has_to_decide_needs_an_action() -> None:
     env = keepaway_v0.parallel_env()
     _, infos = env.reset(seed=3)
     deciding = next(name for name in env.agents if infos[name]["decides"])

@@ -1,4 +1,4 @@
-"""A match for somebody who watches: the same episodes as whole ones, cycle by cycle."""
+"""A match that is watched: the same episodes as whole ones, cycle by cycle."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Random presses cannot be foreseen, whoever presses how often; everybody else's can."""
+"""Random presses cannot be foreseen, however many there are; presses with a reason can."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Sarsa one step at a time: the kernels' learner, with somebody else choosing."""
+"""Sarsa one step at a time: the kernels' learner, with another side choosing."""
 
 import numpy as np
 import pytest
@@ -53,7 +53,7 @@ def test_alone_it_is_the_compiled_learner_bit_for_bit(settings):
 
 
 def test_it_learns_from_what_was_done_not_from_what_it_would_have_done():
-    # alpha 0.5 over 8 tiles; the option of 4 cycles, taken by somebody else, is worth 0 and leads to a value
+    # alpha 0.5 over 8 tiles; the option of 4 cycles, taken by another side, is worth 0 and leads to a value
     # of 0.
     pupil = learner(step_size=0.5, exploration=0.0)
     pupil.took(choices([0, 16], time=0), 2, 0.0)

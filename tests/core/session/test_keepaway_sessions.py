@@ -52,7 +52,7 @@ SCHEMES = {"linear": Linear(), "exponential": Exponential(), "control sharing": 
 
 
 def keepaway(*, press_probability: float = 0.9, scheme=None, **changes) -> Protocol:
-    """A session of seconds with somebody who speaks often."""
+    """A session of seconds with a participant who presses often."""
     settings = {
         "domain": EXACT,
         "session": SHORT,
@@ -260,7 +260,7 @@ def test_the_human_is_trusted_after_an_episode_in_which_both_could_be_compared(r
 
 def test_a_person_who_is_obeyed_changes_what_is_done(tmp_path):
     (tmp_path / "alone").mkdir()
-    # One model for all keepers: what is said of one guides whoever decides last.
+    # One model for all keepers: what is said of one guides the keeper who decides last.
     listens = msgspec.structs.replace(
         KEEPAWAY.agent, scheme=Constant(w_h=50.0), human_model=TileModel(shared=True)
     )

@@ -1,10 +1,12 @@
 """Whole games of Tetris in one call, for tests."""
 
 from core.combination.config import EpisodeWeights
-from core.tetris.autoplay import PIECE_LIMIT, GreedyGames
+from core.tetris.autoplay import GreedyGames
 from core.tetris.combined import CombinedGame
 from core.tetris.config import TetrisConfig
 from core.tetris.policy_gradient import PolicyGradientGame
+
+PIECE_LIMIT = 2**40
 
 
 def play_combined(

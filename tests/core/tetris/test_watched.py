@@ -23,13 +23,13 @@ from core.combination.config import (
 from core.events import EpisodeEnded, EpisodeStarted, KeyPressed
 from core.feedback.config import CreditConfig
 from core.feedback.delays import GammaDelay, UniformDelay
-from core.feedback.keys import NS_PER_MS, PressGate
+from core.feedback.keys import PressGate
 from core.feedback.source import SimulatedParticipant
 from core.feedback.trainers import SimulatedTrainer, TrainerConfig
 from core.feedback.viewing import SteadyViewing
 from core.learners.cross_entropy import CrossEntropyConfig
 from core.learners.policy_gradient_config import PolicyGradientConfig
-from core.numerics.clock import ManualClock
+from core.numerics.clock import NS_PER_MS, ManualClock
 from core.numerics.compiled import JIT_DISABLED
 from core.session.protocol import Protocol, SessionConfig
 from core.session.session import build_session

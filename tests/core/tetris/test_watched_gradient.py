@@ -14,24 +14,24 @@ from core.tetris.afterstate import Tetris, TetrisState
 from core.tetris.config import TetrisConfig
 from core.tetris.policy_gradient import placement_scales
 from core.tetris.sessions import open_game
-from studies.experiments.tetris_trial import GradientTrial, new_gradient_trial, run_gradient_trial
+from studies.experiments.tetris_trial import new_trial, run_trial
 from tests.core.tetris.playing import play_policy_gradient
 
 EPISODES = 6 if JIT_DISABLED else 30
 RULES = TetrisConfig(rows=12, columns=6, placements="all")
 
 
-def settings(**trainer) -> GradientTrial:
-    protocol = Protocol(
+def settings(**trainer) -> Protocol:
+    return Protocol(
         domain=RULES,
         session=SessionConfig(episodes=EPISODES, unseen_between=0, watched="proposed", watched_steps=60),
         trainer=TrainerConfig(**({"press_probability": 0.2} | trainer)),
+        learner=PolicyGradientConfig(),
     )
-    return GradientTrial(protocol, PolicyGradientConfig())
 
 
 def test_without_a_word_the_learner_plays_and_learns_as_alone():
-    rows = run_gradient_trial(settings(press_probability=0.0), 4)
+    rows = run_trial(settings(press_probability=0.0), 4)
     alone = PolicyGradient(PolicyGradientConfig(), scales=placement_scales(RULES))
     for episode in range(EPISODES):
         played = play_policy_gradient(
@@ -46,23 +46,23 @@ def test_without_a_word_the_learner_plays_and_learns_as_alone():
 
 
 def test_a_person_without_a_say_changes_nothing_but_the_presses():
-    silent = run_gradient_trial(settings(press_probability=0.0), 4)
-    protocol = msgspec.structs.replace(settings().protocol, agent=AgentConfig(scheme=EnvironmentOnly()))
-    heard = run_gradient_trial(GradientTrial(protocol, PolicyGradientConfig()), 4)
+    silent = run_trial(settings(press_probability=0.0), 4)
+    protocol = msgspec.structs.replace(settings(), agent=AgentConfig(scheme=EnvironmentOnly()))
+    heard = run_trial(protocol, 4)
     assert heard["lines"].tolist() == silent["lines"].tolist()
     assert heard["presses"].sum() > 0
 
 
 def test_a_person_with_a_say_is_heard():
-    rows = run_gradient_trial(settings(), 4)
+    rows = run_trial(settings(), 4)
     assert rows["presses"].max() <= 5
     assert (rows["w_h"] > 0).any()
-    again = run_gradient_trial(settings(), 4)
+    again = run_trial(settings(), 4)
     assert all(np.array_equal(rows[name], again[name]) for name in rows)
 
 
 def test_the_boards_that_are_judged_are_those_that_were_played():
-    trial = new_gradient_trial(settings(), 4)
+    trial = new_trial(settings(), 4)
     domain = Tetris(RULES)
     policy = trial.agent.begin_episode(exploring=True, watched=True)
     game = open_game(trial.agent, policy, 99, RULES, window=60)

@@ -3,6 +3,7 @@
 import hashlib
 import json
 
+import msgspec
 import pytest
 
 from studies.experiments.sweep import describe_settings, load_experiment
@@ -25,3 +26,12 @@ def test_a_new_setting_does_not_make_stored_trials_those_of_another_experiment(
 ) -> None:
     settings = describe_settings(load_experiment(name).conditions)
     assert hashlib.sha256(json.dumps(settings, sort_keys=True).encode()).hexdigest()[:12] == digest
+
+
+@pytest.mark.parametrize(("name", "count"), [("fig6", 2), ("robustness", 16)])
+def test_what_a_condition_writes_is_what_it_plays(name: str, count: int) -> None:
+    written = [each for each in load_experiment(name).conditions if each.written is not None]
+    assert len(written) == count
+    for each in written:
+        learner = each.written["gradient"]
+        assert each.settings == msgspec.structs.replace(each.written["protocol"], learner=learner)

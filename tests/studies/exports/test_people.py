@@ -1,4 +1,4 @@
-"""Tables of a session of several people: each press has the code of whoever pressed."""
+"""Tables of a session of several people: each press has the code of the participant who pressed."""
 
 import json
 from pathlib import Path
@@ -26,7 +26,7 @@ def crowd(tmp_path_factory: pytest.TempPathFactory) -> Recording:
     return simulated(tmp_path_factory.mktemp("crowd"), small_protocol(people=PEOPLE))
 
 
-def test_presses_and_their_credit_have_the_code_of_whoever_pressed(crowd: Recording) -> None:
+def test_presses_and_their_credit_have_the_code_of_who_pressed(crowd: Recording) -> None:
     session = SessionRows(crowd, crowd.path.stem)
     rows = list(press_rows(session))
     assert {(row["participant"], row["person"]) for row in rows} == {("A01", 1), ("B02", 2)}

@@ -106,7 +106,7 @@ def test_notes_are_kept_with_times_and_running_participants(tmp_path):
         ("fire alarm", ()),
     ]
     path = tmp_path / "notes.jsonl"
-    path.write_bytes(path.read_bytes() + b'{"torn')  # whoever wrote it was killed
+    path.write_bytes(path.read_bytes() + b'{"torn')  # its writer was killed
     add_note(tmp_path, "again")
     assert [note.text for note in read_notes(tmp_path)] == ["door opened", "fire alarm", "again"]
     path.write_bytes(path.read_bytes().replace(b"door", b"roof"))

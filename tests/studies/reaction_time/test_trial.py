@@ -2,9 +2,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from core.numerics.clock import ManualClock
+from core.numerics.clock import NS_PER_MS, ManualClock
 from studies.reaction_time.protocol import BlockPlan, Schedule, TaskConfig, TrialPlan
-from studies.reaction_time.trial import NS_PER_MS, Trial
+from studies.reaction_time.trial import Trial
 
 FOREPERIOD_MS = 1000
 QUIET_MS = 150

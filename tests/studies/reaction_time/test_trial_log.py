@@ -1,10 +1,10 @@
 import msgspec
 import pytest
 
-from core.numerics.clock import ManualClock
+from core.numerics.clock import NS_PER_MS, ManualClock
 from studies.reaction_time.protocol import TaskConfig, TrialRecord
 from studies.reaction_time.schedule import make_schedule
-from studies.reaction_time.trial import NS_PER_MS, Trial
+from studies.reaction_time.trial import Trial
 from studies.reaction_time.trial_log import TrialFileError, TrialHeader, TrialWriter, read_trials
 
 SCHEDULE = make_schedule(TaskConfig(n_practice=2, n_trials=4, catch_rate=0.0), 1)

@@ -17,6 +17,7 @@ from tests.naive.keepaway import NaiveMatch
 from tests.naive.keepaway_things import UNKNOWN
 
 ROUNDING = 1e-9
+OPTION_NAMES = ("HoldBall", "PassBall", "GoToBall", "GetOpen", "BlockPass", "SearchBall", "WatchBall")
 SETTINGS = {
     "exact": KeepawayConfig(exact_state=True),
     "360": KeepawayConfig(),
@@ -59,7 +60,7 @@ def compare_places(match, naive):
 
 def compare(match, naive):
     compare_places(match, naive)
-    options = [(m.OPTION_NAMES[o[m.OPTION]], o[m.TARGET], o[m.START]) for o in match.options]
+    options = [(OPTION_NAMES[o[m.OPTION]], o[m.TARGET], o[m.START]) for o in match.options]
     assert options == [(mind.option, mind.target, mind.start) for mind in naive.minds]
     deciding = [i for i, mind in enumerate(naive.minds) if mind.decides]
     assert list(np.flatnonzero(match.deciding)) == deciding
