@@ -1,18 +1,22 @@
 """A Gymnasium environment on screen: its pictures as data, and in half blocks."""
 
+from pathlib import Path
 from typing import Any
 
 import msgspec
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from textual.app import App, ComposeResult
 
 from arl_tui.app.link import Picture, TakenFor, _from_worker
+from arl_tui.cli import main
 from arl_tui.games.gymnasium.panel import GymnasiumPanel
 from arl_tui.games.panel import Progress
 from arl_tui.games.registry import screens_of, try_out
 from arl_tui.language import tr, use
 from arl_tui.palette import palette_for
+from arl_tui.worker import start_worker
 from core.interop.gymnasium.config import GymnasiumConfig
 from core.interop.gymnasium.picture import NO_ACTION, EnvPicture, smaller
 from core.plugins import GameError
@@ -178,3 +182,22 @@ class Unseen(gymnasium.Env):
 class Flat(Unseen):
     def render(self) -> Any:
         return np.zeros((3, 4))
+
+
+def test_the_worker_says_why_before_anything_else_and_without_a_traceback() -> None:
+    link = start_worker(about("Pendulum-v1"), 1)
+    try:
+        refusal = link.refusal()
+        assert refusal.startswith("Pendulum-v1 has the actions Box")
+        assert "Traceback" not in refusal
+    finally:
+        link.close()
+
+
+def test_a_protocol_whose_environment_cannot_be_played_is_not_called_usable(tmp_path: Path) -> None:
+    path = tmp_path / "pendulum.toml"
+    path.write_text('[domain]\ntype = "gymnasium"\nenv = "MountainCra-v0"\n')
+    result = CliRunner().invoke(main, ["protocol", "--check", str(path)])
+    assert result.exit_code == 1
+    assert "has no environment 'MountainCra-v0': the nearest is MountainCar-v0" in result.output
+    assert "can be used" not in result.output
