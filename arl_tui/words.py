@@ -16,7 +16,7 @@ class Words:
     """What will be watched, {games} of it, and what is to be judged; {practises} says what happens in
     between."""
     rules: str
-    """What happens and what counts, for the help page."""
+    """What happens and what counts, for the help page; {task} and {about} stand for the fields below."""
     practises: str
     """What the computer does between two watched games, as a sentence and a space; left out where it does
     nothing."""
@@ -28,6 +28,11 @@ class Words:
     """What the steps of a game are, in the plural."""
     step: str
     """The same for one."""
+    task: str = ""
+    """What the computer tries to do, as {task} in the welcome and in the rules: in the language in use, and
+    in markup."""
+    about: str = ""
+    """More of it, as {about} in the rules: sentences, in the language in use and in markup."""
     question: str = later("What should the computer do now?")
     """What the agent asks when it offers options; at most 31 characters."""
 

@@ -18,10 +18,12 @@ from typing import TYPE_CHECKING
 from arl_tui.ahead import Ahead, fill
 from arl_tui.app.compile_order import is_compiled, session_order
 from arl_tui.app.demo_participant import DemoParticipant
-from arl_tui.app.link import Crashed, Ready, WorkerLine, WorkerLink
+from arl_tui.app.link import Crashed, Ready, TriedOut, WorkerLine, WorkerLink
+from arl_tui.games.registry import try_out
 from arl_tui.session_player import SessionPlayer
 from arl_tui.warm_up import warm_up
 from core.numerics.clock import MonotonicClock
+from core.plugins import GameError, plugin_of
 from core.session.protocol import Protocol
 from core.system.processes import leave_with
 
@@ -111,6 +113,9 @@ def worker_main(
         from core.session.reach import reach_of
         from core.session.session import build_session
 
+        if plugin_of(protocol).foreign:
+            try_out(protocol)
+            line.send(TriedOut())
         ahead = get_ready(protocol)
         session = build_session(protocol, root_seed)
         demo_participant = DemoParticipant(session, protocol, root_seed) if simulated else None
@@ -119,7 +124,7 @@ def worker_main(
         line.send(Ready(warm_up_ns=clock.now_ns() - before_ns, reach=reach.fraction, step_s=reach.step_s))
         player = SessionPlayer(line, protocol, clock, demo_participant, ahead)
         player.run(session if resumed is None else resumed)
-    except ResumeError as error:
+    except (ResumeError, GameError) as error:
         with contextlib.suppress(OSError):
             line.send(Crashed(error=str(error), trace=""))
     except (EOFError, BrokenPipeError, ConnectionResetError):

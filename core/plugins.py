@@ -86,6 +86,9 @@ class GamePlugin(ABC):
     idle: ClassVar[Mapping[str, str]] = {}
     """Settings outside `[domain]` that have no effect in this game, as dotted paths, each with the reason (""
     where it needs none)."""
+    foreign: ClassVar[bool] = False
+    """Whether a protocol names rules that are not the plugin's own. Whether they can be played shows only
+    when they are tried: this is done before the first page of a session."""
     uses: ClassVar[tuple[Any, ...]] = ()
     """(`core.session.effects.Use`, ...): of the settings in `[domain]`, those that have an effect in some
     sessions only."""

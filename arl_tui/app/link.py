@@ -101,13 +101,17 @@ class AskNow(Record, frozen=True, kw_only=True, tag="ask-now"):
     for them."""
 
 
+class TriedOut(Record, frozen=True, kw_only=True, tag="tried-out"):
+    """From the worker, its first message where the game's rules are somebody else's: they can be played."""
+
+
 class Crashed(Record, frozen=True, kw_only=True, tag="crashed"):
     """From the worker: its last message."""
 
     error: str
     """One line."""
     trace: str
-    """Traceback, many lines."""
+    """Traceback, many lines; "" where the one line says all."""
 
 
 class Alive(Record, frozen=True, kw_only=True, tag="alive"):
@@ -119,7 +123,17 @@ ALIVE_EVERY_S = 0.5
 
 ToWorker = Begin | Input
 FromWorker = (
-    Preparing | Practised | Ready | Alive | Picture | PressSuggested | TakenFor | AskNow | Crashed | Output
+    Preparing
+    | Practised
+    | Ready
+    | Alive
+    | TriedOut
+    | Picture
+    | PressSuggested
+    | TakenFor
+    | AskNow
+    | Crashed
+    | Output
 )
 
 _encoder = msgspec.msgpack.Encoder()
@@ -198,6 +212,17 @@ class WorkerLink:
         self._on_message: Callable[[FromWorker], None] = lambda _message: None
         self._on_lost: Callable[[str], None] = lambda _reason: None
         self._loop: asyncio.AbstractEventLoop | None = None
+
+    def refusal(self) -> str:
+        """Wait until a game whose rules are somebody else's has been tried, before anything else is listened
+        to; return why it cannot be played, "" where it can.
+        """
+        try:
+            first = from_worker(self._connection.recv_bytes())
+        except (EOFError, OSError):
+            self.process.join(1.0)
+            return self._post_mortem()
+        return first.error if isinstance(first, Crashed) else ""
 
     def listen(self, on_message: Callable[[FromWorker], None], on_lost: Callable[[str], None]) -> None:
         """Start delivering messages in the running event loop."""

@@ -23,6 +23,7 @@ from arl_tui.app.link import (
     PressSuggested,
     Ready,
     TakenFor,
+    TriedOut,
 )
 from arl_tui.app.tally import Tally
 from arl_tui.app.unconfirmed import EventSink, UnconfirmedPresses
@@ -319,10 +320,10 @@ class LiveSession:
     def take_in(self, message: FromWorker) -> None:
         """Act on a message of the worker."""
         self._heard_ns = self._clock.now_ns()
-        if isinstance(message, Alive):
+        if isinstance(message, Alive | TriedOut):
             return
         if isinstance(message, Crashed):
-            self._worker_error = f"{message.error}\n\n{message.trace}"
+            self._worker_error = f"{message.error}\n\n{message.trace}".strip()
         elif isinstance(message, TakenFor):
             self._presses.note_taken(message)
         elif isinstance(message, Picture | PressSuggested | Practised | Preparing | AskNow):

@@ -5,12 +5,15 @@ import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
+import click
 import msgspec
 
 from arl_tui.command_line import say
 from arl_tui.commands.credit import credit_lines
+from arl_tui.games.registry import try_out
 from core.configuration.messages import printable
 from core.feedback.delays import GammaDelay, describe
+from core.plugins import GameError, plugin_of
 from core.session.contradictions import warnings_of
 from core.session.effects import idle
 from core.session.plan import plan
@@ -29,7 +32,15 @@ WEIGHT_NOT_SHOWN = (
 
 
 def check_protocol(path: Path, protocol: Protocol) -> None:
-    """Print what a session of a protocol file will do; compiled code is loaded for the last lines."""
+    """Print what a session of a protocol file will do; compiled code is loaded for the last lines.
+
+    Rules that are somebody else's are tried: stop with a message where they cannot be played.
+    """
+    if plugin_of(protocol).foreign:
+        try:
+            try_out(protocol)
+        except GameError as error:
+            raise click.ClickException(f"{printable(str(path))}: {error}") from error
     say(f"{printable(str(path))}: can be used.")
     tell_protocol(protocol)
 

@@ -17,6 +17,7 @@ from arl_tui.language import tr, use
 from arl_tui.own_keys import clash_with_feedback
 from arl_tui.settings import settings_file
 from arl_tui.signing import NoKey, signer_in_use
+from core.plugins import plugin_of
 from core.session.practice import practice_of
 from core.session.protocol import Protocol
 from core.session.protocol_reading import load_protocol
@@ -224,6 +225,10 @@ def live_app(
     # on two hardware threads of one core a worker that compiles slows the first picture down by a third.
     link = start_worker(protocol, root_seed, simulated=simulated, kept=kept)
     try:
+        # Before the first page: it is the experimenter who can do something about it.
+        refusal = link.refusal() if plugin_of(protocol).foreign else ""
+        if refusal:
+            raise click.ClickException(refusal)
         setup = SessionSetup(
             protocol=protocol,
             root_seed=root_seed,

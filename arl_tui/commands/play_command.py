@@ -35,7 +35,7 @@ from arl_tui.command_line import (
     help="How presses are shared out among steps: the participant's own delay (participant, feedback-lag, "
     "simple, pooled; see `arl calibrate`), paper, or a rule as in `arl replay`. By default the protocol's "
     "choice (delay_of), the same for every participant; without a file that is a rule: previous in Tetris, "
-    "gamma:2.5,0.3 in Keepaway.",
+    "gamma:2.5,0.3 in Keepaway, current in Gymnasium.",
 )
 @click.option(
     "--resume",
@@ -60,7 +60,11 @@ def play(
     language: str | None,
     recordings: Path,
 ) -> None:
-    """Watch an agent learn GAME, and tell it by key presses what you think of it."""
+    """Watch an agent learn GAME, and tell it by key presses what you think of it.
+
+    An environment of Gymnasium is named behind a colon: gymnasium:MountainCar-v0, or
+    gymnasium:MODULE:FUNCTION for one of your own.
+    """
     if resume is not None:
         from arl_tui.commands.resume import resume_session
 

@@ -68,6 +68,10 @@ class GameScreens(ABC):
         """Return how long a session shows one picture, in milliseconds."""
         return float(screen.tick_ms)
 
+    def words_for(self, protocol: Protocol) -> Words:
+        """Return what participants of a protocol are told, in the language in use where it is not marked."""
+        return self.words
+
     @abstractmethod
     def slower(self, screen: ScreenConfig) -> str:
         """Return a protocol's pace, and how it is made slower, in words."""
@@ -122,6 +126,18 @@ def screens_of(protocol: Protocol) -> GameScreens:
 def words_of(game: str) -> Words:
     """Return the words of a game by its name (`core.session.protocol.Protocol.game`)."""
     return screens_called(game).words
+
+
+def try_out(protocol: Protocol) -> None:
+    """Make what a protocol is about, and what draws it; compiled code may come with it.
+
+    Raises:
+        GameError: it cannot be played in front of people; the message says what would be needed.
+    """
+    from core.registry import game_of  # here, not above: compiled code comes with it
+
+    game_of(protocol).domain(protocol)
+    screens_of(protocol).renderer(protocol)
 
 
 @cache

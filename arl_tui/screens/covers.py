@@ -11,6 +11,7 @@ from textual.widgets import Static
 
 from arl_tui.language import key_for, key_name, later, tr, trn
 from arl_tui.screens.page import PageScreen, bar, keys_of_all, presses_of_all, session_keys
+from arl_tui.words import Words
 from core.session.protocol import Protocol
 
 
@@ -88,20 +89,21 @@ class HelpScreen(PageScreen):
         Binding("h,f1,space,enter,escape", "back", "Go on", id="help.back", tooltip="Go on with the game")
     ]
 
-    def __init__(self, protocol: Protocol, rules: str) -> None:
+    def __init__(self, protocol: Protocol, words: Words) -> None:
         """Prepare.
 
         Args:
             protocol: which keys mean what, and how many presses there are.
-            rules: what happens in the game and what is to be judged, in English and markup.
+            words: of the game, with its rules.
         """
         super().__init__()
         self._protocol = protocol
-        self._rules = rules
+        self._words = words
 
     def body(self) -> Iterable[Widget]:
         """Return the text."""
-        yield Static(tr(self._rules))
+        words = self._words
+        yield Static(tr(words.rules, task=words.task, about=words.about))
         yield Static(keys_of_all(self._protocol))
         yield Static(
             "\n"

@@ -17,7 +17,7 @@ from arl_tui.app.once import after
 from arl_tui.app.outcome import SessionControls
 from arl_tui.app.tally import weight_in_use
 from arl_tui.games.panel import Progress
-from arl_tui.games.registry import screens_of, words_of
+from arl_tui.games.registry import screens_of
 from arl_tui.language import key_for, key_name, tr
 from arl_tui.palette import Palette
 from arl_tui.screens.count_down import CountDown
@@ -90,7 +90,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
         self._several = len(keys) > 1
         self._status = Static(id="status")
         self._protocol = protocol
-        self._words = words_of(protocol.game)
+        self._words = screens_of(protocol).words_for(protocol)
         self._episodes = protocol.session.episodes
         self._unseen = protocol.session.unseen_between
         self._unseen_before = protocol.session.unseen_before
@@ -352,7 +352,7 @@ class PlayScreen(Screen[None], inherit_bindings=False):
 
     def action_guide(self) -> None:
         """Show all keys."""
-        self._lay_over(HelpScreen(self._protocol, self._words.rules), "help")
+        self._lay_over(HelpScreen(self._protocol, self._words), "help")
 
     def action_leave(self) -> None:
         """Ask whether to stop."""

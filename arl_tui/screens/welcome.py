@@ -11,7 +11,7 @@ from textual.widgets import Static
 from arl_tui.app.link import Preparing, Ready
 from arl_tui.app.outcome import SessionControls
 from arl_tui.games.pace import pace_line, pace_warning
-from arl_tui.games.registry import words_of
+from arl_tui.games.registry import screens_of
 from arl_tui.language import later, tr, trn
 from arl_tui.screens.overview import KEY as OVERVIEW_KEY
 from arl_tui.screens.overview import OverviewPage
@@ -68,7 +68,7 @@ class WelcomeScreen(PageScreen):
         self._games_done = games_done
         self._practice = practice
         self._protocol = protocol
-        self._words = words_of(protocol.game)
+        self._words = screens_of(protocol).words_for(protocol)
         self.HEADING = f"{tr(self._words.heading)}  -  {part}" if part else self._words.heading
         self._participant = participant
         self._simulated = simulated
@@ -94,7 +94,7 @@ class WelcomeScreen(PageScreen):
                 + "\n"
             )
         practises = tr(words.practises) if session.unseen_between else ""
-        yield Static(tr(words.welcome, games=games, practises=practises))
+        yield Static(tr(words.welcome, games=games, practises=practises, task=words.task))
         asking = self._protocol.agent.asking
         answers = f"\n{about_questions(asking)}" if asking.per_episode else ""
         yield Static(f"\n{keys_of_all(self._protocol)}{answers}\n")

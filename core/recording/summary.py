@@ -67,6 +67,8 @@ class RecordingSummary:
 
     game: str
     """"" where the recording does not say it: imported tables of evaluations."""
+    variant: str
+    """Which environment, where the game names one ([domain] env); else ""."""
     protocol: str
     """Its name; "" where there is none."""
     condition: str
@@ -108,7 +110,8 @@ class RecordingSummary:
         about += [f"{self.presses_simulated} simulated"] if self.presses_simulated else []
         about += [f"{self.presses_taken_back} more taken back"] if self.presses_taken_back else []
         presses += f" ({', '.join(about)})" if about else ""
-        parts = [f"{self.game}, protocol {self.protocol}" if self.game else "evaluations without their game"]
+        game = f"{self.game}:{self.variant}" if self.variant else self.game
+        parts = [f"{game}, protocol {self.protocol}" if game else "evaluations without their game"]
         parts[0] += f", condition {self.condition}" if self.condition else ""
         parts += [*games, presses]
         parts += [f"the machine stood still {_counted(self.gaps, 'time')}"] if self.gaps else []
@@ -199,6 +202,7 @@ class Summarising:
         counted = [press for number, press in self._accepted.items() if number not in taken_back]
         return RecordingSummary(
             game=_game(protocol) if says_game else "",
+            variant=_variant(protocol),
             protocol=str(protocol.get("name", "default")) if says_game else "",
             condition=condition_of(header),
             games_finished=self._finished,
@@ -255,6 +259,11 @@ def _game(protocol: Mapping[str, Any]) -> str:
     domain = protocol.get("domain")
     # Recordings made before there was a second game do not name theirs.
     return str(domain.get("type", FIRST_GAME)) if isinstance(domain, Mapping) else FIRST_GAME
+
+
+def _variant(protocol: Mapping[str, Any]) -> str:
+    domain = protocol.get("domain")
+    return str(domain.get("env", "")) if isinstance(domain, Mapping) else ""
 
 
 def _planned(protocol: Mapping[str, Any]) -> int | None:

@@ -20,7 +20,7 @@ from arl_tui.calibration import pages as calibration
 from arl_tui.calibration.fitting import Fitted
 from arl_tui.calibration.plan import TASKS, Part, Unfinished, configure
 from arl_tui.calibration.texts import practice_word
-from arl_tui.games.registry import BUILT_IN, words_of
+from arl_tui.games.registry import BUILT_IN, screens_called, words_of
 from arl_tui.language import later, tr
 from arl_tui.screens.closing import ClosingScreen
 from arl_tui.screens.covers import BreakScreen, HelpScreen, PauseScreen, SmallWindowScreen, StopScreen
@@ -124,7 +124,9 @@ PAGES: dict[str, Callable[[], Screen]] = {
     "welcome-wrong": welcome("tetris", wrong=0.1),
     "welcome-simulated": welcome("tetris", simulated=True),
     **{
-        f"help-{game}": lambda game=game: HelpScreen(DEFAULTS[game], words_of(game).rules)
+        f"help-{game}": lambda game=game: HelpScreen(
+            DEFAULTS[game], screens_called(game).words_for(DEFAULTS[game])
+        )
         for game in BUILT_IN
     },
     "pause": lambda: PauseScreen(gap_s=12.0),

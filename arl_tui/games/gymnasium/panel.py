@@ -1,10 +1,11 @@
 """A Gymnasium environment in the play screen: its picture in half blocks, or its text, and the figures."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 from rich.color import Color
 from rich.segment import Segment
 from rich.style import Style
+from rich.text import Text
 from textual.strip import Strip
 from textual.widget import Widget
 from textual.widgets import Static
@@ -13,15 +14,17 @@ from arl_tui.app.link import Picture, TakenFor
 from arl_tui.games.panel import SMALLEST, Progress
 from arl_tui.language import tr
 from arl_tui.widgets.coverable import CoverableWidget
-from core.interop.gymnasium.picture import EnvPicture
+from core.interop.gymnasium.picture import NO_ACTION, EnvPicture, smaller
 
 UPPER_HALF = "▀"
-BESIDE = 30
-"""Columns of the figures."""
+LABEL = 9
+"""Cells of a label before its figure."""
+REMEMBERED = 100
+"""Actions of the last steps: a press is about one of them."""
 
 
 class EnvWidget(CoverableWidget, inherit_bindings=False, can_focus=False):
-    """Draws what an environment draws of itself."""
+    """Draws what an environment draws of itself, as large as there is room."""
 
     DEFAULT_CSS = """
     EnvWidget { width: 44; height: 22; max-height: 100%;
@@ -33,10 +36,14 @@ class EnvWidget(CoverableWidget, inherit_bindings=False, can_focus=False):
         self._picture = EnvPicture()
         self._number = -1
         self._fresh = False
+        self._strips: list[Strip] = []
+        """The picture as lines, for the size for which it was made."""
+        self._made_for: tuple[int, int] | None = None
 
     def show(self, picture: EnvPicture, number: int) -> None:
         """Draw a picture with the next paint."""
         self._picture, self._number = picture, number
+        self._made_for = None
         self.refresh()
 
     def take_drawn(self) -> bool:
@@ -51,29 +58,53 @@ class EnvWidget(CoverableWidget, inherit_bindings=False, can_focus=False):
         if covering is not None:
             return Strip([Segment(covering.center(width)[:width], self.rich_style)])
         self._fresh = self._number >= 0
-        if self._picture.width == 0:
-            lines = self._picture.text.splitlines()
-            return Strip(
-                [Segment((lines[y] if y < len(lines) else "").ljust(width)[:width], self.rich_style)]
-            )
-        return self._pixels(2 * (y - (height - self._picture.height // 2) // 2), width)
-
-    def _pixels(self, row: int, width: int) -> Strip:
-        picture = self._picture
-        if not 0 <= row < picture.height:
+        if self._made_for != (width, height):
+            self._strips = self._text(width) if self._picture.width == 0 else self._pixels(width, height)
+            self._made_for = width, height
+        line = y - max(0, (height - len(self._strips)) // 2)
+        if not 0 <= line < len(self._strips):
             return Strip.blank(width, self.rich_style)
-        left = max(0, (width - picture.width) // 2)
-        segments = [Segment(" " * left, self.rich_style)]
-        for column in range(min(picture.width, width)):
-            above, below = _colour(picture, row, column), _colour(picture, row + 1, column)
-            segments.append(Segment(UPPER_HALF, Style(color=above, bgcolor=below)))
-        return Strip(segments).adjust_cell_length(width, self.rich_style)
+        return self._strips[line]
+
+    def _text(self, width: int) -> list[Strip]:
+        """Return the environment's text as one block in the middle; its colours are kept."""
+        lines = [_printable(line) for line in self._picture.text.expandtabs().rstrip().splitlines()]
+        left = max(0, (width - max((line.cell_len for line in lines), default=0)) // 2)
+        margin = Segment(" " * left, self.rich_style)
+        return [
+            Strip([margin, *line.render(self.app.console)])
+            .adjust_cell_length(width, self.rich_style)
+            .apply_style(self.rich_style)
+            for line in lines
+        ]
+
+    def _pixels(self, width: int, height: int) -> list[Strip]:
+        """Return the picture in half blocks, in the middle of a line."""
+        import numpy as np  # here, not above: only pictures need it
+
+        given = self._picture
+        whole = np.frombuffer(given.pixels, np.uint8).reshape(given.height, given.width, 3)
+        small = smaller(whole, max(1, width), max(1, 2 * height)).tolist()
+        if len(small) % 2:
+            small.append(small[-1])
+        left = Segment(" " * max(0, (width - len(small[0])) // 2), self.rich_style)
+        return [
+            Strip(
+                [left, *(_half_block(tuple(a), tuple(b)) for a, b in zip(above, below, strict=True))]
+            ).adjust_cell_length(width, self.rich_style)
+            for above, below in zip(small[::2], small[1::2], strict=True)
+        ]
 
 
-def _colour(picture: EnvPicture, row: int, column: int) -> Color:
-    start = 3 * (min(row, picture.height - 1) * picture.width + column)
-    red, green, blue = picture.pixels[start : start + 3]
-    return Color.from_rgb(red, green, blue)
+def _printable(line: str) -> Text:
+    """Return a line of foreign text with its colours, and without what moves the cursor."""
+    text = Text.from_ansi(line, end="")
+    plain = "".join(sign if sign.isprintable() else " " for sign in text.plain)
+    return Text(plain, spans=text.spans, end="")
+
+
+def _half_block(above: tuple[int, int, int], below: tuple[int, int, int]) -> Segment:
+    return Segment(UPPER_HALF, Style(color=Color.from_rgb(*above), bgcolor=Color.from_rgb(*below)))
 
 
 class GymnasiumPanel:
@@ -82,10 +113,19 @@ class GymnasiumPanel:
     needed = SMALLEST
     """Columns and lines without which the game does not fit."""
 
-    def __init__(self) -> None:
+    def __init__(self, action_name: Callable[[int], str]) -> None:
+        """Draw nothing yet.
+
+        Args:
+            action_name: of an action by its number, in the language in use.
+        """
         self.widget = EnvWidget()
-        self._figures = Static(id="figures")
-        self._figures.styles.width = BESIDE
+        self._action_name = action_name
+        self._actions: dict[int, int] = {}
+        """What was done at the last watched steps."""
+        self._beside = False
+        """Whether the figures stand beside the picture; in the viewer nothing does."""
+        self._figures = Static(id="score", markup=False)
         self._figures.border_title = tr("Progress")
 
     def take_drawn(self) -> bool:
@@ -97,7 +137,8 @@ class GymnasiumPanel:
         return self.widget
 
     def figures(self) -> Iterable[Widget]:
-        """Return the figures."""
+        """Return the figures; what they say need not stand below the picture."""
+        self._beside = True
         return (self._figures,)
 
     def show(self, picture: Picture, progress: Progress) -> None:
@@ -105,13 +146,20 @@ class GymnasiumPanel:
         view = picture.view
         assert isinstance(view, EnvPicture), "a worker that plays Gymnasium sends its pictures"
         self.widget.show(view, picture.number)
-        if not self._figures.is_attached:
-            # Nothing stands beside it, as in the viewer: the border says it.
-            self.widget.border_subtitle = f"step {view.steps}, reward {view.reward:.4g}"
-        self._figures.update(
-            f"{tr('Game'):<11}{tr('{done} of {all}', done=progress.episode, all=progress.episodes)}\n"
-            f"{tr('Step'):<11}{view.steps}\n{tr('Reward'):<11}{view.reward:.4g}"
+        done = "" if view.action == NO_ACTION else self._action_name(view.action)
+        if picture.step >= 0 and done:
+            self._actions[picture.step] = view.action
+            self._actions.pop(picture.step - REMEMBERED, None)
+        if not self._beside:
+            below = f"step {view.steps}, reward {view.reward:.4g}"
+            self.widget.border_subtitle = f"{below}, {done}" if done else below
+        figures = (
+            (tr("Game"), tr("{done} of {all}", done=progress.episode, all=progress.episodes)),
+            (tr("Step"), f"{view.steps}"),
+            (tr("Action"), done),
+            (tr("Reward"), f"{view.reward:.4g}"),
         )
+        self._figures.update("\n".join(f"{label:<{LABEL}}{figure}" for label, figure in figures))
 
     def refresh(self) -> None:
         """Draw the picture once more."""
@@ -126,8 +174,12 @@ class GymnasiumPanel:
         self._figures.border_title = text
 
     def mark(self, taken: TakenFor) -> str:
-        """Say that the press counted; where the action is to be seen nobody knows."""
-        return tr("but no step was on screen") if taken.step < 0 else tr("for the last step")
+        """Say which action the press was taken for."""
+        if taken.step < 0:
+            return tr("but no step was on screen")
+        if taken.step not in self._actions:
+            return tr("for the last step")
+        return tr("for: {action}", action=self._action_name(self._actions[taken.step]))
 
     def unmark(self) -> None:
         """Do nothing: nothing is marked."""

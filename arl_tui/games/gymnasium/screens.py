@@ -1,5 +1,7 @@
 """What the app has of Gymnasium environments (`arl_tui.games.registry`)."""
 
+from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from arl_tui.games.registry import GameScreens
@@ -31,6 +33,53 @@ WORDS = Words(
     steps=later("steps"),
     step=later("step"),
 )
+WELCOME = later(
+    "You will watch a computer try a task, {games}: {task}. It does not know yet how to do it well. "
+    "{practises}You can help it: tell it what you think of what it has just done."
+)
+"""With a task in words."""
+RULES = later(
+    "The task: {task}. {about}The screen says what the computer has just done, and its points so far: the "
+    "more, the better.\n\nTell it what you think of what it has just done:\n"
+)
+"""With a task in words."""
+TASKS: dict[str, tuple[str, str]] = {
+    "CartPole": (
+        later("keep the pole upright"),
+        later("The cart can be pushed to one side or the other. Each step until the pole falls is a point. "),
+    ),
+    "MountainCar": (
+        later("get the car up to the flag"),
+        later("Its engine is too weak for the hill, so the car has to swing. Each step costs a point. "),
+    ),
+    "Acrobot": (
+        later("swing the lower end up to the line"),
+        later("Only the joint in the middle can be pushed. Each step costs a point. "),
+    ),
+    "LunarLander": (
+        later("land softly between the two flags"),
+        later("A crash costs many points, and so does a detour. "),
+    ),
+    "FrozenLake": (
+        later("cross the ice to the goal, around the holes"),
+        later("The ice is slippery: it often slides another way than it meant. The goal is one point. "),
+    ),
+    "CliffWalking": (
+        later("walk to the goal, and not over the cliff"),
+        later("Each step costs a point, a fall a hundred. "),
+    ),
+    "Blackjack": (
+        later("get close to 21, and not above"),
+        later("A game won is a point, a game lost costs one. "),
+    ),
+    "Taxi": (
+        later("fetch the passenger and bring them to the hotel"),
+        later(
+            "Each step costs a point, a stop at a wrong place ten; the passenger at the right one is twenty. "
+        ),
+    ),
+}
+"""Of Gymnasium's own environments, by their name without its version: the task, and more of it."""
 ACTIONS: dict[str, tuple[str, ...]] = {
     "CartPole": (later("push to the left"), later("push to the right")),
     "MountainCar": (later("drive to the left"), later("let it roll"), later("drive to the right")),
@@ -58,20 +107,29 @@ class GymnasiumScreens(GameScreens):
     name = "gymnasium"
     words = WORDS
 
+    def words_for(self, protocol: Protocol) -> Words:
+        """Return the words with the protocol's own task, or with that of an environment that is known."""
+        from textual.markup import escape  # here, not above: words are needed without widgets
+
+        from core.interop.gymnasium.config import GymnasiumConfig
+
+        assert isinstance(protocol.domain, GymnasiumConfig), "a protocol of Gymnasium"
+        task, about = TASKS.get(_base(protocol.domain.env), ("", ""))
+        if protocol.domain.task:
+            task, about = escape(protocol.domain.task), ""
+        else:
+            task, about = tr(task), tr(about)
+        if not task:
+            return WORDS
+        return replace(WORDS, welcome=WELCOME, rules=RULES, task=task, about=about)
+
     def slower(self, screen: ScreenConfig) -> str:
         """Return the pace and how it is made slower."""
         return f"[screen] tick_ms is {screen.tick_ms}: more is slower"
 
     def option(self, detail: dict[str, int], protocol: Protocol) -> str:
-        """Return the action in words where it is one of `ACTIONS`, else its number."""
-        from core.interop.gymnasium.config import GymnasiumConfig
-
-        assert isinstance(protocol.domain, GymnasiumConfig), "a protocol of Gymnasium"
-        names = ACTIONS.get(protocol.domain.env.rpartition("-v")[0], ())
-        number = detail["action"]
-        if 0 <= number < len(names):
-            return tr(names[number])
-        return tr("action {number}", number=number)
+        """Return the action in words where there are any (`[domain] actions`, `ACTIONS`), else its number."""
+        return action_name(protocol, detail["action"])
 
     def renderer(self, protocol: Protocol) -> "GymnasiumRenderer":
         """Return what plays the environment again and lets it draw itself."""
@@ -85,7 +143,23 @@ class GymnasiumScreens(GameScreens):
         """Return the picture and what stands beside it."""
         from arl_tui.games.gymnasium.panel import GymnasiumPanel
 
-        return GymnasiumPanel()
+        return GymnasiumPanel(partial(action_name, protocol))
+
+
+def action_name(protocol: Protocol, number: int) -> str:
+    """Return what participants read of an action, by the environment's own number of it."""
+    from core.interop.gymnasium.config import GymnasiumConfig
+
+    domain = protocol.domain
+    assert isinstance(domain, GymnasiumConfig), "a protocol of Gymnasium"
+    names = domain.actions or tuple(tr(name) for name in ACTIONS.get(_base(domain.env), ()))
+    return names[number] if 0 <= number < len(names) else tr("action {number}", number=number)
+
+
+def _base(env: str) -> str:
+    """Return the name of an environment without its version; variants of one task have its words."""
+    name = env.rpartition("-v")[0]
+    return {"FrozenLake8x8": "FrozenLake", "CliffWalkingSlippery": "CliffWalking"}.get(name, name)
 
 
 SCREENS = GymnasiumScreens()

@@ -13,7 +13,8 @@ from core.combination.trust.measures import next_human_weight
 class Equation5(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="equation-5"):
     """w_h moves from episode to episode, weighted by performance (Eq. 5).
 
-    Where one of the two performances is negative (a sum of costs), both episodes count alike.
+    Where one of the two performances is negative (a sum of costs), both episodes count alike, with
+    `cumulative` as well.
     """
 
     needs: ClassVar[Needs] = Needs()

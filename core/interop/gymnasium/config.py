@@ -15,7 +15,7 @@ class GymnasiumConfig(msgspec.Struct, DomainConfig, frozen=True, forbid_unknown_
     env: str = "CartPole-v1"
     """Its id, as `gymnasium.make` takes it, or `module:function` of a factory of your own: it is called
     without arguments, and with `render_mode="rgb_array"` where the environment is shown."""
-    LATER: ClassVar[frozenset[str]] = frozenset({"phi", "psi"})
+    LATER: ClassVar[frozenset[str]] = frozenset({"phi", "psi", "task", "actions"})
     """Settings that came after version 0.2: at their defaults they are not written to recordings."""
     OLD: ClassVar[frozenset[str]] = frozenset({"tilings", "tiles", "largest", "joint"})
 
@@ -39,6 +39,14 @@ class GymnasiumConfig(msgspec.Struct, DomainConfig, frozen=True, forbid_unknown_
     """`module:function` of your own: (numbers, action) -> features from which the human model predicts
     feedback; the numbers are those of `phi`, or of the observation. The human model is then of type ridge or
     sgd. Empty: the learner's tiles, for a human model of type tiles."""
+    task: str = ""
+    """What participants are told that the computer tries to do, at most 60 characters: "walk to the lamp".
+    Empty: the program's own words for the environments of Gymnasium that it knows, and only "a task" for
+    others."""
+    actions: tuple[str, ...] = ()
+    """What participants read of each action, in the order of their numbers, at most 18 characters each:
+    ["go left", "go right"]. Empty: the program's own words for the environments of Gymnasium that it knows,
+    and numbers for others."""
 
 
 def with_encoder(config: GymnasiumConfig, encoder: TileEncoder | None) -> GymnasiumConfig:

@@ -15,6 +15,7 @@ from core.interop.gymnasium.config import GymnasiumConfig, with_encoder
 from core.interop.gymnasium.environments import (
     Numbers,
     Seen,
+    check_size,
     discrete_actions,
     make_env,
     named_function,
@@ -71,18 +72,29 @@ class GymnasiumDomain:
         self.env = make_env(config.env)
         """The environment itself, for its spaces; it is not to be stepped."""
         self._first_action, self.n_actions = discrete_actions(self.env, config.env)
+        self._check_names()
         self._seen = Seen(self.env, config)
         joint = JointTiles(self._seen.ranges, config.tilings) if self._is_joint(config) else None
         self.tiled = None if joint is None else joint.tiled
         n_tilings = 1 if self._seen.whole else config.tilings
         self.coder = tile_coder(self._seen.ranges, n_tilings) if joint is None else joint.coder
+        check_size(self.coder.n_tiles, self.n_actions, config.env)
         self.observation_names = self._seen.names
-        self._states = States(self.env)
+        self._states = States(self.env, config.env)
         self._check()
         self._psi = named_function(config.psi) if config.psi else None
         self._encoder = ActionTiles(self.coder, self.n_actions)
         self.feedback_tiles: Tiling | None = None if self._psi else self._encoder.tiling
         self.feedback_feature_names = self._feedback_names()
+
+    def _check_names(self) -> None:
+        names = self.config.actions
+        if names and (len(names), 0) != (self.n_actions, self._first_action):
+            raise GameError(
+                f"[domain] actions has {len(names)} names, for the actions from 0 on, and those of "
+                f"{self.config.env} are {self._first_action} to {self._first_action + self.n_actions - 1}: "
+                "name each of them, or none"
+            )
 
     def _is_joint(self, config: GymnasiumConfig) -> bool:
         return config.joint and not self._seen.whole
@@ -178,12 +190,7 @@ class GymnasiumDomain:
         name = self.config.env
         rng = np.random.Generator(np.random.PCG64DXSM(0))
         actions = [int(action) for action in rng.integers(self.n_actions, size=CHECKED_STEPS)]
-        try:
-            once, again = (self._played(actions) for _ in range(2))
-        except GameError:
-            raise
-        except Exception as error:
-            raise GameError(f"{name} cannot be played: {type(error).__name__}: {error}") from error
+        once, again = (self._played(actions) for _ in range(2))
         if once != again:
             raise GameError(
                 f"{name} cannot be seeded: the same seed and actions gave other observations or rewards. "

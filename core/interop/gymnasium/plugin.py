@@ -2,6 +2,7 @@
 imported.
 """
 
+import re
 from collections.abc import Iterator, Mapping
 from functools import cache
 from typing import TYPE_CHECKING, ClassVar
@@ -19,12 +20,18 @@ from core.interop.gymnasium.config import GymnasiumConfig, with_encoder
 from core.learners.encoder_config import TileEncoder
 from core.learners.human_config import RidgeModel, SgdModel, TileModel
 from core.learners.sarsa_config import SarsaConfig
-from core.plugins import GamePlugin
+from core.plugins import GameError, GamePlugin
 from core.session.protocol import Protocol, ScreenConfig, SessionConfig
 
 if TYPE_CHECKING:
     from core.interop.gymnasium.picture import EnvPicture
     from core.registry import Game
+
+
+LONGEST_TASK = 60
+"""Characters: the first page of a session has room for so many in the smallest window."""
+LONGEST_ACTION = 18
+"""Characters that have room beside the picture in the smallest window."""
 
 
 class GymnasiumPlugin(GamePlugin):
@@ -38,6 +45,7 @@ class GymnasiumPlugin(GamePlugin):
     learners = (SarsaConfig,)
     human_models = (TileModel, RidgeModel, SgdModel)
     steps = "steps"
+    foreign = True
     idle: ClassVar[Mapping[str, str]] = {
         "screen.speed": "",
         "session.watched": "Sarsa changes at every step, and no policy of it comes back",
@@ -60,8 +68,14 @@ class GymnasiumPlugin(GamePlugin):
     def default_of(self, variant: str) -> Protocol:
         """Return the default protocol with another environment: "gymnasium:MountainCar-v0", or
         "gymnasium:module:function".
+
+        Raises:
+            GameError: the name has no version.
         """
-        return msgspec.structs.replace(self.default(), domain=GymnasiumConfig(variant))
+        domain = GymnasiumConfig(variant)
+        for problem in _unclear(domain):
+            raise GameError(f"{problem.reason}, got {variant!r}")
+        return msgspec.structs.replace(self.default(), domain=domain)
 
     def view(self) -> "type[EnvPicture]":
         """Return the pictures."""
@@ -115,6 +129,8 @@ class GymnasiumPlugin(GamePlugin):
                     '"myopic" judges by the reward of the step',
                     trainer.knowledge,
                 )
+        assert isinstance(protocol.domain, GymnasiumConfig), "a protocol of Gymnasium"
+        yield from _unclear(protocol.domain)
 
     def departures(self, protocol: Protocol) -> list[str]:
         """Return what is particular to it."""
@@ -125,6 +141,27 @@ class GymnasiumPlugin(GamePlugin):
             "every episode counts as one policy, because the learner changes all the time",
             _seen(with_encoder(protocol.domain, encoder)),
         ]
+
+
+def _unclear(config: GymnasiumConfig) -> Iterator[Problem]:
+    """Yield what is unclear in names and words, though it may be played: for sessions that are about to be
+    run.
+    """
+    versioned = re.fullmatch(r".+-v\d+", config.env)
+    if versioned is None and not re.fullmatch(r"[^:]+:[^:]+", config.env):
+        yield Problem(
+            ("domain", "env"),
+            'name an environment of Gymnasium with its version ("CartPole-v1"), so that the recording says '
+            'what was played, or a function of your own ("module:function")',
+            config.env,
+        )
+    lines: list[tuple[Path, str, int]] = [(("domain", "task"), config.task, LONGEST_TASK)]
+    lines += [
+        (("domain", "actions", number), name, LONGEST_ACTION) for number, name in enumerate(config.actions)
+    ]
+    for path, words, longest in lines:
+        if len(words) > longest or not words.isprintable():
+            yield Problem(path, f"expected at most {longest} printable characters", words)
 
 
 def _seen(config: GymnasiumConfig) -> str:

@@ -6,14 +6,18 @@ whichever is faster, and the latter where the environment cannot be copied.
 """
 
 import copy
+import math
 from dataclasses import dataclass, field
 from typing import Any
 
 from core.numerics.clock import MonotonicClock
+from core.plugins import GameError
 
 Outcome = tuple[Any, float, bool]
 """Observation, reward, and whether the episode is over."""
 LARGEST_SEED = 2**31
+LARGEST_REWARD = 1e100
+"""Sums of rewards, and their squares, stay finite below it."""
 
 
 @dataclass(slots=True, eq=False)
@@ -40,12 +44,17 @@ class Node:
 class States:
     """All states of one environment."""
 
-    def __init__(self, env: Any) -> None:
+    def __init__(self, env: Any, name: str) -> None:
         """Take the environment; nothing else may step it.
 
         It is copied once, to see whether it can be.
+
+        Args:
+            env: the environment.
+            name: as in the protocol, for messages.
         """
         self._env = env
+        self._name = name
         self._stands: Node | None = None
         clock = MonotonicClock()
         began_ns = clock.now_ns()
@@ -65,7 +74,11 @@ class States:
         return self._side is not None
 
     def begin(self, episode_seed: int) -> tuple[Node, Any]:
-        """Return the first state of an episode (seed >= 0), and what is seen in it."""
+        """Return the first state of an episode (seed >= 0), and what is seen in it.
+
+        Raises:
+            GameError: the environment fails.
+        """
         node = Node(episode_seed)
         self._stands = None
         observation = self._reset(self._env, node)
@@ -73,7 +86,11 @@ class States:
         return node, observation
 
     def step(self, state: Node, action: int) -> Outcome:
-        """Return what an action leads to; `after` is the state itself. `state` stays as it was."""
+        """Return what an action leads to; `after` is the state itself. `state` stays as it was.
+
+        Raises:
+            GameError: the environment fails, or its reward is no finite number.
+        """
         if action not in state.known:
             if self._stands is state:
                 self._stands = None  # until the step has been made
@@ -107,16 +124,35 @@ class States:
 
     def _reset(self, env: Any, state: Node) -> Any:
         """Play an episode up to a state; return what is seen at its beginning."""
-        observation, _ = env.reset(seed=state.seed % LARGEST_SEED)
-        observation = copy.deepcopy(observation)
-        for taken in state.actions():
-            env.step(taken)
+        try:
+            observation, _ = env.reset(seed=state.seed % LARGEST_SEED)
+            observation = copy.deepcopy(observation)
+            for taken in state.actions():
+                env.step(taken)
+        except Exception as error:
+            raise GameError(self._failed(state, "reset(seed=...)", "(observation, info)", error)) from error
         return observation
 
     def _go_on(self, env: Any, state: Node, action: int) -> None:
         began_ns = self._clock.now_ns()
-        observation, reward, terminated, truncated, _ = env.step(action)
-        self._step_ns = max(self._step_ns, self._clock.now_ns() - began_ns)
-        # A copy: some environments write the next observation into the same array.
-        outcome = copy.deepcopy(observation), float(reward), bool(terminated or truncated)
+        try:
+            observation, reward, terminated, truncated, _ = env.step(action)
+            self._step_ns = max(self._step_ns, self._clock.now_ns() - began_ns)
+            # A copy: some environments write the next observation into the same array.
+            outcome = copy.deepcopy(observation), float(reward), bool(terminated or truncated)
+        except Exception as error:
+            expected = "(observation, reward, terminated, truncated, info)"
+            raise GameError(self._failed(state, f"step({action})", expected, error)) from error
+        if not math.isfinite(outcome[1]) or abs(outcome[1]) > LARGEST_REWARD:
+            raise GameError(
+                f"{self._name} gave the reward {outcome[1]} for action {action} at step {state.depth} of the "
+                f"episode with seed {state.seed % LARGEST_SEED}: a number from -{LARGEST_REWARD:g} to "
+                f"{LARGEST_REWARD:g} is expected. Correct the environment, or wrap it in one that does"
+            )
         state.known[action] = Node(state.seed, state, action, state.depth + 1), outcome
+
+    def _failed(self, state: Node, call: str, expected: str, error: Exception) -> str:
+        return (
+            f"{self._name} cannot be played: {call} at step {state.depth} of the episode with seed "
+            f"{state.seed % LARGEST_SEED} failed with {type(error).__name__}: {error}. Expected is {expected}"
+        )

@@ -207,8 +207,32 @@ def test_of_negative_performances_the_better_episodes_decide_about_a_signed_weig
     assert w == pytest.approx(0.5)
 
 
+def test_of_gains_and_costs_each_counts_by_how_far_it_lies_above_the_lowest() -> None:
+    # -10 counts 0, 30 counts 40, 0 counts 10: (40 * 0.9 + 10 * 0.4) / 50.
+    assert human_weight([-10.0, 30.0, 0.0], [0.1, 0.9, 0.4]) == pytest.approx(0.8)
+    assert selection_probabilities([-10.0, 30.0, 0.0], [0.0] * 3) == pytest.approx([0.0, 0.8, 0.2])
+    # w_h m = 1 doubles the last one: 40 to 20.
+    assert selection_probabilities([-10.0, 30.0, 0.0], [1.0, 0.0, 1.0]) == pytest.approx([0.0, 2 / 3, 1 / 3])
+    # A single policy is the lowest and the highest: its match counts in full.
+    assert human_weight([-5.0], [0.3]) == pytest.approx(0.3)
+
+
+def test_ranks_of_negative_performances_by_hand() -> None:
+    # The better the episode the higher the match: r = 1, less 1 / sqrt(4 - 1).
+    w = rank_human_weight(
+        [-200.0, -150.0, -120.0, -110.0], [0.1, 0.2, 0.5, 0.9], gain=2.0, standard_errors=1.0, signed=False
+    )
+    assert w == pytest.approx(2.0 * (1.0 - 1.0 / math.sqrt(3.0)))
+    # One better episode among three: rank 4 of 4, mean 2.5, variance 1 * 3 * 5 / 12.
+    assert rank_test([-100.0], [-300.0, -200.0, -150.0]) == pytest.approx(1.5 / math.sqrt(15.0 / 12.0))
+
+
 def test_equation_5_takes_the_plain_mean_where_a_performance_is_negative() -> None:
     assert next_human_weight(-200.0, 0.2, -199.0, 0.6) == pytest.approx(0.4)
+    # Of a gain and a cost, either way round, and of the first comparison, before which performance is 0.
+    assert next_human_weight(10.0, 0.2, -5.0, 0.6) == pytest.approx(0.4)
+    assert next_human_weight(-5.0, 0.2, 10.0, 0.6) == pytest.approx(0.4)
+    assert next_human_weight(0.0, 0.0, -200.0, 0.8) == pytest.approx(0.4)
 
 
 @given(st.lists(st.tuples(st.floats(-1e3, 1e3), st.floats(-1, 1)), min_size=2, max_size=9))

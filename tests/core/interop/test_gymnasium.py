@@ -1,6 +1,8 @@
 """Gymnasium environments play, are recorded, replayed and asked about as the program's own games are."""
 
 import re
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +17,7 @@ from core.interop.gymnasium.tiles import JointTiles
 from core.numerics.tile_coding import Range
 from core.plugins import GameError
 from core.registry import game_of
+from core.session.protocol import DEFAULTS
 from core.session.protocol_reading import protocol_from
 from core.session.replay import replay_exactly
 from core.session.session import build_session
@@ -90,6 +93,87 @@ class Broken(Unseeded):
         raise RuntimeError("no wheels")
 
 
+class Calm(gymnasium.Env):
+    """The simplest that can be played: of it the ones below have one fault each."""
+
+    observation_space = gymnasium.spaces.Box(0.0, 1.0, (1,))
+    action_space = gymnasium.spaces.Discrete(2)
+    seen: Any = (0.5,)
+    reward: Any = 1.0
+    ended = (False, False)
+
+    def reset(self, *, seed: Any = None, options: Any = None) -> Any:
+        super().reset(seed=seed)
+        return self.seen, {}
+
+    def step(self, action: int) -> Any:
+        return self.seen, self.reward, *self.ended, {}
+
+
+class Unreset(Calm):
+    def reset(self, *, seed: Any = None, options: Any = None) -> Any:
+        raise KeyError("no map")
+
+
+class OldStep(Calm):
+    def step(self, action: int) -> Any:
+        return self.seen, 1.0, False, {}
+
+
+class NoReward(Calm):
+    reward = float("nan")
+
+
+class HugeReward(Calm):
+    reward = 1e200
+
+
+class LargeReward(Calm):
+    reward = -1e90
+
+
+class AtOnce(Calm):
+    ended = (False, True)
+
+
+class Longer(Calm):
+    seen = (0.5, 0.5)
+
+
+class Worded(Calm):
+    seen = "left"
+
+
+class ManyStates(Calm):
+    observation_space = gymnasium.spaces.Discrete(10**9)
+
+
+class ManyActions(Calm):
+    action_space = gymnasium.spaces.Discrete(10**6)
+
+
+class Vector(Calm):
+    observation_space = gymnasium.spaces.MultiDiscrete([9, 9])
+
+
+class FailsLater(Calm):
+    def reset(self, *, seed: Any = None, options: Any = None) -> Any:
+        self.steps = 0
+        return super().reset(seed=seed)
+
+    def step(self, action: int) -> Any:
+        self.steps += 1
+        return self.seen, 1.0 if self.steps < 300 else float("inf"), False, False, {}
+
+
+def failing_factory(**_settings: Any) -> Any:
+    raise OSError("no such robot")
+
+
+def nothing_made(**_settings: Any) -> None:
+    return None
+
+
 OWN = "tests.core.interop.own_task"
 
 
@@ -101,13 +185,36 @@ OWN = "tests.core.interop.own_task"
         ({"env": "Blackjack-v1"}, r"has the observations Tuple.*\[domain\] phi ="),
         ({"env": f"{OWN}:make"}, r"has the observations Dict.*\[domain\] phi ="),
         ({"env": f"{__name__}:image"}, r"has the observations Box\(0, 255, \(84, 84, 3\).*phi"),
-        ({"env": "NoSuch-v7"}, "'NoSuch-v7' cannot be made"),
-        ({"env": "Taxi-v3"}, "use `Taxi-v4` instead"),
+        ({"env": "MountainCarContinuous-v0"}, r"has the actions Box.*Discrete\(n\)"),
+        ({"env": "NoSuch-v7"}, "has no environment 'NoSuch-v7'.*module:function"),
+        ({"env": "MountainCra-v0"}, "the nearest is MountainCar-v0. Say `arl play gymnasium:MountainCar-v0`"),
+        ({"env": "MountainCar-v7"}, "the nearest is MountainCar-v0"),
+        ({"env": "Nowhere/Pong-v5"}, 'Install it, and name the module.*"module:Nowhere/Pong-v5"'),
+        pytest.param(
+            {"env": "Taxi-v3"},
+            f"has no environment 'Taxi-v3': the nearest is {TAXI}",
+            marks=pytest.mark.skipif(TAXI == "Taxi-v3", reason="this Gymnasium has it"),
+        ),
+        ({"env": f"{__name__}:failing_factory"}, "OSError: no such robot. It was called as a factory, with"),
+        ({"env": f"{__name__}:nothing_made"}, "gave a NoneType: expected is a gymnasium.Env"),
         ({"env": "nowhere:make"}, "there is no function 'nowhere:make'.*present folder"),
         ({"env": f"{OWN}:nothing"}, f"there is no function '{OWN}:nothing'"),
         ({"env": f"{OWN}:np"}, "is a module, not a function"),
         ({"env": f"{__name__}:Unseeded"}, "cannot be seeded"),
-        ({"env": f"{__name__}:Broken"}, "cannot be played: RuntimeError: no wheels"),
+        (
+            {"env": f"{__name__}:Broken"},
+            r"step\(\d\) at step 0 of .* seed 0 failed with RuntimeError: no wheels",
+        ),
+        ({"env": f"{__name__}:Unreset"}, r"reset\(seed=...\) at step 0.*KeyError.*\(observation, info\)"),
+        ({"env": f"{__name__}:OldStep"}, r"not enough values.*Expected is \(observation, reward, terminated"),
+        ({"env": f"{__name__}:NoReward"}, "gave the reward nan for action . at step 0 of the episode"),
+        ({"env": f"{__name__}:HugeReward"}, r"gave the reward 1e\+200.*from -1e\+100 to 1e\+100"),
+        ({"env": f"{__name__}:Longer"}, "gave 2 numbers.*1 are expected, as its observation space says"),
+        ({"env": f"{__name__}:Worded"}, "gave 'left': numbers are expected"),
+        ({"env": f"{__name__}:ManyStates"}, "needs 1,000,000,001 tiles for each of 2 actions.*phi ="),
+        ({"env": f"{__name__}:ManyActions"}, "has 1,000,000 actions; the most is 10,000"),
+        ({"env": f"{__name__}:Vector"}, r"has the observations MultiDiscrete.*phi ="),
+        ({"env": "CartPole-v1", "actions": ("left",)}, "has 1 names.*CartPole-v1 are 0 to 1: name each"),
         ({"phi": f"{OWN}:failing"}, "phi failed: KeyError"),
         ({"phi": f"{OWN}:infinite"}, r"phi gave \(inf,\)"),
         ({"psi": f"{OWN}:psi", "env": "FrozenLake-v1"}, "psi failed: IndexError"),
@@ -117,6 +224,64 @@ OWN = "tests.core.interop.own_task"
 def test_what_cannot_be_played_is_refused_with_what_is_needed(settings: dict[str, Any], told: str) -> None:
     with pytest.raises(GameError, match=told):
         GymnasiumDomain(GymnasiumConfig(**settings))
+
+
+def test_the_extra_is_named_where_gymnasium_is_not_installed() -> None:
+    code = (
+        "import importlib.abc, sys\n"
+        "class Gone(importlib.abc.MetaPathFinder):\n"
+        "    def find_spec(self, name, path, target=None):\n"
+        "        if name == 'gymnasium': raise ModuleNotFoundError(name)\n"
+        "sys.meta_path.insert(0, Gone())\n"
+        "from core.session.protocol_reading import load_protocol\nfrom core.registry import game_of\n"
+        "try: game_of(load_protocol(None, game='gymnasium:CartPole-v1'))\n"
+        "except ValueError as error: print(type(error).__name__, error)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "GameError Gymnasium is not installed: pip install 'arl-tui[gym]'\n"
+
+
+@pytest.mark.parametrize("env", ["AtOnce", "LargeReward"])
+def test_episodes_of_one_step_and_large_negative_rewards_are_played_and_replayed(
+    env: str, tmp_path: Path
+) -> None:
+    protocol = protocol_from({"domain": {"type": "gymnasium", "env": f"{__name__}:{env}"}, **SHORT})
+    recording = simulated(tmp_path, protocol)
+    result = replay_exactly(recording, build_session(protocol, recording.header.root_seed))
+    assert (result.difference, result.outputs) == (None, len(recording.outputs))
+
+
+def test_an_environment_that_fails_in_mid_session_is_named_with_the_step() -> None:
+    domain = GymnasiumDomain(GymnasiumConfig(f"{__name__}:FailsLater"))
+    state = domain.initial(5)
+    for _ in range(299):
+        state = domain.transition(state, 1).next_state
+    told = "gave the reward inf for action 1 at step 299 of the episode with seed 5: a number"
+    with pytest.raises(GameError, match=told):
+        domain.transition(state, 1)
+
+
+@pytest.mark.parametrize(
+    ("domain", "told"),
+    [
+        ({"env": "CartPole"}, 'name an environment of Gymnasium with its version ("CartPole-v1")'),
+        ({"env": ""}, "or a function of your own"),
+        ({"task": "x" * 61}, "[domain] task"),
+        ({"actions": ["left", "a\nb"]}, "at most 18 printable characters"),
+    ],
+)
+def test_what_is_unclear_is_refused_before_a_session_and_read_from_a_recording(
+    domain: dict[str, Any], told: str
+) -> None:
+    plain = {"domain": {"type": "gymnasium", **domain}}
+    with pytest.raises(ValueError, match=re.escape(told)):
+        protocol_from(plain, to_run=True)
+    assert protocol_from(plain).game == "gymnasium"
+
+
+def test_a_variant_without_a_version_is_refused_with_what_to_say() -> None:
+    with pytest.raises(GameError, match=r"with its version.*got 'CartPole'"):
+        DEFAULTS["gymnasium:CartPole"]
 
 
 def image() -> Any:
