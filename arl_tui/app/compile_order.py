@@ -3,6 +3,7 @@
 import msgspec
 
 from core.keepaway.pitch import KeepawayConfig
+from core.numerics.kernel_folder import is_ready
 from core.recording.schema import to_plain
 from core.session.protocol import Protocol
 
@@ -38,6 +39,4 @@ def purpose_of(order: Order) -> str:
 
 def is_compiled(order: Order) -> bool:
     """Return whether everything that an order asks for has been compiled before."""
-    from core.numerics.interpreting import is_ready
-
     return is_ready(purpose_of(order))

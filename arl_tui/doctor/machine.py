@@ -117,13 +117,13 @@ def load_finding(cores: int, load: float) -> Finding:
 
 def compiled_finding() -> Finding:
     """Return whether compiled code can be kept, and whether there is any."""
-    from core.numerics import compiled
+    from core.numerics import kernel_folder
     from core.numerics.kernel_files import SUFFIX
 
-    folder, _ = compiled.cache_folder(compiled.sources_digest())
+    folder, _ = kernel_folder.cache_folder(kernel_folder.sources_digest())
     kept = sum(1 for _ in folder.glob(f"*{SUFFIX}"))
     there = next(above for above in (folder, *folder.parents) if above.exists())
-    if compiled.JIT_DISABLED:
+    if kernel_folder.JIT_DISABLED:
         return Finding(
             "compiled code",
             "switched off by NUMBA_DISABLE_JIT",

@@ -86,10 +86,26 @@ class Setting:
     key: str
     kind: Kind
     default: object
-    doc: str
-    """What it is, and where its default comes from; one line."""
-    required: bool = False
+    required: bool
     """It must be given: there is no default."""
+    struct: Struct
+    """The table."""
+    field: str
+    """Name of the attribute."""
+
+    @property
+    def doc(self) -> str:
+        """What it is, and where its default comes from; one line.
+
+        It is read from the source when it is asked for: a session needs none of them, and reading all takes
+        as long as loading the program.
+        """
+        for base in self.struct.__mro__:
+            if issubclass(base, msgspec.Struct) and base is not msgspec.Struct:
+                docs = field_docs(base)
+                if self.field in docs:
+                    return docs[self.field]
+        return ""
 
 
 @cache
@@ -97,13 +113,9 @@ def settings_of(struct: Struct) -> dict[str, Setting]:
     """Return the settings of a table by their keys, in order; its `TAG` is not among them."""
     info = types.type_info(struct)
     assert isinstance(info, types.StructType)
-    docs: dict[str, str] = {}
-    for base in reversed(struct.__mro__):
-        if issubclass(base, msgspec.Struct) and base is not msgspec.Struct:
-            docs |= field_docs(base)
     return {
         field.encode_name: Setting(
-            field.encode_name, _kind(field.type), field.default, docs.get(field.name, ""), field.required
+            field.encode_name, _kind(field.type), field.default, field.required, struct, field.name
         )
         for field in info.fields
     }

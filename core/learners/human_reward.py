@@ -51,11 +51,12 @@ class HumanRewardModel:
                 f"step {sample.step}: expected {self.n_features} features, got shape {sample.features.shape}"
             )
         features = np.asarray(sample.features, np.float64)
+        label, weight = float(sample.label), float(sample.weight)
         if isinstance(self.config, RidgeModel) or self.config.standardise:
             add_to_moments(
                 np.append(features, 1.0) if self._constant_input else features,
-                sample.label,
-                sample.weight,
+                label,
+                weight,
                 self._centred,
                 self._totals,
                 self._means,
@@ -64,8 +65,8 @@ class HumanRewardModel:
         if isinstance(self.config, SgdModel):
             gradient_step(
                 self._seen(features),
-                sample.label,
-                sample.weight,
+                label,
+                weight,
                 self.config.step_size,
                 self.config.intercept,
                 self._sgd_weights,

@@ -45,6 +45,8 @@ class HumanTileModel:
         self.config = config
         self.tiling = tiling
         self._weights = np.zeros(tiling.n_weights)
+        self._readable = self._weights.view()
+        self._readable.flags.writeable = False  # as in `weights`: one type of array, so one compiled kernel
         self._n_samples = 0
         self._export: Floats | None = None
 
@@ -69,9 +71,8 @@ class HumanTileModel:
             raise ValueError(
                 f"step {sample.step}: the first tile of a window is 0..{last}, got {sample.features}"
             )
-        move_tiles(
-            windows, sample.label, sample.weight, self.config.step_size, self._weights, self.tiling.n_tilings
-        )
+        label, weight = float(sample.label), float(sample.weight)
+        move_tiles(windows, label, weight, self.config.step_size, self._weights, self.tiling.n_tilings)
         self._n_samples += 1
         self._export = None
 
@@ -85,7 +86,7 @@ class HumanTileModel:
 
     def predict(self, rows: Features) -> Floats:
         """Return H of each row of window starts, (n, v) -> (n,), in units of a press."""
-        return row_values(np.ascontiguousarray(rows, np.int64), self._weights, self.tiling.n_tilings)
+        return row_values(np.ascontiguousarray(rows, np.int64), self._readable, self.tiling.n_tilings)
 
     def state_bytes(self) -> bytes:
         """Return all that the model has learned, for fingerprints."""

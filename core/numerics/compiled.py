@@ -1,18 +1,14 @@
-"""The one place where kernels are decorated, and where the folder of compiled code is chosen.
+"""The one place where kernels are decorated.
 
 Every compiled function of the project is decorated with `kernel` or `inner_kernel`, so that all of them
-release the GIL, are kept on disk, and keep IEEE arithmetic (no fast-math: sums are the same on every CPU).
-
-A stale kernel would give results that no source explains. So the folder of compiled code is named after a
-digest of all sources that may hold or feed a kernel: other sources, other kernels. Importing this module
-creates nothing.
+release the GIL, are kept on disk (`core.numerics.kernel_folder`), and keep IEEE arithmetic (no fast-math:
+sums are the same on every CPU).
 """
 
-import hashlib
-import os
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, TypeVar, cast
+
+from core.numerics.kernel_folder import JIT_DISABLED
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -22,48 +18,11 @@ longer."""
 INNER: dict[str, Any] = {"_nrt": False, "forceinline": True, "error_model": "numpy"}
 """How inner kernels are compiled: without reference counts, into their callers, divisions without
 exceptions."""
-JIT_DISABLED: bool = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
-"""True under NUMBA_DISABLE_JIT=1, where kernels run as plain Python."""
-
-
-def sources_digest() -> str:
-    """Return a digest of every source file that may hold or feed a kernel.
-
-    All of `core`, and of `studies` the files with kernels: those take constants only from `core` and each
-    other.
-    """
-    root = Path(__file__).resolve().parents[2]
-    digest = hashlib.sha256()
-    for package in ("core", "studies"):
-        for path in sorted((root / package).rglob("*.py")):
-            source = path.read_bytes()
-            if package == "core" or b"core.numerics.compiled" in source:
-                digest.update(path.relative_to(root).as_posix().encode() + b"\0" + source + b"\0")
-    return digest.hexdigest()[:16]
-
-
-def cache_folder(digest: str) -> tuple[Path, bool]:
-    """Return where compiled code of these sources belongs, and whether old folders beside it may be removed.
-
-    `NUMBA_CACHE_DIR` decides where it is set, and nothing beside it is touched; else it is the user's cache.
-    The folder is this user's alone, also where several users share the place.
-    """
-    owner = f"-{os.getuid()}" if hasattr(os, "getuid") else ""
-    chosen = os.environ.get("NUMBA_CACHE_DIR")
-    if chosen:
-        return Path(chosen).absolute() / f"arl-{digest}{owner}", False
-    base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    return base / "arl-tui" / "kernels" / f"{digest}{owner}", True
-
 
 if not JIT_DISABLED:
     import numba
 
     from core.numerics.kernel_dispatch import Kernel
-    from core.numerics.kernel_files import KernelFiles
-
-    _folder, _pruned = cache_folder(sources_digest())
-    Kernel.files = KernelFiles(_folder, pruned=_pruned)
 
 
 def kernel(function: Function) -> Function:

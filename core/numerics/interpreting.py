@@ -11,12 +11,12 @@ A kernel's twin is its own code object with other globals: there, every kernel i
 import json
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass
 from types import FunctionType
 from typing import Any
 
-from core.numerics.compiled import JIT_DISABLED
+from core.numerics.kernel_folder import JIT_DISABLED, READY, kernel_files
 
 if not JIT_DISABLED:
     from core.numerics.kernel_dispatch import ENTRY, PART, Kernel, by_name
@@ -175,20 +175,4 @@ def entries_at_hand() -> list[str]:
 def note_ready(purpose: str) -> None:
     """Write down that everything a purpose needs is compiled: the entries at hand."""
     if not JIT_DISABLED:
-        Kernel.files.save("ready", purpose, json.dumps(entries_at_hand()).encode())
-
-
-def is_ready(purpose: str) -> bool:
-    """Return whether all that a purpose needs is compiled, by what `note_ready` wrote down.
-
-    Args:
-        purpose: what is to be run, as text: everything that decides about it.
-    """
-    if JIT_DISABLED:
-        return True
-    written = Kernel.files.load("ready", purpose)
-    if written is None:
-        return False
-    with suppress(ValueError):
-        return all((Kernel.files.folder / name).exists() for name in json.loads(written))
-    return False
+        kernel_files().save(READY, purpose, json.dumps(entries_at_hand()).encode())

@@ -30,7 +30,7 @@ from numba.core.registry import CPUDispatcher
 from numba.core.serialize import dumps
 from numba.core.sigutils import normalize_signature
 
-from core.numerics.kernel_files import KernelFiles
+from core.numerics.kernel_folder import kernel_files
 from core.numerics.kernel_libraries import EntryLibrary, PartLibrary, Types
 
 PART, ENTRY = "part", "entry"
@@ -92,8 +92,8 @@ class _Part:
 class Kernel(CPUDispatcher):
     """A compiled function: numba's dispatcher, with parts, entries and files of our own."""
 
-    files: KernelFiles
-    """Where compiled code is kept; set before the first kernel is compiled."""
+    files = kernel_files()
+    """Where compiled code is kept."""
     fallback: Callable[["Kernel", Types], Callable[..., Any] | None] | None = None
     """What Python runs in place of an entry that is not compiled yet; nothing waits for a compiler then."""
 

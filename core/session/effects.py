@@ -346,6 +346,8 @@ def changed(
     defaults.
     """
     same = type(default) is type(config)
+    if same and config == default:
+        return  # most tables, most of the time: their settings need not be read from the sources
     if not same and default is not None:
         yield (*path, "type"), config.__struct_config__.tag
     for key, setting in settings_of(type(config)).items():

@@ -102,7 +102,8 @@ def grid_weights(weights: Floats, per_line: float) -> tuple[Ints, Floats]:
     """
     with_lines = np.column_stack([weights, np.full(len(weights), per_line)])
     shifts = fixed_point_shifts(with_lines)
-    integers = np.rint(np.ldexp(with_lines, shifts[:, None])).astype(np.int64)
+    # In C's order also where one policy is repeated: another order would be another type, compiled once more.
+    integers = np.rint(np.ldexp(with_lines, shifts[:, None])).astype(np.int64, order="C")
     units = np.ldexp(1.0, -shifts)
     return integers, units
 

@@ -119,6 +119,18 @@ def bare_textual(tmp_path: Path) -> Callable[[], Spent]:
     return lambda: until_seen(SEEN, folder=tmp_path, cache=tmp_path, module="tests.benchmarks.bare_textual")
 
 
+@pytest.fixture(scope="module")
+def bytecode(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("bytecode")
+
+
+@pytest.fixture(autouse=True)
+def keep_bytecode(monkeypatch: pytest.MonkeyPatch, bytecode: Path) -> None:
+    """Let Python keep its bytecode, as it does for a user: without, each start translates every source."""
+    monkeypatch.delenv("PYTHONDONTWRITEBYTECODE", raising=False)
+    monkeypatch.setenv("PYTHONPYCACHEPREFIX", str(bytecode))
+
+
 def test_help_takes_less_than_ten_bare_starts_of_python() -> None:
     judge(
         "help", lambda: of_python("-m", "arl_tui.cli", "--help"), lambda: of_python("-c", "pass"), limit=10.0

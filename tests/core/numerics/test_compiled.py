@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from core.numerics.compiled import sources_digest
 from core.numerics.kernel_files import IN_USE, KEPT_FOLDERS, KernelFiles, _verified, forget_old_folders
+from core.numerics.kernel_folder import sources_digest
 
 REPOSITORY = Path(__file__).resolve().parents[3]
 
@@ -23,7 +23,7 @@ def cache_folder(cache_home: Path, *, sources: Path = REPOSITORY) -> Path:
     environment |= {"NUMBA_DISABLE_JIT": "1"}
     environment.pop("NUMBA_CACHE_DIR", None)
     script = (
-        "from core.numerics.compiled import cache_folder, sources_digest; "
+        "from core.numerics.kernel_folder import cache_folder, sources_digest; "
         "print(cache_folder(sources_digest())[0])"
     )
     done = subprocess.run(
@@ -45,7 +45,14 @@ def test_equal_sources_share_a_folder_and_other_sources_get_another(tmp_path):
         (changed / package / "__init__.py").write_text("")
     numerics = changed / "core" / "numerics"
     numerics.mkdir()
-    for name in ("__init__", "compiled", "kernel_dispatch", "kernel_files", "kernel_libraries"):
+    for name in (
+        "__init__",
+        "compiled",
+        "kernel_dispatch",
+        "kernel_files",
+        "kernel_folder",
+        "kernel_libraries",
+    ):
         (numerics / f"{name}.py").write_text((REPOSITORY / "core" / "numerics" / f"{name}.py").read_text())
     before = cache_folder(tmp_path, sources=changed)
     (changed / "studies" / "page.py").write_text("TITLE = 'no kernel here'\n")

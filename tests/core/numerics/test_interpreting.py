@@ -12,9 +12,9 @@ from core.numerics.compiled import JIT_DISABLED
 from core.numerics.interpreting import (
     CAN_INTERPRET,
     interpreting,
-    is_ready,
     note_ready,
 )
+from core.numerics.kernel_folder import is_ready
 from core.numerics.softmax import drawn
 from core.recording.reader import read_recording
 from studies.demo import simulate_session

@@ -20,6 +20,7 @@ from core.tetris.afterstate import Tetris, TetrisState
 from core.tetris.autoplay import GreedyGames, best_of, worst_of
 from core.tetris.board import piece_at
 from core.tetris.config import FEATURE_SETS, TetrisConfig
+from core.tetris.evaluation import grid_weights
 from core.tetris.features import DELLACHERIE_WEIGHTS, DT_10_WEIGHTS, DT_20_WEIGHTS, feature_set
 from core.tetris.pieces import seven_bag_piece, uniform_piece
 from tests.core.tetris.playing import play_combined, play_greedy
@@ -263,3 +264,14 @@ def test_a_combined_episode_cannot_value_lines_apart():
         play_combined(np.zeros(21), np.zeros(21), 1, TetrisConfig(lines_in_value=True))
     with pytest.raises(ValueError, match="needs 21 weights"):
         play_combined(np.zeros(12), np.zeros(21), 1, TetrisConfig())
+
+
+@pytest.mark.parametrize("n", [1, 5])
+def test_one_policy_in_all_games_has_the_types_of_one_policy_each(n):
+    # Another order of the array would be another type, for which the dearest kernel were compiled once more.
+    one = np.arange(22.0)
+    repeated, _ = grid_weights(np.broadcast_to(one, (n, 22)), 0.0)
+    each, _ = grid_weights(np.tile(one, (n, 1)), 0.0)
+    assert repeated.flags.c_contiguous
+    assert each.flags.c_contiguous
+    assert np.array_equal(repeated, each)
