@@ -24,14 +24,13 @@ from arl_tui.warm_up import warm_up
 from core.numerics.clock import MonotonicClock
 from core.session.protocol import Protocol
 from core.system.processes import leave_with
+from core.system.temporary import prefix_of, remove_left_behind
 
 if TYPE_CHECKING:
     from core.recording.joined import FinishedPart
     from core.session.resume import ResumedSession
     from core.session.session import Session
 
-LOG_PREFIX = "arl-worker-"
-"""Of the file that takes a worker's error output; the number of the screen's process follows."""
 LAST_WORDS = 4000
 """Characters of a dead worker's error output that are shown."""
 
@@ -49,8 +48,8 @@ def start_worker(
     """
     context = multiprocessing.get_context("spawn")
     ours, theirs = context.Pipe()
-    remove_old_logs()
-    handle, log_path = tempfile.mkstemp(prefix=f"{LOG_PREFIX}{os.getpid()}-", suffix=".log")
+    remove_left_behind()
+    handle, log_path = tempfile.mkstemp(prefix=prefix_of("worker"), suffix=".log")
     os.close(handle)
     process = context.Process(
         target=worker_main,
@@ -60,25 +59,6 @@ def start_worker(
     process.start()
     theirs.close()
     return WorkerLink(ours, process, lambda: _last_words(Path(log_path)))
-
-
-def remove_old_logs() -> None:
-    """Remove what workers of programs that were killed have left in the folder for temporary files."""
-    for path in Path(tempfile.gettempdir()).glob(f"{LOG_PREFIX}*.log"):
-        owner = path.name.removeprefix(LOG_PREFIX).partition("-")[0]
-        with contextlib.suppress(OSError):  # another user's, or removed by another program meanwhile
-            if not (owner.isdigit() and _is_running(int(owner))) and path.stat().st_uid == os.getuid():
-                path.unlink()
-
-
-def _is_running(pid: int) -> bool:
-    try:
-        os.kill(pid, 0)
-    except ProcessLookupError:
-        return False
-    except OSError:
-        return True  # another user's
-    return True
 
 
 def _last_words(log: Path) -> str:
