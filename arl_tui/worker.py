@@ -83,6 +83,7 @@ def worker_main(
     leave_with(parent, started_by_main_thread=True)
     line = WorkerLine(connection)
     clock = MonotonicClock()
+    from core.numerics.finite import DivergedError
     from core.recording.joined import ResumeError
 
     try:
@@ -99,7 +100,7 @@ def worker_main(
         line.send(Ready(warm_up_ns=clock.now_ns() - before_ns, reach=reach.fraction, step_s=reach.step_s))
         player = SessionPlayer(line, protocol, clock, demo_participant, ahead)
         player.run(session if resumed is None else resumed)
-    except ResumeError as error:
+    except (ResumeError, DivergedError) as error:  # they say what to do
         with contextlib.suppress(OSError):
             line.send(Crashed(error=str(error), trace=""))
     except (EOFError, BrokenPipeError, ConnectionResetError):

@@ -39,6 +39,8 @@ def simulate_session(
 ) -> Path:
     """Play a session with a simulated participant, as fast as the machine can, and record it.
 
+    Where the session fails, what was recorded until then stays, without an end line.
+
     Args:
         protocol: of the session; `protocol.trainer` is the participant.
         root_seed: of the session.
@@ -77,10 +79,14 @@ def simulate_session(
         participants=protocol.participants,
     )
     writer = LineWriter(target, header)
-    for output in session.run(simulated, clock):
-        writer.write(output)
-        for item in simulated.watch(output):
-            writer.write(item)
+    try:
+        for output in session.run(simulated, clock):
+            writer.write(output)
+            for item in simulated.watch(output):
+                writer.write(item)
+    except BaseException:
+        writer.abandon()
+        raise
     writer.close()
     return target
 
