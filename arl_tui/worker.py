@@ -84,6 +84,7 @@ def worker_main(
     line = WorkerLine(connection)
     clock = MonotonicClock()
     from core.numerics.finite import DivergedError
+    from core.plugins import GameError
     from core.recording.joined import ResumeError
 
     try:
@@ -103,6 +104,9 @@ def worker_main(
     except (ResumeError, DivergedError) as error:  # they say what to do
         with contextlib.suppress(OSError):
             line.send(Crashed(error=str(error), trace=""))
+    except GameError as error:  # so do these; a user's own function may have failed behind it
+        with contextlib.suppress(OSError):
+            line.send(Crashed(error=str(error), trace=traceback.format_exc() if error.__cause__ else ""))
     except (EOFError, BrokenPipeError, ConnectionResetError):
         return  # Nobody is looking any more.
     except Exception as error:  # noqa: BLE001 - whatever it was, the participant must be told
