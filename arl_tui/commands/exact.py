@@ -22,8 +22,8 @@ GETTING_READY = "Getting ready; the first time this may take half a minute ..."
 """Said where everything may have to be compiled first."""
 WORTH_A_BAR = 20_000
 """Outputs from which on a replay shows how far it is."""
-WORTH_A_BAR_UNSEEN = 500
-"""Unseen episodes of a block from which on a replay shows how far it is."""
+WORTH_A_BAR_UNSEEN = 20_000
+"""Unseen episodes of a block from which on a replay shows how far it is: they take half a minute."""
 
 
 def read_or_stop(path: Path, *, allow_truncated: bool) -> Recording:
@@ -125,7 +125,7 @@ def _tell_unseen() -> Callable[[int, int], None]:
     def tell(done: int, count: int) -> None:
         nonlocal bar
         if done == 1:
-            few = count < WORTH_A_BAR_UNSEEN
+            few = count < WORTH_A_BAR_UNSEEN or not sys.stderr.isatty()
             bar = click.progressbar(length=count, label="Unseen episodes", file=sys.stderr, hidden=few)
         bar.update(1)
         if done == count:
