@@ -2,7 +2,7 @@
 a terminal.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
@@ -12,7 +12,15 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from core.events import EpisodeEnded, EpisodeStarted, KeyPressed, PressRetracted, UnseenPlayed
+from core.events import (
+    EpisodeEnded,
+    EpisodeStarted,
+    Input,
+    KeyPressed,
+    Output,
+    PressRetracted,
+    UnseenPlayed,
+)
 from core.feedback.keys import PressGate
 from core.feedback.source import ParticipantParts, SimulatedParticipant
 from core.feedback.trainers import SimulatedTrainer
@@ -79,16 +87,23 @@ def simulate_session(
         participants=protocol.participants,
     )
     writer = LineWriter(target, header)
+    _record(writer, session.run(simulated, clock), simulated.watch)
+    return target
+
+
+def _record(
+    writer: LineWriter, outputs: Iterable[Output], watched: Callable[[Output], Iterable[Input]]
+) -> None:
+    """Record a session's outputs, and what its participant did at each; close the file however it ends."""
     try:
-        for output in session.run(simulated, clock):
+        for output in outputs:
             writer.write(output)
-            for item in simulated.watch(output):
+            for item in watched(output):
                 writer.write(item)
     except BaseException:
         writer.abandon()
         raise
     writer.close()
-    return target
 
 
 def simulated_people(protocol: Protocol, root_seed: int) -> list[ParticipantParts[Any]]:
