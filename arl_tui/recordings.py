@@ -1,5 +1,6 @@
 """The folder of recordings: names of new files, and what is there."""
 
+import errno
 import os
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
@@ -74,7 +75,7 @@ def all_recordings(
 
     Args:
         folder: where to look; it need not exist.
-        on_error: told of every folder below it that cannot be read.
+        on_error: told of every folder below it that cannot be read, and of what is no file.
     """
     if not folder.exists():
         return
@@ -87,7 +88,12 @@ def all_recordings(
             for name in (*names, *folders)
             if name.endswith(ENDINGS) and not (STUDIES in Path(here).parts and is_study_record(name))
         ]
-    yield from sorted(found)
+    for path in sorted(found):
+        if path.exists() and not path.is_file() and not path.is_dir():
+            # Whoever opened a pipe or a device would wait for ever.
+            on_error(OSError(errno.EINVAL, "a pipe or a device, not a file", str(path)))
+        else:
+            yield path
 
 
 def is_study_record(name: str) -> bool:

@@ -26,14 +26,13 @@ from core.numerics.clock import MonotonicClock
 from core.plugins import GameError, plugin_of
 from core.session.protocol import Protocol
 from core.system.processes import leave_with
+from core.system.temporary import prefix_of, remove_left_behind
 
 if TYPE_CHECKING:
     from core.recording.joined import FinishedPart
     from core.session.resume import ResumedSession
     from core.session.session import Session
 
-LOG_PREFIX = "arl-worker-"
-"""Of the file that takes a worker's error output; the number of the screen's process follows."""
 LAST_WORDS = 4000
 """Characters of a dead worker's error output that are shown."""
 
@@ -51,8 +50,8 @@ def start_worker(
     """
     context = multiprocessing.get_context("spawn")
     ours, theirs = context.Pipe()
-    remove_old_logs()
-    handle, log_path = tempfile.mkstemp(prefix=f"{LOG_PREFIX}{os.getpid()}-", suffix=".log")
+    remove_left_behind()
+    handle, log_path = tempfile.mkstemp(prefix=prefix_of("worker"), suffix=".log")
     os.close(handle)
     process = context.Process(
         target=worker_main,
@@ -62,25 +61,6 @@ def start_worker(
     process.start()
     theirs.close()
     return WorkerLink(ours, process, lambda: _last_words(Path(log_path)))
-
-
-def remove_old_logs() -> None:
-    """Remove what workers of programs that were killed have left in the folder for temporary files."""
-    for path in Path(tempfile.gettempdir()).glob(f"{LOG_PREFIX}*.log"):
-        owner = path.name.removeprefix(LOG_PREFIX).partition("-")[0]
-        with contextlib.suppress(OSError):  # another user's, or removed by another program meanwhile
-            if not (owner.isdigit() and _is_running(int(owner))) and path.stat().st_uid == os.getuid():
-                path.unlink()
-
-
-def _is_running(pid: int) -> bool:
-    try:
-        os.kill(pid, 0)
-    except ProcessLookupError:
-        return False
-    except OSError:
-        return True  # another user's
-    return True
 
 
 def _last_words(log: Path) -> str:
@@ -105,6 +85,8 @@ def worker_main(
     leave_with(parent, started_by_main_thread=True)
     line = WorkerLine(connection)
     clock = MonotonicClock()
+    from core.numerics.finite import DivergedError
+    from core.plugins import GameError
     from core.recording.joined import ResumeError
 
     try:
@@ -124,9 +106,12 @@ def worker_main(
         line.send(Ready(warm_up_ns=clock.now_ns() - before_ns, reach=reach.fraction, step_s=reach.step_s))
         player = SessionPlayer(line, protocol, clock, demo_participant, ahead)
         player.run(session if resumed is None else resumed)
-    except (ResumeError, GameError) as error:
+    except (ResumeError, DivergedError) as error:  # they say what to do
         with contextlib.suppress(OSError):
             line.send(Crashed(error=str(error), trace=""))
+    except GameError as error:  # so do these; a user's own function may have failed behind it
+        with contextlib.suppress(OSError):
+            line.send(Crashed(error=str(error), trace=traceback.format_exc() if error.__cause__ else ""))
     except (EOFError, BrokenPipeError, ConnectionResetError):
         return  # Nobody is looking any more.
     except Exception as error:  # noqa: BLE001 - whatever it was, the participant must be told

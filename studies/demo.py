@@ -2,7 +2,7 @@
 a terminal.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
@@ -12,7 +12,15 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from core.events import EpisodeEnded, EpisodeStarted, KeyPressed, PressRetracted, UnseenPlayed
+from core.events import (
+    EpisodeEnded,
+    EpisodeStarted,
+    Input,
+    KeyPressed,
+    Output,
+    PressRetracted,
+    UnseenPlayed,
+)
 from core.feedback.keys import PressGate
 from core.feedback.source import ParticipantParts, SimulatedParticipant
 from core.feedback.trainers import SimulatedTrainer
@@ -39,6 +47,8 @@ def simulate_session(
 ) -> Path:
     """Play a session with a simulated participant, as fast as the machine can, and record it.
 
+    Where the session fails, what was recorded until then stays, without an end line.
+
     Args:
         protocol: of the session; `protocol.trainer` is the participant.
         root_seed: of the session.
@@ -64,11 +74,7 @@ def simulate_session(
     header = _header(protocol, root_seed, clock, participant=participant, software=software)
     header = msgspec.structs.replace(header, source=dict(source or {}), study=dict(study or {}))
     writer = LineWriter(target, header)
-    for output in session.run(simulated, clock):
-        writer.write(output)
-        for item in simulated.watch(output):
-            writer.write(item)
-    writer.close()
+    _record(writer, session.run(simulated, clock), simulated.watch)
     return target
 
 
@@ -89,6 +95,21 @@ def _header(
         departures=protocol.departures(),
         participants=protocol.participants,
     )
+
+
+def _record(
+    writer: LineWriter, outputs: Iterable[Output], watched: Callable[[Output], Iterable[Input]]
+) -> None:
+    """Record a session's outputs, and what its participant did at each; close the file however it ends."""
+    try:
+        for output in outputs:
+            writer.write(output)
+            for item in watched(output):
+                writer.write(item)
+    except BaseException:
+        writer.abandon()
+        raise
+    writer.close()
 
 
 def simulated_people(protocol: Protocol, root_seed: int) -> list[ParticipantParts[Any]]:

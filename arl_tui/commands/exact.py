@@ -1,7 +1,7 @@
 """Running a recording again: shared by `arl replay` and `arl demo`."""
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import click
@@ -22,6 +22,8 @@ GETTING_READY = "Getting ready; the first time this may take half a minute ..."
 """Said where everything may have to be compiled first."""
 WORTH_A_BAR = 20_000
 """Outputs from which on a replay shows how far it is."""
+WORTH_A_BAR_UNSEEN = 20_000
+"""Unseen episodes of a block from which on a replay shows how far it is: they take half a minute."""
 
 
 def read_or_stop(path: Path, *, allow_truncated: bool) -> Recording:
@@ -99,7 +101,7 @@ def run_again(recording: AnyRecording) -> None:
     )
     try:
         with bar:
-            result = replay_exactly(recording, session, on_progress=bar.update)
+            result = replay_exactly(recording, session, on_progress=bar.update, on_unseen=_tell_unseen())
     except RecordingError as error:
         raise click.ClickException(str(error)) from error
     if result.difference is not None:
@@ -114,6 +116,22 @@ def run_again(recording: AnyRecording) -> None:
         + (", the weights bit for bit)" if whole else "; the recording ends there, before the session's end)")
     )
     say(f"Session: {printable(summary_words(recording))}")
+
+
+def _tell_unseen() -> Callable[[int, int], None]:
+    """Return what shows how far a long block of unseen episodes is."""
+    bar = click.progressbar(length=1, file=sys.stderr, hidden=True)  # of the block before the first one
+
+    def tell(done: int, count: int) -> None:
+        nonlocal bar
+        if done == 1:
+            few = count < WORTH_A_BAR_UNSEEN or not sys.stderr.isatty()
+            bar = click.progressbar(length=count, label="Unseen episodes", file=sys.stderr, hidden=few)
+        bar.update(1)
+        if done == count:
+            bar.render_finish()
+
+    return tell
 
 
 def why_different(software: Mapping[str, str]) -> str:

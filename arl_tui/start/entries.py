@@ -79,7 +79,7 @@ def studies_in(folder: Path) -> tuple[Entry, ...]:
 
 def sessions_in(folder: Path) -> tuple[Entry, ...]:
     """Return the newest recordings in a folder, the newest first."""
-    files = [path for path in folder.glob("*") if path.name.endswith(ENDINGS)]
+    files = [path for path in folder.glob("*") if path.name.endswith(ENDINGS) and path.is_file()]
     files.sort(key=lambda path: path.stat().st_mtime_ns, reverse=True)
     return tuple(Entry(path.name, "", ("watch", str(path))) for path in files[:MOST_LISTED])
 

@@ -28,6 +28,7 @@ import msgspec
 from arl_tui.app.facts import REPOSITORY
 from arl_tui.drawing_rate import FRAMES_PER_S
 from arl_tui.timing.plan import ANSWER_KEY, MARKER, START_UP_S, Plan, Seen
+from core.system.temporary import prefix_of, remove_left_behind
 
 SPIN_NS = 2_000_000
 """The last 2 ms before a key is written are spent looking at the clock: no wake-up is late then."""
@@ -178,7 +179,9 @@ def run_plan(plan: Plan, on_trial: Callable[[], None] = lambda: None) -> tuple[l
     Raises:
         TimingError: it could not be carried out.
     """
-    with tempfile.TemporaryDirectory(prefix="arl-timing-") as folder, Robot(plan, Path(folder)) as robot:
+    remove_left_behind()
+    private = tempfile.TemporaryDirectory(prefix=prefix_of("timing"))
+    with private as folder, Robot(plan, Path(folder)) as robot:
         seen = robot.run(START_UP_S + plan.longest_s, on_trial)
         return robot.trials, seen
 

@@ -9,6 +9,7 @@ from typing import Self
 
 from core.session.protocol import Protocol
 from core.system.foreign_text import printable
+from core.system.temporary import prefix_of, remove_left_behind
 from studies.pools import processes
 from studies.session_view.thoughts import Thoughts
 
@@ -75,7 +76,9 @@ class Workers:
         self._n = 0
 
     def __enter__(self) -> Self:
-        self._folder = Path(self._stack.enter_context(tempfile.TemporaryDirectory(prefix="arl-watch-")))
+        remove_left_behind()
+        folder = tempfile.TemporaryDirectory(prefix=prefix_of("watch"))
+        self._folder = Path(self._stack.enter_context(folder))
         return self
 
     def __exit__(

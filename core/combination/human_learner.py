@@ -1,5 +1,6 @@
 """One participant: their presses, the credit these get, and the model learned from them."""
 
+import copy
 import struct
 
 import numpy as np
@@ -18,8 +19,8 @@ from core.numerics.tile_coding import Tiling
 
 
 class HumanLearner:
-    """Keeps assigner and model in step: after every call the model has seen exactly the assigner's
-    samples.
+    """Keeps assigner and model in step: after every call the model has seen exactly the assigner's samples,
+    those of earlier episodes among them.
     """
 
     def __init__(
@@ -34,10 +35,13 @@ class HumanLearner:
             tiles: what psi(s, a) indexes where it lists active tiles; None for plain features.
         """
         self._assigner = CreditAssigner(credit)
-        self._model = human_model(model, n_features, tiles)
-        self._consistency = Consistency()
+        self._now = _Learned(human_model(model, n_features, tiles))
+        # What was learned from the presses of earlier episodes, which cannot be taken back any more. After a
+        # retraction learning goes on from here, so that no sample of long ago has to be kept.
+        self._settled = copy.deepcopy(self._now)
         self._on_screen = -1
-        # What was learned from answers to questions, beside the assigner's samples.
+        # What was learned from answers to questions, beside the assigner's samples. After a retraction they
+        # are learned after all samples: all of them are kept.
         self._answers: list[FeedbackSample] = []
         self._n_answers = 0
 
@@ -46,12 +50,12 @@ class HumanLearner:
         """How many standard errors better than chance the model foresaw the presses
         (`core.learners.consistency`).
         """
-        return self._consistency.score
+        return self._now.consistency.score
 
     @property
     def model(self) -> HumanRewardModel | HumanTileModel:
         """The model behind `weights`."""
-        return self._model
+        return self._now.model
 
     @property
     def account(self) -> MassAccount:
@@ -61,16 +65,17 @@ class HumanLearner:
     @property
     def knows_something(self) -> bool:
         """Whether the model prefers any action to another."""
-        return self._model.knows_something
+        return self._now.model.knows_something
 
     @property
     def weights(self) -> NDArray[np.float64]:
         """v, shape (G,), in the features' own units; zeros while nothing is known."""
-        return self._model.weights
+        return self._now.model.weights
 
     def episode_begins(self) -> None:
         """Note that another watched episode begins: earlier presses than the last one's are settled."""
-        self._assigner.episode_begins()
+        for sample in self._assigner.episode_begins():
+            self._settled.learn_from(sample)
 
     def step_shown(self, step: int, features: Features, time_ns: int) -> None:
         """Note that a step came on screen; features psi(s, a), shape (G,).
@@ -124,15 +129,14 @@ class HumanLearner:
         self._n_answers += 1
         self._answers.extend(samples)
         for sample in samples:
-            self._learn_from(sample)
+            self._now.learn_from(sample)
 
     def retract(self, press: int) -> None:
         """Make the model one that never saw the press."""
         self._assigner.retract(press)
-        self._model.fit([])
-        self._consistency = Consistency()
+        self._now = copy.deepcopy(self._settled)
         for sample in (*self._assigner.samples, *self._answers):
-            self._learn_from(sample)
+            self._now.learn_from(sample)
 
     def finish(self, time_ns: int) -> None:
         """Learn from the steps that still waited for presses: the session is over."""
@@ -141,12 +145,12 @@ class HumanLearner:
 
     def export(self) -> dict[str, list[float]]:
         """Return the model's weights by name, for a recording's last line."""
-        return self._model.export()
+        return self._now.model.export()
 
     def state_bytes(self) -> bytes:
         """Return all that decides about what is learned later, for fingerprints."""
         account = self.account
-        return self._model.state_bytes() + struct.pack(
+        return self._now.model.state_bytes() + struct.pack(
             "<qqdddd",
             account.presses,
             account.merged,
@@ -160,17 +164,26 @@ class HumanLearner:
         """Return all that decides about later `consistency`, for fingerprints of agents whose trust goes by
         it.
         """
-        return self._consistency.state_bytes()
+        return self._now.consistency.state_bytes()
 
     def _learn(self) -> None:
         for sample in self._assigner.take():
-            self._learn_from(sample)
+            self._now.learn_from(sample)
 
-    def _learn_from(self, sample: FeedbackSample) -> None:
+
+class _Learned:
+    """A model, and how well it foresaw what it learned from."""
+
+    def __init__(self, model: HumanRewardModel | HumanTileModel) -> None:
+        self.model = model
+        self.consistency = Consistency()
+
+    def learn_from(self, sample: FeedbackSample) -> None:
+        """Predict the sample, then learn from it."""
         if _tells(sample):
-            prediction = self._model.predict(sample.features[None, :])[0]
-            self._consistency.note(float(prediction), sample.label, sample.weight)
-            self._model.add(sample)
+            prediction = self.model.predict(sample.features[None, :])[0]
+            self.consistency.note(float(prediction), sample.label, sample.weight)
+            self.model.add(sample)
 
 
 def _tells(sample: FeedbackSample) -> bool:

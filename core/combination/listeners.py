@@ -48,7 +48,9 @@ class Listeners:
         """What each participant's v is multiplied by in the folded one, shape (n,); of one alone nothing is
         folded, shape (0,)."""
         self._n_weights = n_weights
+        # Who made a press of this episode, and of the last one: others cannot be taken back.
         self._participant_of: dict[int, int] = {}
+        self._participant_before: dict[int, int] = {}
 
     @property
     def alone(self) -> bool:
@@ -127,6 +129,7 @@ class Listeners:
 
     def episode_begins(self) -> None:
         """Note that another watched episode begins: earlier presses than the last one's are settled."""
+        self._participant_before, self._participant_of = self._participant_of, {}
         for learner in self.learners:
             learner.episode_begins()
 
@@ -164,8 +167,13 @@ class Listeners:
         self.learners[participant].learn_from_answer(question, chosen)
 
     def retract(self, press: int) -> None:
-        """Forget a press as if it had never been made."""
-        self.learners[self._participant_of[press]].retract(press)
+        """Forget a press as if it had never been made.
+
+        Raises:
+            ValueError: it was never made, taken back before, or made before the last episode.
+        """
+        participant = self._participant_of.get(press, self._participant_before.get(press, 0))
+        self.learners[participant].retract(press)
 
     def finish(self, time_ns: int) -> None:
         """Learn from the steps that still waited for presses."""

@@ -32,11 +32,15 @@ class CreditAssigner:
         self._later = self._settled
         self._log: list[_Entry] = []
         self._known: set[int] = set()
+        # Samples that were taken, of all so far.
         self._taken = 0
 
     @property
     def samples(self) -> Sequence[FeedbackSample]:
-        """All samples so far, in the order in which a model is to see them."""
+        """The samples that can still be taken back, in the order in which a model is to see them.
+
+        Until `episode_begins` is called for the second time these are all samples so far.
+        """
         return self._ledger.samples
 
     @property
@@ -46,19 +50,25 @@ class CreditAssigner:
 
     def take(self) -> Sequence[FeedbackSample]:
         """Return the samples that are new since the last call."""
-        new = self._ledger.samples[self._taken :]
-        self._taken = len(self._ledger.samples)
+        new = self._ledger.samples[self._taken - self._ledger.n_settled :]
+        self._taken = self._n_samples
         return new
 
-    def episode_begins(self) -> None:
+    def episode_begins(self) -> Sequence[FeedbackSample]:
         """Note that another episode begins: only presses of this one and the last one can be taken back.
 
         (A press is taken back in its own episode. That is reported in the next one where a key was held.)
         What goes before is not kept, so that a session of hours does not grow.
+
+        Returns:
+            The samples that can be taken back no more, in their order. They are in `samples` no longer.
+            Samples that were not taken yet (`take`) stay.
         """
         self._settled, self._before = self._later, self._log
         self._later, self._log = self._ledger.mark(), []
+        self._known = {entry[1] for entry in self._before if entry[0] is Ledger.add_press}
         self._ledger.forget_before(self._settled)
+        return self._ledger.settle(min(self._settled.n_samples, self._taken))
 
     def step_shown(self, step: int, shown_ns: int, features: Features) -> None:
         """Note that a step came on screen, or came back after it had been covered.
@@ -88,7 +98,7 @@ class CreditAssigner:
         """Share out a press.
 
         Args:
-            press: its number; no other press has the same.
+            press: its number; no other press of this episode and the last one has the same.
             time_ns: when.
             value: what it says, > 0 good, < 0 bad, 0 neither: then the label of its samples is 0.
         """
@@ -101,7 +111,8 @@ class CreditAssigner:
     def retract(self, press: int) -> None:
         """Take a press back: `samples` and `account` become those of a session without it.
 
-        Afterwards a model has to be fitted to all `samples` again; `take` goes on from their end.
+        Afterwards a model has to be fitted again, to all that `episode_begins` returned and to `samples`;
+        `take` goes on from their end.
         """
         n_entries = len(self._before) + len(self._log)
         self._before, self._log = _without(press, self._before), _without(press, self._log)
@@ -114,11 +125,16 @@ class CreditAssigner:
         self._repeat(self._before)
         self._later = self._ledger.mark()
         self._repeat(self._log)
-        self._taken = len(self._ledger.samples)
+        self._taken = self._n_samples
 
     def finish(self, now_ns: int) -> None:
         """Give out the samples of all steps: the session is over, and no press can come any more."""
         self._do(Ledger.finish, now_ns)
+
+    @property
+    def _n_samples(self) -> int:
+        """How many samples there were so far."""
+        return self._ledger.n_settled + len(self._ledger.samples)
 
     def _do(self, event: Callable[..., Answer], *facts: Any) -> Answer:
         answer = event(self._ledger, *facts)

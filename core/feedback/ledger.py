@@ -63,6 +63,8 @@ class Ledger:
 
     def __init__(self, config: CreditConfig, features: dict[int, Features]) -> None:
         self.samples: list[FeedbackSample] = []
+        self.n_settled = 0
+        """How many earlier samples were let go of: no press behind them can be taken back."""
         self.account = MassAccount()
         self._config = config
         # One entry per interval on screen; all three ascend.
@@ -93,7 +95,7 @@ class Ledger:
     def mark(self) -> Mark:
         """Return this moment, to go back to."""
         return Mark(
-            n_samples=len(self.samples),
+            n_samples=self.n_settled + len(self.samples),
             account=self.account,
             n_intervals=self._gone_intervals + len(self._shown_ns),
             last_hidden_ns=self._hidden_ns[-1] if self._hidden_ns else STILL_SHOWN_NS,
@@ -111,7 +113,7 @@ class Ledger:
 
     def go_back(self, mark: Mark) -> None:
         """Become what the ledger was at a mark. Features that were forgotten since stay so."""
-        del self.samples[mark.n_samples :]
+        del self.samples[mark.n_samples - self.n_settled :]
         self.account = mark.account
         n_intervals = mark.n_intervals - self._gone_intervals
         for of_intervals in (self._shown_ns, self._hidden_ns, self._interval_steps):
@@ -130,6 +132,17 @@ class Ledger:
         self._n_before_gap = max(mark.n_before_gap - self._gone_intervals, 0)
         self._gap_ns = mark.gap_ns
         self._finished = False
+
+    def settle(self, n_samples: int) -> list[FeedbackSample]:
+        """Let go of the samples before number `n_samples` of the session; return those that were still kept.
+
+        The ledger can go back to marks with as many samples or more, and to no earlier one.
+        """
+        n_new = max(n_samples - self.n_settled, 0)
+        settled = self.samples[:n_new]
+        del self.samples[:n_new]
+        self.n_settled += len(settled)
+        return settled
 
     def forget_before(self, mark: Mark) -> None:
         """Forget the steps before a mark that left the screen so long before it that no press reaches them.

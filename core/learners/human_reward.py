@@ -9,6 +9,7 @@ from core.domain import Features
 from core.feedback.samples import FeedbackSample
 from core.learners.human_config import FeatureModelConfig, RidgeModel, SgdModel
 from core.learners.linear import action_values, add_to_moments, gradient_step, solve_ridge, standardised
+from core.numerics.finite import check_learned
 
 __all__ = ["FeatureModelConfig", "HumanRewardModel", "RidgeModel", "SgdModel"]
 
@@ -45,7 +46,11 @@ class HumanRewardModel:
         return float(self._exported()[-1])
 
     def add(self, sample: FeedbackSample) -> None:
-        """Learn from one more sample."""
+        """Learn from one more sample.
+
+        Raises:
+            DivergedError: the model's numbers have overflowed.
+        """
         if sample.features.shape != (self.n_features,):
             raise ValueError(
                 f"step {sample.step}: expected {self.n_features} features, got shape {sample.features.shape}"
@@ -73,6 +78,10 @@ class HumanRewardModel:
             )
         self._n_samples += 1
         self._export = None
+        check_learned(
+            (self._means, self._scatter, self._sgd_weights),
+            f"The human model, with features up to {np.abs(features).max():g} of step {sample.step},",
+        )
 
     def fit(self, samples: Iterable[FeedbackSample]) -> None:
         """Forget everything and learn from `samples` in order."""

@@ -5,6 +5,7 @@ survives the end of this program, however sudden. *Synced*: the disk has confirm
 cut. A write takes microseconds, a sync up to seconds; so each has a thread of its own.
 """
 
+import contextlib
 import errno
 import hashlib
 import os
@@ -156,7 +157,8 @@ class LineWriter:
             write_all(self._file, sealed)
         except OSError:
             # A torn line would make all that stands behind it unreadable. Cutting needs no room on the disk.
-            os.ftruncate(self._file.fileno(), self._length)
+            with contextlib.suppress(OSError):  # then it stays the last one: nothing is written after it
+                os.ftruncate(self._file.fileno(), self._length)
             raise
         self._length += len(sealed)
 
@@ -207,8 +209,9 @@ class Recorder:
 
     `record` returns at once. `written` and `synced` say how far the threads have come. If the disk fails,
     `failure` holds the error and the events that could not be written are kept in `unwritten`, so that the
-    session can end with a message and save them elsewhere. Where the file was removed or moved, `failure`
-    says so and the rest is still written to it: `content` then holds the whole recording.
+    session can end with a message and save them elsewhere. Where the disk took events and could not confirm
+    them, these are in `unwritten`, too: nobody knows whether the file holds them. Where the file was removed
+    or moved, `failure` says so and the rest is still written to it: `content` then holds the whole recording.
     """
 
     def __init__(
@@ -244,11 +247,14 @@ class Recorder:
         self._writer = LineWriter(path, header, sign=sign)
         self._queue: queue.SimpleQueue[Event | None] = queue.SimpleQueue()
         self._pending: deque[Event] = deque()
+        # Written, and not yet confirmed by the disk.
+        self._unsynced: deque[Event] = deque()
         self._change = threading.Condition()
         self._wanted = 0
         self._waiting_since_ns: int | None = None
         self._all_written = False
         self._broken = False
+        self._unconfirmed = False
         self._content: bytes | None = None
         self._write_thread = threading.Thread(target=self._write_all, name="recorder", daemon=True)
         self._sync_thread = threading.Thread(target=self._sync_all, name="recorder-sync", daemon=True)
@@ -291,6 +297,9 @@ class Recorder:
             if self.failure is not None:
                 self._content = self._writer.content()
             self._writer.abandon()
+        if self._unconfirmed:
+            self.unwritten = [*self._unsynced, *self.unwritten]
+            self._unsynced.clear()
         if self.failure is not None:
             raise self.failure
         if self._write_thread.is_alive():
@@ -324,7 +333,7 @@ class Recorder:
                 except OSError as error:
                     self._break(error)
                 else:
-                    self._pending.popleft()
+                    self._unsynced.append(self._pending.popleft())
                     self.written += 1
                     self._ask_for_sync(is_durable(event))
                     self._on_news()
@@ -372,6 +381,7 @@ class Recorder:
                 if asked:
                     self._sync(covered)
             except OSError as error:
+                self._unconfirmed = True
                 self._break(error)
             try:
                 self._writer.check_place()
@@ -382,5 +392,7 @@ class Recorder:
         began_ns = self._clock.now_ns()
         self._writer.sync()
         with self._change:
+            for _ in range(covered - self.synced):
+                self._unsynced.popleft()
             self.synced = covered
             self._waiting_since_ns = began_ns if self._wanted > covered else None

@@ -81,7 +81,10 @@ class SealedFile:
         lines = content.split(b"\n")
         lines.pop()
         n = len(lines)
-        if content.count(CHAIN_MARK) != n or content.count(b"\n" + LINE_BEGINS) != n - 1:
+        if content.count(b"\n" + LINE_BEGINS) != n - 1:
+            raise UnusualFileError
+        # A field of another record may have this name, too: then each line is looked at.
+        if content.count(CHAIN_MARK) != n and not all(line[-SEAL:].startswith(CHAIN_MARK) for line in lines):
             raise UnusualFileError
         payloads = [line[:-SEAL] for line in lines]
         if every_line:

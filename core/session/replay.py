@@ -9,7 +9,7 @@ from typing import Any
 
 import msgspec
 
-from core.events import CreditGiven, Input, Output, SessionEnded
+from core.events import CreditGiven, Input, Output, SessionEnded, UnseenPlayed
 from core.feedback.asking_config import AskingConfig
 from core.feedback.keys import KeyConfig
 from core.feedback.people import PersonConfig, keys_of_person
@@ -93,7 +93,11 @@ def naming_the_input(recording: AnyRecording, source: Recorded) -> Iterator[None
 
 
 def replay_exactly(
-    recording: AnyRecording, session: Session, *, on_progress: Callable[[int], None] = lambda events: None
+    recording: AnyRecording,
+    session: Session,
+    *,
+    on_progress: Callable[[int], None] = lambda events: None,
+    on_unseen: Callable[[int, int], None] = lambda done, count: None,
 ) -> ReplayResult:
     """Run `session` with the recording as clock and participant, and compare.
 
@@ -102,6 +106,7 @@ def replay_exactly(
             there. Its events are gone over twice, in their order, and not kept.
         session: a new session built from the recording's own protocol and root seed.
         on_progress: called with how many outputs were compared since the last call, about `TOLD_EVERY`.
+        on_unseen: called after each unseen episode with how many of its block are done, and how many it has.
 
     Raises:
         RecordingError: the recording was imported, so there is nothing to run again; or an input cannot have
@@ -117,17 +122,27 @@ def replay_exactly(
     asking = protocol.get("agent", {}).get("asking", {})
     check_inputs(recording, _keys_of(protocol), msgspec.convert(asking, AskingConfig, strict=False))
     compared = 0
-    for recorded, replayed in _run_both(recording, session):
-        if recorded is None and replayed is None:
-            break
-        if recorded is not None and replayed is not None:
-            replayed = as_far_as_recorded(recorded, replayed)
-        if recorded != replayed:
-            return ReplayResult(compared, first_difference(compared, recorded, replayed))
-        compared += 1
-        if compared % TOLD_EVERY == 0:
-            on_progress(TOLD_EVERY)
+    try:
+        for recorded, replayed in _run_both(recording, session, on_unseen):
+            if recorded is None and replayed is None:
+                break
+            if recorded is not None and replayed is not None:
+                replayed = as_far_as_recorded(recorded, replayed)
+            if recorded != replayed:
+                return ReplayResult(compared, first_difference(compared, recorded, replayed))
+            compared += 1
+            if compared % TOLD_EVERY == 0:
+                on_progress(TOLD_EVERY)
+    except _Otherwise as found:
+        return ReplayResult(compared, Difference(compared, found.field, found.recorded, found.replayed))
     return ReplayResult(compared, None)
+
+
+class _Otherwise(Exception):
+    """An output will come out otherwise than recorded, which is known before it is there."""
+
+    def __init__(self, field: str, recorded: object, replayed: object) -> None:
+        self.field, self.recorded, self.replayed = field, recorded, replayed
 
 
 def _keys_of(protocol: Mapping[str, Any]) -> list[KeyConfig]:
@@ -137,7 +152,9 @@ def _keys_of(protocol: Mapping[str, Any]) -> list[KeyConfig]:
     return [keys_of_person(person, shared) for person in people] or [shared]
 
 
-def _run_both(recording: AnyRecording, session: Session) -> Iterator[tuple[Output | None, Output | None]]:
+def _run_both(
+    recording: AnyRecording, session: Session, on_unseen: Callable[[int, int], None]
+) -> Iterator[tuple[Output | None, Output | None]]:
     """Yield recorded and replayed outputs side by side; None where one of the two has ended.
 
     Where the file ends while presses were being credited, it is not known what had been taken in: those are
@@ -148,6 +165,17 @@ def _run_both(recording: AnyRecording, session: Session) -> Iterator[tuple[Outpu
     first_ns = next((output.time_ns for output in outputs if not isinstance(output, CreditGiven)), 0)
     source, clock = Recorded(), ManualClock(first_ns)
     run = session.run(source, clock)
+    recorded: Output | None = None
+
+    def unseen(done: int, count: int) -> None:
+        # Found at the first episode: a protocol may ask for more of them than can be played in a lifetime.
+        if not isinstance(recorded, UnseenPlayed):
+            raise _Otherwise("type", type(recorded).__name__, UnseenPlayed.__name__)
+        if len(recorded.policies) != count:
+            raise _Otherwise("number of policies", len(recorded.policies), count)
+        on_unseen(done, count)
+
+    session.after_unseen = unseen
     credited: list[CreditGiven] = []
     last: Output | None = None
     with naming_the_input(recording, source):

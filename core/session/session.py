@@ -11,6 +11,7 @@ from core.combination.agent import ArlAgent, EpisodePolicy
 from core.domain import Domain
 from core.events import Output, SessionEnded, StepTaken, UnseenPlayed
 from core.numerics.clock import Clock
+from core.numerics.finite import check_numbers
 from core.numerics.streams import stream_seed
 from core.registry import Player, game_of
 from core.session.protocol import Protocol, SessionConfig
@@ -40,7 +41,15 @@ class Session:
 
         The consumer sets the pace: after a `StepTaken` it shows the step, after an `EpisodeEnded` the final
         board, and comes back for more when that has been on screen for long enough.
+
+        Raises:
+            DivergedError: the agent's numbers have overflowed; what was yielded before can be recorded.
         """
+        for output in self._outputs(feedback, clock):
+            check_numbers(output)
+            yield output
+
+    def _outputs(self, feedback: FeedbackSource, clock: Clock) -> Iterator[Output]:
         intake = FeedbackIntake(self.agent, feedback)
         for watched in range(self.config.episodes):
             unseen = self.config.unseen_between if watched else self.config.unseen_before

@@ -112,6 +112,10 @@ def _without_result(
     for condition, how in played.items():
         there = {u.path(folder): u for u in units if u.condition == condition and u not in missing}
         for path, reason in read_trials(there, how)[1].items():
+            if path.is_dir() or seal_path(path).is_dir():
+                raise SweepError(
+                    f"{path} or its seal is a folder, and no file can be written there: remove it"
+                )
             on_damaged(path, reason)
             missing.add(there[path])
     return [unit for unit in units if unit in missing]

@@ -156,6 +156,8 @@ def read_trials(
             sound[path] = read_rows(path, played)
         except DamagedTrial as error:
             damaged[path] = str(error)
+        except OSError as error:
+            damaged[path] = f"it cannot be read: {error.strerror}"
     for path, reason in _unlike_the_others(sound).items():
         damaged[path] = reason
         del sound[path]

@@ -28,6 +28,7 @@ from core.recording.summary import summarise_recording
 from core.recording.upgrade import recorded_version
 from core.session.protocol import Protocol
 from core.session.protocol_reading import protocol_from
+from core.system.foreign_text import printable_json
 from studies.exports.columns import Cell, Row
 from studies.exports.words import PERFORMANCE_UNITS, action_of, actor_of, piece_of
 
@@ -229,7 +230,8 @@ class SessionRows:
             self.recording.header.protocol if self.protocol is None else msgspec.to_builtins(self.protocol)
         )
         for path, value in _leaves(plain):
-            yield {**self.first_columns, "setting": path, "value": json.dumps(value, ensure_ascii=False)}
+            shown = printable_json(json.dumps(value, ensure_ascii=False))
+            yield {**self.first_columns, "setting": path, "value": shown}
 
     def game_rows(self) -> Iterator[Row]:
         """Yield the rows of `games`, in the order in which they were played."""

@@ -17,12 +17,20 @@ import msgspec
 
 from core.events import StepTaken
 from core.recording.lines import line_of_file, record_of
-from core.recording.reader import RecordingError, read_recording
+from core.recording.reader import Recording, RecordingError, read_recording
 from core.recording.recorder import LineWriter
 from core.recording.schema import VERSION, Header, Line
 from core.recording.sealed import SealedFile, UnusualFileError
 from core.recording.skim import STEP_BEGINS
 from core.recording.version_1 import with_schedules
+from core.system.temporary import (
+    is_of_this_process,
+    is_own,
+    own_number,
+    prefix_of,
+    remove_at_end,
+    remove_left_behind,
+)
 from studies.session_view.building import Building
 from studies.session_view.tables import Contents, Rows, read_tables, write_tables
 
@@ -107,16 +115,7 @@ def open_index(path: Path, *, on_progress: OnProgress = lambda fraction: None) -
     except UnusualFileError:
         # Compressed, or changed by an editor: the reader puts it right or says what is wrong.
         recording = read_recording(path)
-        copy = _copy_place(path)
-        copy.unlink(missing_ok=True)
-        with_version = msgspec.structs.replace(recording.header, version=VERSION)
-        writer = LineWriter(copy, with_version)
-        for event in recording.events:
-            writer.append(event)
-        if recording.complete:
-            writer.finish()
-        writer.abandon()
-        return _build(path, copy, fingerprint, recording.notes, on_progress)
+        return _build(path, _copied(path, recording), fingerprint, recording.notes, on_progress)
 
 
 def fingerprint_of(path: Path) -> str:
@@ -132,24 +131,46 @@ def fingerprint_of(path: Path) -> str:
 
 
 def _places(path: Path) -> tuple[Path, Path]:
-    """Return where an index may be: beside the recording, else in the folder for temporary files."""
-    name = hashlib.sha256(str(path.resolve()).encode()).hexdigest()[:24]
+    """Return where an index may be: beside the recording, else in the folder for temporary files.
+
+    There each user has their own.
+    """
+    name = hashlib.sha256(f"{own_number()} {path.resolve()}".encode()).hexdigest()[:24]
     return path.with_name(path.name + SUFFIX), Path(tempfile.gettempdir()) / f"arl-{name}{SUFFIX}"
 
 
-def _copy_place(path: Path) -> Path:
-    return _places(path)[1].with_suffix(".jsonl")
+def _copied(path: Path, recording: Recording) -> Path:
+    """Write a recording as its recorder would, for as long as this program runs; return where.
+
+    Offsets of an index point into such a copy where the file itself is compressed or was changed.
+    """
+    remove_left_behind()
+    name = _places(path)[1].stem.removeprefix("arl-")
+    copy = Path(tempfile.gettempdir()) / f"{prefix_of('copy')}{name}.jsonl"
+    copy.unlink(missing_ok=True)
+    remove_at_end(copy)
+    writer = LineWriter(copy, recording.header)
+    for event in recording.events:
+        writer.append(event)
+    if recording.complete:
+        writer.finish()
+    writer.abandon()
+    return copy
 
 
 def _opened(path: Path, place: Path, fingerprint: str) -> Index | None:
     """Return the index at a place; None where there is none that can be used."""
     try:
+        if place.parent != path.parent and not is_own(place):
+            return None  # anybody can leave a file in the folder for temporary files
         contents, tables = read_tables(place)
     except (OSError, ValueError, msgspec.MsgspecError):
         return None
     file = Path(contents.facts.get("file", "")) if contents.facts.get("file") else path
     if contents.index != INDEX_VERSION or contents.of != fingerprint or not file.exists():
         return None
+    if file != path and not is_of_this_process(file):
+        return None  # a copy that goes when another program ends
     facts = contents.facts
     with file.open("rb") as opened:
         header = line_of_file(opened.readline().rstrip(b"\n"), VERSION)
@@ -251,7 +272,7 @@ def first_part(path: Path) -> Index | None:
         _read(path, building, lambda fraction: None, up_to=FIRST_PART)
         with _possible(path, 0):
             facts = building.facts(None, ())
-        with tempfile.TemporaryDirectory(prefix="arl-watch-") as folder:
+        with tempfile.TemporaryDirectory(prefix=prefix_of("watch")) as folder:
             place = Path(folder) / f"first{SUFFIX}"
             write_tables(place, building.tables, Contents(INDEX_VERSION, fingerprint, facts, {}))
             found = _opened(path, place, fingerprint)

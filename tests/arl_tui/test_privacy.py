@@ -1,14 +1,12 @@
 """What is written about participants: who can read it, and what it says of the computer and its user."""
 
 import os
-import tempfile
 import threading
 from pathlib import Path
 
 import msgspec
 import pytest
 
-from arl_tui import worker
 from arl_tui.app import facts
 from arl_tui.participants import keep_delay, read_delays
 from arl_tui.recordings import create_new
@@ -90,16 +88,3 @@ def test_a_participants_delays_are_private(tmp_path: Path) -> None:
     assert path.stat().st_mode & 0o777 == 0o600
     assert path.parent.stat().st_mode & 0o777 == 0o700
     assert read_delays(tmp_path / "r", "P01") is not None
-
-
-def test_logs_of_programs_that_are_gone_are_removed_and_others_stay(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
-    gone = tmp_path / "arl-worker-999999999-a.log"
-    old = tmp_path / "arl-worker-xyz.log"
-    ours = tmp_path / f"arl-worker-{os.getpid()}-a.log"
-    for path in (gone, old, ours):
-        path.touch()
-    worker.remove_old_logs()
-    assert sorted(tmp_path.iterdir()) == [ours]

@@ -1,11 +1,13 @@
-"""Run fuzzers: `python -m tests.fuzz.run SECONDS [NAME ...]`; an input that breaks a reader is kept and
-named."""
+"""Run fuzzers: `python -m tests.fuzz.run SECONDS SEED [NAME ...]`; an input that breaks a reader, or takes it
+long, is kept and named."""
 
 import contextlib
 import hashlib
 import random
 import resource
+import shutil
 import sys
+import tempfile
 import time
 from collections import Counter
 from dataclasses import dataclass, field
@@ -14,6 +16,8 @@ from pathlib import Path
 from tests.fuzz.targets import TARGETS, Target
 
 LONGEST_S = 10.0
+WORTH_KEEPING_S = 3.0
+"""An input that takes longer is kept, the slowest of them."""
 MOST_BYTES = 1 << 30
 
 
@@ -45,12 +49,13 @@ class Found:
 def fuzz(target: Target, *, seconds: float = 1e9, inputs: int = 1 << 60, root_seed: int = 0) -> Found:
     """Read inputs until the time or their number is over."""
     rng, found = random.Random(f"{target.name} {root_seed}"), Found()
+    folder = Path(tempfile.mkdtemp(prefix=f"arl-fuzz-{target.name}-"))
     seeds = target.seeds()
-    _warm_up(target, seeds[0])
+    _warm_up(target, seeds[0], folder)
     before, until = _memory(), time.perf_counter() + seconds
     while found.inputs < inputs and time.perf_counter() < until:
         made = target.make(rng.choice(seeds), seeds, rng)
-        path = target.folder / f"input{target.suffix}"
+        path = folder / f"input{target.suffix}"
         path.write_bytes(made)
         start = time.perf_counter()
         try:
@@ -58,22 +63,34 @@ def fuzz(target: Target, *, seconds: float = 1e9, inputs: int = 1 << 60, root_se
         except target.documented:
             found.refused += 1
         except Exception as error:  # noqa: BLE001 - that is what is looked for
-            _keep(target, made, error, found)
-        found.slowest_s = max(found.slowest_s, time.perf_counter() - start)
+            _keep(path, made, error, found)
+        _note_time(path, made, time.perf_counter() - start, found)
         found.inputs += 1
     found.grown_bytes = _memory() - before
+    if not found.kept:
+        shutil.rmtree(folder)
     return found
 
 
-def _warm_up(target: Target, seed: bytes) -> None:
+def _warm_up(target: Target, seed: bytes, folder: Path) -> None:
     """Read a sound input: what is compiled and imported the first time is not the input's fault."""
-    path = target.folder / f"seed{target.suffix}"
+    path = folder / f"seed{target.suffix}"
     path.write_bytes(seed)
     with contextlib.suppress(*target.documented):
         target.read(path)
 
 
-def _keep(target: Target, made: bytes, error: Exception, found: Found) -> None:
+def _note_time(path: Path, made: bytes, took_s: float, found: Found) -> None:
+    if took_s <= found.slowest_s:
+        return
+    found.slowest_s = took_s
+    if took_s > WORTH_KEEPING_S:
+        kept = path.with_name(f"slowest{path.suffix}")
+        kept.write_bytes(made)
+        found.kept = [*(each for each in found.kept if each != kept), kept]
+
+
+def _keep(path: Path, made: bytes, error: Exception, found: Found) -> None:
     trace = error.__traceback__
     while trace is not None and trace.tb_next is not None:
         trace = trace.tb_next
@@ -81,7 +98,7 @@ def _keep(target: Target, made: bytes, error: Exception, found: Found) -> None:
     what = f"{type(error).__name__} at {where}"
     found.broken[what] += 1
     if found.broken[what] == 1:
-        kept = target.folder / f"broken-{hashlib.sha256(made).hexdigest()[:8]}{target.suffix}"
+        kept = path.with_name(f"broken-{hashlib.sha256(made).hexdigest()[:8]}{path.suffix}")
         kept.write_bytes(made)
         found.kept.append(kept)
 
@@ -92,5 +109,6 @@ def _memory() -> int:
 
 
 if __name__ == "__main__":
-    for name in sys.argv[2:] or TARGETS:
-        print(f"{name}: {fuzz(TARGETS[name], seconds=float(sys.argv[1]), root_seed=1)}", flush=True)
+    for name in sys.argv[3:] or TARGETS:
+        came = fuzz(TARGETS[name], seconds=float(sys.argv[1]), root_seed=int(sys.argv[2]))
+        print(f"{name}: {came}", flush=True)

@@ -4,9 +4,8 @@ import io
 import math
 import random
 import shutil
-import tempfile
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
@@ -60,7 +59,6 @@ class Target:
     """The reader must leave nothing behind when it refuses."""
     default: int = 150
     """Inputs in a run of the default suite."""
-    folder: Path = field(default_factory=lambda: Path(tempfile.mkdtemp(prefix="arl-fuzz-")))
 
 
 @cache

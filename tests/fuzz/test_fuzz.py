@@ -1,7 +1,7 @@
 """Every reader against thousands of broken inputs: seconds by default, an hour by name.
 
 By name: `pytest -n 0 -m slow tests/fuzz` (ARL_FUZZ_S seconds in all, 3600 by default); one reader alone:
-`python -m tests.fuzz.run SECONDS NAME`.
+`python -m tests.fuzz.run SECONDS SEED NAME`.
 """
 
 import os

@@ -1,6 +1,7 @@
 """A Gymnasium environment as a domain and a game: its states, its observation as numbers, tiles over them."""
 
 import hashlib
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -141,10 +142,24 @@ class GymnasiumDomain:
             node=self._states.after(state.node, self._first_action + action),
             observation=self._seen.numbers(given),
             given=given,
-            total_reward=state.total_reward + reward,
+            total_reward=self._total(state.total_reward, reward),
             over=over,
         )
         return Transition(following, reward, 1)
+
+    def _total(self, before: float, reward: float) -> float:
+        """Return the sum of rewards with one more.
+
+        Raises:
+            GameError: it is infinite, or no number.
+        """
+        total = before + reward
+        if not math.isfinite(total):
+            raise GameError(
+                f"{self.config.env} gave the reward {reward} after rewards of {before} in all: their sum "
+                "must be a finite number"
+            )
+        return total
 
     def performance(self, state: GymnasiumState) -> float:
         """Return the sum of rewards so far."""

@@ -130,6 +130,22 @@ def test_replay_prints_nothing_that_a_terminal_obeys(tmp_path):
         printed("replay", path)
 
 
+def test_copies_tables_data_sets_and_comparisons_are_made_without_it(tmp_path):
+    folder = tmp_path / "in"
+    folder.mkdir()
+    for number, forgery in enumerate(FORGERIES[:: max(1, len(FORGERIES) // 20)]):
+        (folder / f"{number:04}.jsonl").write_bytes(forgery)
+    printed("anonymise", folder, tmp_path / "copies", "--key", tmp_path / "key")
+    printed("export", "tidy", folder, "--out", tmp_path / "tidy")
+    printed("export", "bids", folder, "--out", tmp_path / "bids")
+    for path in sorted(folder.glob("*.jsonl"))[:4]:
+        printed("compare", path, path, "--html", tmp_path / "tidy" / f"{path.stem}.html")
+    tables = [path for made in ("tidy", "bids") for path in (tmp_path / made).rglob("*") if path.is_file()]
+    assert len(tables) > 10
+    for path in tables:
+        assert_harmless(path.read_text(encoding="utf-8").replace("\t", ""))
+
+
 def test_a_code_from_a_recording_never_becomes_a_path(tmp_path):
     lines = lines_of(recordings()[0])
     for code in ("../../etc/passwd", CANARY, "", "a" * 300, "/etc/passwd"):

@@ -2,6 +2,7 @@
 
 import csv
 import gzip
+import os
 from pathlib import Path
 
 import pytest
@@ -57,6 +58,16 @@ def test_every_damaged_file_is_named_and_none_hides_another(tmp_path: Path) -> N
     assert "g.jsonl.gz P01 live" in said
     assert "beware: the file is compressed (gzip)" in said
     assert "2 sound, 7 damaged." in said
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes with names here")
+def test_a_pipe_among_the_recordings_is_named_and_not_waited_for(tmp_path: Path) -> None:
+    write_recording(tmp_path / "sound.jsonl")
+    os.mkfifo(tmp_path / "pipe.jsonl")
+    result = arl("recordings", "--recordings", tmp_path)
+    assert result.exit_code == 1
+    assert "pipe.jsonl: a pipe or a device, not a file" in words(result.output)
+    assert "1 sound" in words(result.output)
 
 
 def test_a_hostile_name_in_a_file_moves_no_cursor(tmp_path: Path) -> None:

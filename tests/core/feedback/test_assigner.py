@@ -249,11 +249,12 @@ EPISODE_S = 40.0
 def play_episodes(assigner: CreditAssigner, n_episodes: int, *, begins: bool) -> list[object]:
     """Play episodes of steps of half a second; in each, a press is taken back, some in the next episode."""
     given: list[object] = []
+    settled: list[FeedbackSample] = []
     held = -1
     for episode in range(n_episodes):
         began_s, first = episode * EPISODE_S, episode * 60
         if begins:
-            assigner.episode_begins()
+            settled.extend(assigner.episode_begins())
         if held >= 0:
             assigner.retract(held)  # a key that was held over the end of the last episode
         for step in range(60):
@@ -267,7 +268,7 @@ def play_episodes(assigner: CreditAssigner, n_episodes: int, *, begins: bool) ->
         given.append(told(list(assigner.take())))
         held = first + 59 if episode % 3 == 0 else -1
     assigner.finish(ns(n_episodes * EPISODE_S))
-    return [*given, told(list(assigner.samples)), assigner.account]
+    return [*given, told([*settled, *assigner.samples]), assigner.account]
 
 
 @pytest.mark.parametrize("scheme", ["individual", "aggregate"])
@@ -289,6 +290,8 @@ def test_a_session_of_many_episodes_keeps_what_happened_in_two():
         assert len(assigner._log) + len(assigner._before) < 2 * 60 + 2 * 15
         assert len(assigner._ledger._steps) < 60 * 5
         assert len(assigner._features) < 60 * 5
+        assert len(assigner.samples) <= 2 * 2 * 9  # two episodes of nine presses, each for two steps at most
+        assert len(assigner._known) <= 2 * 9
 
 
 def test_a_press_of_an_episode_of_long_ago_is_settled():

@@ -226,10 +226,13 @@ class FullAfter:
 
     def write(self, part):
         if not self.room:
-            raise OSError(errno.ENOSPC, "No space left on device")
+            self.fail()
         taken = self.file.write(part[: self.room])
         self.room -= taken
         return taken
+
+    def fail(self):
+        raise OSError(errno.ENOSPC, "No space left on device")
 
     def __getattr__(self, name):
         return getattr(self.file, name)
@@ -247,6 +250,43 @@ def test_a_line_that_fits_in_part_is_taken_out_again_and_kept_elsewhere(tmp_path
     assert recording.lost_tail == b""
     assert [*recording.events, *recorder.unwritten] == EVENTS
     assert recorder.kept.written == len(recording.events)
+
+
+FAULTS = ["EROFS", "EDQUOT", "ENOSPC", "EIO", "ESTALE"]
+"""Made read-only, quota, full, broken, a server that has forgotten the file."""
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+@pytest.mark.parametrize("where", ["write", "write and cut", "sync"])
+def test_whatever_a_disk_fails_with_is_told_at_once_and_no_event_is_lost(tmp_path, monkeypatch, fault, where):
+    def fail(*_):
+        raise OSError(getattr(errno, fault), os.strerror(getattr(errno, fault)))
+
+    recorder = Recorder(tmp_path / "session.jsonl", HEADER)
+    for number in range(3):
+        recorder.record(press(number))
+    deadline = time.monotonic() + 60
+    while recorder.kept.synced < 3 and time.monotonic() < deadline:
+        time.sleep(0.01)
+    told = threading.Event()
+    recorder._on_news = lambda: told.set() if recorder.failure else None
+    if where == "sync":
+        monkeypatch.setattr(recorder._writer, "sync", fail)
+    else:
+        recorder._writer._file = FullAfter(recorder._writer._file, room=100)
+        recorder._writer._file.fail = fail
+    if where == "write and cut":
+        monkeypatch.setattr(os, "ftruncate", fail)
+    recorder.record(press(3))
+    assert told.wait(timeout=1.0)
+    confirmed = recorder.written
+    recorder.record(press(4))
+    with pytest.raises(OSError, match=os.strerror(getattr(errno, fault))):
+        recorder.close()
+    assert recorder.written == confirmed == (4 if where == "sync" else 3)
+    assert recorder.kept.synced == 3
+    assert recorder.unwritten == [press(3), press(4)]
+    assert list(read_recording(recorder.path).events)[:3] == [press(number) for number in range(3)]
 
 
 @pytest.mark.parametrize("moved", [False, True])

@@ -7,10 +7,14 @@ from click.testing import CliRunner
 
 from arl_tui.cli import main
 from arl_tui.signing import NoKey, signer_in_use
+from core.events import KeyPressed
 from core.recording.publish import publish_copy
 from core.recording.reader import read_recording
 from core.recording.recorder import Recorder
 from core.recording.signature import SigningError, make_key, public_key, signer, verify
+from core.session.protocol_reading import protocol_from
+from core.session.replay import replay_exactly
+from core.session.session import build_session
 from tests.core.recording.test_long_recordings import ORIGINAL
 from tests.core.recording.test_recording import HEADER
 from tests.fuzz.mutate import resealed
@@ -60,6 +64,29 @@ def test_a_forgery_that_was_sealed_anew_is_not_verified(signed):
     assert verify(read_recording(path), key) == "another key, or changed"
     path.write_bytes(resealed(content.replace(end["signature"].encode(), b"no hex")))
     assert verify(read_recording(path), key) == "another key, or changed"
+
+
+def test_a_press_moved_within_its_frame_is_told_by_the_signature_alone(tmp_path):
+    """Nothing in a file hangs on its time where credit goes by the step (`SECURITY.md`)."""
+    original = read_recording(ORIGINAL)
+    public = make_key(tmp_path / "key")
+    path = tmp_path / "r" / "signed.jsonl"
+    with Recorder(path, original.header, sign=signer(tmp_path / "key")) as recorder:
+        for event in original.events:
+            recorder.record(event)
+    lines = path.read_bytes().splitlines(keepends=True)
+    press = next(
+        event for event in original.events if isinstance(event, KeyPressed) and event.verdict == "accepted"
+    )
+    at = original.events.index(press) + 1
+    moved = lines[at].replace(b'"time_ns":%d' % press.time_ns, b'"time_ns":%d' % (press.time_ns + 20_000_000))
+    assert moved != lines[at]
+    path.write_bytes(resealed(b"".join([*lines[:at], moved, *lines[at + 1 :]])))
+    forged = read_recording(path)
+    session = build_session(protocol_from(forged.header.protocol), forged.header.root_seed)
+    assert replay_exactly(forged, session).difference is None
+    told = CliRunner().invoke(main, ["recordings", "--recordings", str(path.parent), "--verify", str(public)])
+    assert (told.exit_code, told.output.splitlines()[0]) == (1, "signed.jsonl  another key, or changed")
 
 
 def test_a_published_copy_is_not_signed(signed, tmp_path):

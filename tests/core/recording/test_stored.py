@@ -83,6 +83,15 @@ def test_what_is_damaged_is_left_to_the_reader(tmp_path: Path) -> None:
         assert stored_recording(path) is None
 
 
+def test_a_field_that_is_called_as_the_chain_is_no_damage(tmp_path: Path) -> None:
+    recording = read_recording(ORIGINAL)
+    header = msgspec.structs.replace(recording.header, source={"file": "x", "chain": "0123456789abcdef"})
+    write_recording(tmp_path / "a.jsonl", header, recording.events)
+    on_disk = stored_recording(tmp_path / "a.jsonl")
+    assert on_disk is not None
+    assert tuple(on_disk.events) == recording.events
+
+
 def test_what_was_changed_by_other_programs_is_left_to_the_reader(tmp_path: Path) -> None:
     content = ORIGINAL.read_bytes()
     for changed in (

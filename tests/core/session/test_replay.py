@@ -11,11 +11,12 @@ from core.combination.config import (
     Exponential,
     Signed,
 )
-from core.events import StepTaken
+from core.events import StepTaken, UnseenPlayed
 from core.feedback.credit import GammaDelay
 from core.feedback.samples import CreditConfig
 from core.learners.human_config import SgdModel
 from core.recording.reader import Recording, RecordingError
+from core.session.protocol import SessionConfig
 from core.session.protocol_reading import protocol_from
 from core.session.replay import replay_exactly
 from core.session.session import build_session
@@ -108,6 +109,27 @@ def test_an_output_too_many_is_noticed(tmp_path):
     difference = replayed(longer).difference
     assert difference is not None
     assert (difference.recorded, difference.replayed) == ("SessionEnded", "NoneType")
+
+
+def test_a_protocol_that_asks_for_other_unseen_episodes_is_not_played_for_hours(tmp_path):
+    """Of 10,000,000 episodes one is played before the difference is told."""
+    recording = simulated(tmp_path)
+    protocol = msgspec.structs.replace(
+        protocol_from(recording.header.protocol),
+        session=SessionConfig(episodes=3, unseen_between=10_000_000, watched_steps=12, unseen_steps=100),
+    )
+    played = []
+    session = build_session(protocol, recording.header.root_seed)
+    result = replay_exactly(recording, session, on_unseen=lambda done, count: played.append(done))
+    assert result.difference is not None
+    assert str(result.difference).endswith("number of policies was 20 in the recording and is 10000000 now")
+    assert not played
+    without = tuple(event for event in recording.events if not isinstance(event, UnseenPlayed))
+    result = replay_exactly(
+        Recording(recording.path, recording.header, without, complete=False),
+        build_session(protocol_from(recording.header.protocol), recording.header.root_seed),
+    )
+    assert "type was 'EpisodeStarted' in the recording and is 'UnseenPlayed' now" in str(result.difference)
 
 
 def test_an_imported_recording_has_nothing_to_run_again(tmp_path):

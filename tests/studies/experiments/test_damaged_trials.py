@@ -113,6 +113,16 @@ def test_a_file_copied_from_another_trial_is_named(tmp_path):
         read_results(EXPERIMENT, folder)
 
 
+def test_what_cannot_be_read_is_named_and_a_folder_has_to_be_removed(tmp_path):
+    folder = played(tmp_path / "sweep")
+    (folder / FIRST).unlink()
+    (folder / FIRST).mkdir()
+    with pytest.raises(DamagedSweep, match=r"seed-0000000\.csv: it cannot be read: Is a directory"):
+        read_results(EXPERIMENT, folder)
+    with pytest.raises(SweepError, match=r"seed-0000000\.csv or its seal is a folder"):
+        run_sweep(EXPERIMENT, range(3), folder, Inline())
+
+
 def test_a_file_that_is_no_trials_is_named(tmp_path):
     folder = played(tmp_path / "sweep")
     shutil.copy(folder / FIRST, folder / "low" / "seed-0000000 (copy).csv")
