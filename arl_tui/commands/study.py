@@ -13,6 +13,7 @@ from arl_tui.command_line import recordings_option, say, theme_option
 if TYPE_CHECKING:
     from arl_tui.study.simulated import Drawn
     from core.session.protocol import Language
+    from studies.lab.enrolment import Decision
     from studies.lab.ledger import Ledger
     from studies.lab.read import LoadedStudy
 
@@ -109,9 +110,15 @@ def settings() -> None:
 @study.command(short_help="Lead a participant through their next sitting.")
 @study_argument
 @click.option("--participant", "code", help="Code of the participant; a new one is drawn by default.")
+@click.option(
+    "--broken-off",
+    type=click.Choice(["resume", "restart"]),
+    help="Your decision about a sitting that broke off, in place of the study's [resuming] rule: go on after "
+    "the last finished game, or begin the sitting anew. It is written to the ledger.",
+)
 @recordings_option(to_write=True)
 @theme_option
-def run(file: Path, code: str | None, recordings: Path) -> None:
+def run(file: Path, code: str | None, broken_off: "Decision | None", recordings: Path) -> None:
     """Lead a participant through their next sitting of STUDY, or go on with one that broke off."""
     from arl_tui.app.facts import software
     from arl_tui.commands.play import need_terminal
@@ -121,11 +128,13 @@ def run(file: Path, code: str | None, recordings: Path) -> None:
     from studies.lab.enrolment import drawn_code
 
     need_terminal("arl study run", instead="arl study simulate")
+    if broken_off is not None and code is None:
+        raise click.UsageError("--broken-off needs --participant: whose sitting broke off?")
     with _plain_errors():
         loaded, ledger = _open(file, recordings)
         code = code or drawn_code(loaded.study, ledger)
         terminal = Terminal(player(loaded), theme=loaded.theme, language=loaded.study.language)
-        result = run_sitting(loaded, ledger, code, terminal, software=software())
+        result = run_sitting(loaded, ledger, code, terminal, software=software(), decision=broken_off)
     said = {
         "finished": "finished the sitting",
         "stopped": "stopped the sitting",
@@ -170,11 +179,12 @@ def simulate(file: Path, participants: int, drawn: "Drawn", recordings: Path) ->
     from core.numerics.streams import stream_seed
     from studies.lab.enrolment import drawn_code
     from studies.lab.progress import progress
+    from studies.lab.simulated_people import as_participant, chances_per_game
 
     with _plain_errors():
         loaded, ledger = _open(file, recordings, simulated=True)
         first = len(progress(ledger.lines()).participants)
-        to_draw = ToDraw(drawn)
+        to_draw, chances = ToDraw(drawn), chances_per_game(loaded)
         for number in range(first, first + participants):
             clock, code, habits = (
                 ManualClock(),
@@ -182,14 +192,15 @@ def simulate(file: Path, participants: int, drawn: "Drawn", recordings: Path) ->
                 habits_of(number),
             )
             seed = stream_seed(loaded.study.seed, "simulated", number)
+            played = as_participant(loaded, habits.kind, chances)
             for _ in loaded.study.sittings:
                 presenter = SimulatedPresenter(
-                    loaded,
+                    played,
                     habits,
                     seed=seed,
                     clock=clock,
                     software=software(),
-                    settle=settle_simulated(loaded),
+                    settle=settle_simulated(played),
                     to_draw=to_draw,
                 )
                 result = run_sitting(

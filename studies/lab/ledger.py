@@ -87,6 +87,8 @@ class SittingStarted(Entry, frozen=True, kw_only=True, tag="sitting-started"):
     """From 0; one more where the sitting begins anew instead of going on."""
     first_step: int = 0
     """Step at which this attempt begins."""
+    decided: Literal["resume", "restart"] | None = None
+    """What the experimenter decided about a sitting that broke off; None: the study's rule was followed."""
 
 
 class StepDone(Entry, frozen=True, kw_only=True, tag="step-done"):

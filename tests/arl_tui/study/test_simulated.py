@@ -1,6 +1,8 @@
 """Simulated participants of a study: they finish it by keys alone, and nobody takes their files for
 people's."""
 
+import re
+
 import pytest
 from click.testing import CliRunner
 
@@ -113,6 +115,23 @@ def test_status_of_simulated_participants_is_shown_apart(home):
     arguments = ["study", "status", str(home / "study.toml"), "--recordings", str(home)]
     assert "Nobody has taken part yet" in CliRunner().invoke(main, arguments).output
     assert "2 of 4 have finished" in CliRunner().invoke(main, [*arguments, "--simulated"]).output
+
+
+def test_minutes_are_those_of_the_simulated_sessions(home):
+    """Each participant reads, waits half a minute, and plays 1 practice game and 2 blocks of 1 game."""
+    for header, lines in sittings(home):
+        played = 0
+        for path in sessions(home):
+            recording = read_recording(path)
+            if recording.header.participant == header.participant:
+                played += recording.events[-1].time_ns - recording.header.started_ns
+        calibration, pause = 32 * 6, 30
+        taken_s = (lines[-1].time_ns - header.started_ns) / 1e9
+        assert taken_s > played / 1e9 + calibration + pause
+        arguments = ["study", "status", str(home / "study.toml"), "--recordings", str(home), "--simulated"]
+        told = " ".join(CliRunner().invoke(main, arguments).output.split())
+        minutes = int(re.search(rf"{header.participant} .*? (\d+) min,", told)[1])
+        assert minutes == pytest.approx(taken_s / 60, abs=1.0)
 
 
 def test_blocks_after_a_calibration_go_by_the_delay_that_it_measured(home):
