@@ -227,6 +227,7 @@ def status(file: Path, simulated: bool, watch: bool, recordings: Path) -> None:
     if watch:
         _watch(file, recordings, simulated=simulated)
         return
+    from arl_tui.study.status_lines import status_lines
     from core.numerics.clock import wall_time_utc
     from studies.lab.folder import data_folder
     from studies.lab.notes import read_notes
@@ -242,20 +243,8 @@ def status(file: Path, simulated: bool, watch: bool, recordings: Path) -> None:
             return
         found = status_of(loaded.study, folder, moment(wall_time_utc()))
         notes = read_notes(folder)
-    say(f"{found.finished} of {found.planned} have finished; {found.declined} did not consent.\n")
-    for row in found.rows:
-        presses = "-" if row.presses_per_game is None else f"{row.presses_per_game:.1f}"
-        say(
-            f"{row.code:14} place {row.place + 1:<4} {row.state:12} {row.where}; {row.minutes:.0f} min, "
-            f"{row.games} games, {presses} presses a game"
-        )
-        for flag in row.flags:
-            say(f"{'':14} ! {flag}")
-    say("\nFinished with each order:")
-    for order, count in found.orders:
-        say(f"  {count:3}  {', '.join(order)}")
-    for note in notes:
-        say(f"Note of {note.at_utc}: {note.text}")
+    for line in status_lines(found, notes, simulated=simulated):
+        say(line)
 
 
 @study.command(short_help="Remove everything of a participant who withdraws.")
@@ -337,7 +326,8 @@ def _watch(file: Path, recordings: Path, *, simulated: bool) -> None:
         except (ValueError, OSError) as error:
             return f"NOT noted: {error}"
 
-    Monitor(f"Study {loaded.study.name}", look, note).run_in_terminal()
+    whose = ", SIMULATED participants" if simulated else ""
+    Monitor(f"Study {loaded.study.name}{whose}", look, note).run_in_terminal()
 
 
 def _open(file: Path, recordings: Path, *, simulated: bool = False) -> "tuple[LoadedStudy, Ledger]":

@@ -58,7 +58,7 @@ def sessions_in(folder: Path, damaged: list[str] | None = None) -> Iterator[Bloc
         except (RecordingError, OSError) as error:
             if damaged is None:
                 raise
-            damaged.append(f"{path.name} ({error})")
+            damaged.append(f"{path.name} ({str(error).replace(str(path), path.name)})")
             continue
         found.append(recording)
         parts.update(recording.older)

@@ -188,7 +188,7 @@ class _Recordings:
         try:
             _, lines = read_sitting(path)
         except (SealedFileError, OSError) as error:
-            self.damaged.append(f"{path.name} ({error})")
+            self.damaged.append(f"{path.name} ({str(error).replace(str(path), path.name)})")
             return
         for line in lines:
             if isinstance(line, QuestionAnswered):
