@@ -37,7 +37,7 @@ SECONDS_PER_QUESTION = 8.0
 TRIAL_S = 6.0
 """One trial of a calibration, with what lies between trials."""
 GAME_OF_PRACTICE_S = 60.0
-PLACEHOLDER = re.compile(r"\[[A-Z][A-Z ,.'-]+\]")
+PLACEHOLDER = re.compile(r"\[[A-ZÄÖÜ][A-ZÄÖÜß\s,.'-]+\]")
 """What a ready text leaves to the experimenter, such as [NAME OF THE INSTITUTION]."""
 
 
@@ -139,7 +139,7 @@ def _duration(
 def _missing(loaded: LoadedStudy) -> Iterator[str]:
     """Yield what the experimenter still has to do."""
     for name, text in loaded.texts.items():
-        left = sorted(set(PLACEHOLDER.findall(text)))
+        left = sorted({" ".join(found.split()) for found in PLACEHOLDER.findall(text)})
         if left:
             yield f"{name} still holds {', '.join(left)}: replace it"
     kinds = [(where, step) for *where, step in loaded.study.steps]
