@@ -2,6 +2,9 @@
 
 import contextlib
 import shlex
+import shutil
+import sys
+import textwrap
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -346,4 +349,16 @@ def _plain_errors() -> Iterator[None]:
     try:
         yield
     except (ValueError, OSError) as error:
-        raise click.ClickException(str(error)) from error
+        raise click.ClickException(_to_read(str(error))) from error
+
+
+def _to_read(text: str) -> str:
+    """Return a text whose lines break between words where it goes to a terminal."""
+    if not sys.stderr.isatty():
+        return text
+    columns = shutil.get_terminal_size().columns
+    wrapped = (
+        textwrap.wrap(line, columns - len("Error: "), break_long_words=False, break_on_hyphens=False)
+        for line in text.splitlines()
+    )
+    return "\n".join(part for lines in wrapped for part in lines)

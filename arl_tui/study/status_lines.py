@@ -35,7 +35,8 @@ def _row(row: Row) -> Iterator[str]:
     presses = "-" if row.presses_per_game is None else f"{row.presses_per_game:.1f}"
     where = "" if row.where == row.state else f"  {row.where}"
     yield from _wrapped(f"{row.code}  ", f"place {row.place + 1}, {row.state}{where}", indent=INDENT)
-    yield f"{INDENT}{row.minutes:.0f} min, {row.games} games, {presses} presses a game"
+    minutes = "-" if row.minutes is None else f"{row.minutes:.0f}"
+    yield f"{INDENT}{minutes} min, {row.games} games, {presses} presses a game"
     for flag in row.flags:
         yield from _wrapped(f"{INDENT}! ", flag, indent=INDENT + "  ")
 

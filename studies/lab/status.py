@@ -10,7 +10,7 @@ from datetime import datetime
 from pathlib import Path
 
 from core.events import Event, KeyPressed, PressRetracted, WrongPressAsked
-from studies.lab.blocks import BlockSoFar, sessions_in
+from studies.lab.blocks import BlockSoFar, said_of, sessions_in
 from studies.lab.config import Study, kind_of
 from studies.lab.folder import participant_folder
 from studies.lab.ledger import read_ledger
@@ -43,9 +43,9 @@ class Row:
     state: str
     where: str
     """Sitting and step, in words."""
-    minutes: float
+    minutes: float | None
     """From the first to the last sign of life, over all attempts at all sittings. Of a simulated participant:
-    minutes of the simulated sessions."""
+    minutes of the simulated sessions; None where no record of a sitting can be read."""
     games: int
     presses_per_game: float | None
     """Accepted presses that were not taken back; None before the first game."""
@@ -105,19 +105,20 @@ def _row(study: Study, data: Path, person: Participant, now: datetime) -> Row:
         person.order,
         person.state(study, now),
         _where(study, person),
-        sum(_minutes(person, number) for number in person.sittings) if minutes is None else minutes,
+        _ledger_minutes(person) if minutes is None and not person.simulated else minutes,
         games,
         presses / games if games else None,
         tuple(flags),
     )
 
 
-def _minutes(person: Participant, number: int) -> float:
-    """Return the minutes of a sitting's last attempt as the ledger knows them: its files are gone."""
-    sitting = person.sittings[number]
-    if sitting.begun_at is None or sitting.last_sign is None:
-        return 0.0
-    return (sitting.last_sign - sitting.begun_at).total_seconds() / 60
+def _ledger_minutes(person: Participant) -> float:
+    """Return the minutes of each sitting's last attempt as the ledger knows them: its files are gone."""
+    return sum(
+        (sitting.last_sign - sitting.begun_at).total_seconds() / 60
+        for sitting in person.sittings.values()
+        if sitting.begun_at is not None and sitting.last_sign is not None
+    )
 
 
 def _where(study: Study, person: Participant) -> str:
@@ -188,7 +189,7 @@ class _Recordings:
         try:
             _, lines = read_sitting(path)
         except (SealedFileError, OSError) as error:
-            self.damaged.append(f"{path.name} ({str(error).replace(str(path), path.name)})")
+            self.damaged.append(said_of(path, error))
             return
         for line in lines:
             if isinstance(line, QuestionAnswered):

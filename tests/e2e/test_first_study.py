@@ -1,4 +1,4 @@
-"""The tutorial *A first study in ten minutes*, every command in it, as a stranger follows it: some minutes, by
+"""The tutorial *A first study in ten minutes*, every command in it, as a stranger follows it: minutes, by
 name: `pytest -n 0 -s -m slow tests/e2e/test_first_study.py`.
 """
 
