@@ -15,7 +15,7 @@ import pexpect
 import pyte
 from film import COLUMNS, LINES, cells_of, picture
 
-SHORTER = {"watched_steps = 25": "watched_steps = 8", "unseen_between = 100": "unseen_between = 20"}
+SHORTER = {"watched_steps = 25": "watched_steps = 8", "unseen_between = 500": "unseen_between = 20"}
 LONGEST_S = 600.0
 ANSWERS = (
     ("Answer every statement", "yyn\r"),

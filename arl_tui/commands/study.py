@@ -253,16 +253,20 @@ def status(file: Path, simulated: bool, watch: bool, recordings: Path) -> None:
 @study.command(short_help="Remove everything of a participant who withdraws.")
 @study_argument
 @click.argument("code")
+@click.option("--simulated", is_flag=True, help="Of the simulated participants.")
 @click.option("--yes", is_flag=True, help="Do not ask.")
 @recordings_option(to_write=True)
-def withdraw(file: Path, code: str, yes: bool, recordings: Path) -> None:
-    """Remove everything of the participant CODE from STUDY, exports included."""
+def withdraw(file: Path, code: str, simulated: bool, yes: bool, recordings: Path) -> None:
+    """Remove everything of the participant CODE from STUDY, exports included.
+
+    Tables that lie outside the folder of the study's data, and backups, are yours to remove.
+    """
     from studies.lab.withdraw import withdraw as remove
 
     if not yes:
         click.confirm(f"Remove all data of {code} for ever?", abort=True)
     with _plain_errors():
-        _, ledger = _open(file, recordings)
+        _, ledger = _open(file, recordings, simulated=simulated)
         tombstone = remove(ledger, code)
     say(f"{tombstone.files_removed} files removed. The ledger holds {tombstone.code} in place of the code.")
 
