@@ -1,10 +1,11 @@
 """Make the pictures of *A first study in ten minutes* from the real screens: `python docs/study_pictures.py [FOLDER]`.
 
-The program copies the ready study, makes its games shorter, and takes part in it in a pseudo-terminal of 80 x 24, while a
-second one follows it. Needs what `docs/film.py` needs.
+The program copies the ready study and takes part in it in a pseudo-terminal of 80 x 24, while a second one follows it. It
+takes some seven minutes. Needs what `docs/film.py` needs.
 """  # noqa: E501
 
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -15,8 +16,10 @@ import pexpect
 import pyte
 from film import COLUMNS, LINES, cells_of, picture
 
-SHORTER = {"watched_steps = 25": "watched_steps = 8", "unseen_between = 500": "unseen_between = 20"}
-LONGEST_S = 600.0
+from studies.lab.check import PLACEHOLDER
+
+LONGEST_S = 1800.0
+BETWEEN_PRESSES_S = 9.0
 ANSWERS = (
     ("Answer every statement", "yyn\r"),
     ("Enter  to start, ", "\r"),
@@ -24,6 +27,7 @@ ANSWERS = (
     ("Question", "5\r"),
     ("Enter  to read on", "\r"),
     ("Enter  to go on", "\r"),
+    ("Space  to go on", " "),
 )
 """What stands on the screen, and what is pressed then."""
 PICTURES = {
@@ -88,6 +92,7 @@ def take_part(study: Path, home: Path, into: Path) -> None:
     missing, end = dict(PICTURES), time.monotonic() + LONGEST_S
     participant = Screen("study", "run", str(study), "--participant", "P7KQ", home=home)
     monitor: Screen | None = None
+    watched, pressed, number = False, 0.0, 0
     while participant.read(0.4):
         if time.monotonic() > end:
             raise SystemExit(f"not over after {LONGEST_S:.0f} s:\n{participant.text}")
@@ -96,16 +101,19 @@ def take_part(study: Path, home: Path, into: Path) -> None:
             if mark in text:
                 participant.save(into / f"{name}.png")
                 del missing[name]
-        if "Game " in text and "Enter  to" not in text:
+        if "Game " in text and " to go on" not in text and "Enter  to" not in text:
             if monitor is None:
                 monitor = Screen("study", "status", str(study), "--watch", home=home)
             monitor.read(0.2)
-            if "presses per minute" in monitor.text:
+            if not watched and re.search(r"[1-9.]+ presses per minute, lag \d", monitor.text):
                 monitor.save(into / "study-watch.png")
-            participant.child.send("j")
+                watched = True
+            if time.monotonic() - pressed > BETWEEN_PRESSES_S:
+                pressed, number = time.monotonic(), number + 1
+                participant.child.send("jfj"[number % 3])
             continue
         participant.child.send(next((keys for mark, keys in ANSWERS if mark in text), ""))
-    if missing or monitor is None or not (into / "study-watch.png").exists():
+    if missing or monitor is None or not watched:
         raise SystemExit(f"never seen: {', '.join(missing) or 'the monitor'}\n{participant.text}")
     monitor.child.close(force=True)
 
@@ -118,10 +126,8 @@ def main(into: Path) -> None:
         command = [sys.executable, "-m", "arl_tui", "study", "new", str(home / "my-study")]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
         study = home / "my-study" / "study.toml"
-        text = study.read_text(encoding="utf-8")
-        for long, short in SHORTER.items():
-            text = text.replace(long, short)
-        study.write_text(text, encoding="utf-8")
+        form = study.with_name("consent.md")
+        form.write_text(PLACEHOLDER.sub("EXAMPLE", form.read_text(encoding="utf-8")), encoding="utf-8")
         take_part(study, home, into)
         status = Screen("study", "status", str(study), home=home)
         while status.read(0.2):
