@@ -86,7 +86,6 @@ def worker_main(
     line = WorkerLine(connection)
     clock = MonotonicClock()
     from core.numerics.finite import DivergedError
-    from core.plugins import GameError
     from core.recording.joined import ResumeError
 
     try:

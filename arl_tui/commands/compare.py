@@ -54,6 +54,7 @@ def compare(
         difference_table,
         draw_comparison,
         group_table,
+        origins_note,
         session_table,
         write_page,
     )
@@ -62,7 +63,9 @@ def compare(
     sessions = _read(files)
     groups = groups_of(sessions, by)
     differences = list(differences_of(groups, by))
-    _say("Sessions", *session_table(sessions), words=4)
+    _say("Sessions", *session_table(sessions), words=5)
+    if note := origins_note(sessions):
+        say(f"{note}\n")
     _say(f"Groups by {by}", *group_table(groups))
     if differences:
         _say("Differences to the first group", *difference_table(differences), words=2)

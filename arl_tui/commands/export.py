@@ -66,13 +66,15 @@ def tidy(folder: Path, into: Path, file_format: Literal["csv", "parquet"]) -> No
     With them come settings, interruptions and a codebook (Markdown and JSON). docs/how-to/publish-data.md has
     examples.
     """
-    from studies.exports.tidy import export_tidy
+    from studies.exports.tidy import export_tidy, simulated_note
 
     exported = export_tidy(folder, into, file_format=file_format)
     say(f"{exported.files} files read. Tables in {printable(str(into), longest=None)}:")
     for name, rows in exported.rows.items():
         say(f"  {name + '.' + file_format:20} {rows:>9,} rows")
     say("  codebook.md, codebook.json")
+    if note := simulated_note(exported.origins):
+        say(note)
     for first, second in exported.twice:
         names = printable(f"{first} and {second}", longest=None)
         say(f"Beware: {names} seem to be one session: its rows are there twice.", err=True)

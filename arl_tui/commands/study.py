@@ -2,6 +2,9 @@
 
 import contextlib
 import shlex
+import shutil
+import sys
+import textwrap
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,6 +16,7 @@ from arl_tui.command_line import recordings_option, say, theme_option
 if TYPE_CHECKING:
     from arl_tui.study.simulated import Drawn
     from core.session.protocol import Language
+    from studies.lab.enrolment import Decision
     from studies.lab.ledger import Ledger
     from studies.lab.read import LoadedStudy
 
@@ -109,9 +113,15 @@ def settings() -> None:
 @study.command(short_help="Lead a participant through their next sitting.")
 @study_argument
 @click.option("--participant", "code", help="Code of the participant; a new one is drawn by default.")
+@click.option(
+    "--broken-off",
+    type=click.Choice(["resume", "restart"]),
+    help="Your decision about a sitting that broke off, in place of the study's [resuming] rule: go on after "
+    "the last finished game, or begin the sitting anew. It is written to the ledger.",
+)
 @recordings_option(to_write=True)
 @theme_option
-def run(file: Path, code: str | None, recordings: Path) -> None:
+def run(file: Path, code: str | None, broken_off: "Decision | None", recordings: Path) -> None:
     """Lead a participant through their next sitting of STUDY, or go on with one that broke off."""
     from arl_tui.app.facts import software
     from arl_tui.commands.play import need_terminal
@@ -121,11 +131,13 @@ def run(file: Path, code: str | None, recordings: Path) -> None:
     from studies.lab.enrolment import drawn_code
 
     need_terminal("arl study run", instead="arl study simulate")
+    if broken_off is not None and code is None:
+        raise click.UsageError("--broken-off needs --participant: whose sitting broke off?")
     with _plain_errors():
         loaded, ledger = _open(file, recordings)
         code = code or drawn_code(loaded.study, ledger)
         terminal = Terminal(player(loaded), theme=loaded.theme, language=loaded.study.language)
-        result = run_sitting(loaded, ledger, code, terminal, software=software())
+        result = run_sitting(loaded, ledger, code, terminal, software=software(), decision=broken_off)
     said = {
         "finished": "finished the sitting",
         "stopped": "stopped the sitting",
@@ -170,11 +182,12 @@ def simulate(file: Path, participants: int, drawn: "Drawn", recordings: Path) ->
     from core.numerics.streams import stream_seed
     from studies.lab.enrolment import drawn_code
     from studies.lab.progress import progress
+    from studies.lab.simulated_people import as_participant, chances_per_game
 
     with _plain_errors():
         loaded, ledger = _open(file, recordings, simulated=True)
         first = len(progress(ledger.lines()).participants)
-        to_draw = ToDraw(drawn)
+        to_draw, chances = ToDraw(drawn), chances_per_game(loaded)
         for number in range(first, first + participants):
             clock, code, habits = (
                 ManualClock(),
@@ -182,14 +195,15 @@ def simulate(file: Path, participants: int, drawn: "Drawn", recordings: Path) ->
                 habits_of(number),
             )
             seed = stream_seed(loaded.study.seed, "simulated", number)
+            played = as_participant(loaded, habits.kind, chances)
             for _ in loaded.study.sittings:
                 presenter = SimulatedPresenter(
-                    loaded,
+                    played,
                     habits,
                     seed=seed,
                     clock=clock,
                     software=software(),
-                    settle=settle_simulated(loaded),
+                    settle=settle_simulated(played),
                     to_draw=to_draw,
                 )
                 result = run_sitting(
@@ -216,6 +230,7 @@ def status(file: Path, simulated: bool, watch: bool, recordings: Path) -> None:
     if watch:
         _watch(file, recordings, simulated=simulated)
         return
+    from arl_tui.study.status_lines import status_lines
     from core.numerics.clock import wall_time_utc
     from studies.lab.folder import data_folder
     from studies.lab.notes import read_notes
@@ -231,35 +246,27 @@ def status(file: Path, simulated: bool, watch: bool, recordings: Path) -> None:
             return
         found = status_of(loaded.study, folder, moment(wall_time_utc()))
         notes = read_notes(folder)
-    say(f"{found.finished} of {found.planned} have finished; {found.declined} did not consent.\n")
-    for row in found.rows:
-        presses = "-" if row.presses_per_game is None else f"{row.presses_per_game:.1f}"
-        say(
-            f"{row.code:14} place {row.place + 1:<4} {row.state:12} {row.where}; {row.minutes:.0f} min, "
-            f"{row.games} games, {presses} presses a game"
-        )
-        for flag in row.flags:
-            say(f"{'':14} ! {flag}")
-    say("\nFinished with each order:")
-    for order, count in found.orders:
-        say(f"  {count:3}  {', '.join(order)}")
-    for note in notes:
-        say(f"Note of {note.at_utc}: {note.text}")
+    for line in status_lines(found, notes, simulated=simulated):
+        say(line)
 
 
 @study.command(short_help="Remove everything of a participant who withdraws.")
 @study_argument
 @click.argument("code")
+@click.option("--simulated", is_flag=True, help="Of the simulated participants.")
 @click.option("--yes", is_flag=True, help="Do not ask.")
 @recordings_option(to_write=True)
-def withdraw(file: Path, code: str, yes: bool, recordings: Path) -> None:
-    """Remove everything of the participant CODE from STUDY, exports included."""
+def withdraw(file: Path, code: str, simulated: bool, yes: bool, recordings: Path) -> None:
+    """Remove everything of the participant CODE from STUDY, exports included.
+
+    Tables that lie outside the folder of the study's data, and backups, are yours to remove.
+    """
     from studies.lab.withdraw import withdraw as remove
 
     if not yes:
         click.confirm(f"Remove all data of {code} for ever?", abort=True)
     with _plain_errors():
-        _, ledger = _open(file, recordings)
+        _, ledger = _open(file, recordings, simulated=simulated)
         tombstone = remove(ledger, code)
     say(f"{tombstone.files_removed} files removed. The ledger holds {tombstone.code} in place of the code.")
 
@@ -326,7 +333,8 @@ def _watch(file: Path, recordings: Path, *, simulated: bool) -> None:
         except (ValueError, OSError) as error:
             return f"NOT noted: {error}"
 
-    Monitor(f"Study {loaded.study.name}", look, note).run_in_terminal()
+    whose = ", SIMULATED participants" if simulated else ""
+    Monitor(f"Study {loaded.study.name}{whose}", look, note).run_in_terminal()
 
 
 def _open(file: Path, recordings: Path, *, simulated: bool = False) -> "tuple[LoadedStudy, Ledger]":
@@ -345,4 +353,16 @@ def _plain_errors() -> Iterator[None]:
     try:
         yield
     except (ValueError, OSError) as error:
-        raise click.ClickException(str(error)) from error
+        raise click.ClickException(_to_read(str(error))) from error
+
+
+def _to_read(text: str) -> str:
+    """Return a text whose lines break between words where it goes to a terminal."""
+    if not sys.stderr.isatty():
+        return text
+    columns = shutil.get_terminal_size().columns
+    wrapped = (
+        textwrap.wrap(line, columns - len("Error: "), break_long_words=False, break_on_hyphens=False)
+        for line in text.splitlines()
+    )
+    return "\n".join(part for lines in wrapped for part in lines)

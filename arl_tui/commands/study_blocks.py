@@ -18,6 +18,7 @@ from studies.lab.config import Block, Calibration, Practice
 from studies.lab.read import LoadedStudy
 
 if TYPE_CHECKING:
+    from arl_tui.app.outcome import SessionOutcome
     from core.recording.joined import FinishedPart
 
 
@@ -128,17 +129,8 @@ def _session(
     tally = outcome.tally
     games = tuple(tally.performances)
     words = words_of(protocol.game)
-    how: How
-    if app.ended_by is not None:
-        how = "window-closed"
-    elif outcome.trouble:
-        how = "failed"
-    elif outcome.stopped in (None, "practised") and games:
-        how = "finished"
-    else:
-        how = "stopped"
     return Played(
-        how=how,
+        how=_how(outcome, gone=app.ended_by is not None),
         file=outcome.recording.name if outcome.recording else "",
         games=games,
         presses=tally.good + tally.bad,
@@ -147,6 +139,19 @@ def _session(
         trouble=outcome.trouble or "",
         remark=outcome.warning,
     )
+
+
+def _how(outcome: "SessionOutcome", *, gone: bool) -> How:
+    """Return how a block or a practice ended.
+
+    Its tally holds games also where it was left before it began: those of the part that broke off.
+    """
+    if gone:
+        return "window-closed"
+    if outcome.trouble:
+        return "failed"
+    played = outcome.recording is not None and outcome.tally.performances
+    return "finished" if played and outcome.stopped in (None, "practised") else "stopped"
 
 
 def _calibrate(loaded: LoadedStudy, call: BlockCall, step: Calibration) -> Played:

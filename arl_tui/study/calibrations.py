@@ -43,11 +43,11 @@ def calibration_configs(loaded: LoadedStudy, step: Calibration) -> tuple[TaskCon
 
 def simulated_calibration(
     loaded: LoadedStudy, step: Calibration, *, code: str, folder: Path, seed: int, software: dict[str, str]
-) -> tuple[str, ...]:
+) -> tuple[tuple[str, ...], int]:
     """Leave trial files and fits as a participant does whose delays follow the protocol's `trainer.delay`.
 
     Returns:
-        Names of the files in the participant's folder.
+        Names of the files in the participant's folder, and how long the trials took, nanoseconds.
     """
     delay = next(iter(loaded.protocols.values())).trainer.delay
     if isinstance(delay, PerValueDelay):
@@ -55,7 +55,7 @@ def simulated_calibration(
     setup = CalibrationSetup(
         participant=code, configs=calibration_configs(loaded, step), root_seed=seed, recordings=folder
     )
-    paths = []
+    paths, time_ns = [], 0
     for part in new_parts(setup):
         config = part.schedule.config
         created_utc = wall_time_utc()
@@ -72,9 +72,10 @@ def simulated_calibration(
         with TrialWriter.create(path, header) as writer:
             for record in _trials(part.schedule, delay, seed):
                 writer.write(record)
+        time_ns += len(part.schedule.trials) * TRIAL_NS
         paths.append(path)
     fit_files(FitOrder(recordings=str(folder), participant=code, files=tuple(map(str, paths))))
-    return tuple(str(path.relative_to(folder)) for path in paths)
+    return tuple(str(path.relative_to(folder)) for path in paths), time_ns
 
 
 def _trials(schedule: Schedule, delay: Density, seed: int) -> list[TrialRecord]:

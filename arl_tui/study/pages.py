@@ -58,6 +58,11 @@ class StudyPage(Screen[object], inherit_bindings=False):
             yield Static(id="call", classes="call")
             yield Static(self._part, classes="part")
 
+    @property
+    def reading(self) -> str:
+        """What is read on this page, Markdown; empty where it has no text of its own."""
+        return ""
+
     def contents(self) -> Iterable[Widget]:
         """Return what is read on this page."""
         raise NotImplementedError
@@ -156,6 +161,11 @@ class TextPage(StudyPage):
         super().__init__(heading, code=code, part=part)
         self._text = text
 
+    @property
+    def reading(self) -> str:
+        """The text."""
+        return self._text
+
     def contents(self) -> Iterable[Widget]:
         """Return the text."""
         yield Markdown(self._text, open_links=False)
@@ -192,6 +202,11 @@ class ConsentPage(StudyPage):
         self._answers: list[bool | None] = [None] * len(self._statements)
         self._at = 0
         self._remark = ""
+
+    @property
+    def reading(self) -> str:
+        """The text."""
+        return self._text
 
     def contents(self) -> Iterable[Widget]:
         """Return text and statements."""
@@ -315,6 +330,11 @@ class BreakPage(StudyPage):
         self._clock = clock
         self._since_ns = clock.now_ns()
 
+    @property
+    def reading(self) -> str:
+        """The text."""
+        return self._text
+
     def contents(self) -> Iterable[Widget]:
         """Return the text."""
         yield Markdown(self._text or tr(words.BREAK_TEXT), open_links=False)
@@ -356,6 +376,11 @@ class NoticePage(StudyPage):
         super().__init__(heading, code=code)
         self._text = text
         self._remarks = remarks
+
+    @property
+    def reading(self) -> str:
+        """The text."""
+        return self._text
 
     def contents(self) -> Iterable[Widget]:
         """Return text and remarks."""

@@ -46,7 +46,7 @@ from studies.lab.config import (
     kind_of,
 )
 from studies.lab.config import TextPage as TextStep
-from studies.lab.enrolment import Attempt, begin_sitting, enrol, session_seed
+from studies.lab.enrolment import Attempt, Decision, NotNow, begin_sitting, enrol, session_seed
 from studies.lab.folder import participant_folder, sitting_path
 from studies.lab.ledger import Declined, Ledger, SittingEnded, StepDone
 from studies.lab.progress import progress
@@ -95,6 +95,7 @@ def run_sitting(
     simulated: bool = False,
     clock: Clock | None = None,
     any_time: bool = False,
+    decision: Decision | None = None,
 ) -> SittingResult:
     """Lead a participant through their next sitting.
 
@@ -107,6 +108,7 @@ def run_sitting(
         simulated: the participant is simulated.
         clock: of the times in the record.
         any_time: do not ask how long ago the sitting before was.
+        decision: of the experimenter about a sitting that broke off; None: the study's rule decides.
 
     Raises:
         NotNow: the participant cannot begin or go on now.
@@ -116,6 +118,8 @@ def run_sitting(
     time = clock or MonotonicClock()
     lines: list[SittingLine] = []
     if code not in progress(ledger.lines()).participants:
+        if decision is not None:
+            raise NotNow(f"{code} has no sitting that broke off: leave --broken-off out")
         before = ask_consent(loaded, code, presenter, time, lines)
         if before is not None:
             if before == "declined":
@@ -123,7 +127,7 @@ def run_sitting(
             return SittingResult(before, code)
         enrol(loaded.study, ledger, code, simulated=simulated)
     with only_sitting(participant_folder(ledger.folder, code), code):
-        attempt = begin_sitting(loaded.study, ledger, code, any_time=any_time)
+        attempt = begin_sitting(loaded.study, ledger, code, any_time=any_time, decision=decision)
         return _Sitting(loaded, ledger, attempt, presenter, time, software, simulated=simulated).run(lines)
 
 
@@ -169,6 +173,8 @@ class _Sitting:
                     self._ledger.append(StepDone(code=attempt.code, sitting=attempt.sitting, step=line.step))
                     done = line.step
             try:
+                if attempt.anew:
+                    self._tell_anew()
                 self._count_earlier(min(attempt.first_step, len(steps)))
                 for number in range(max(attempt.first_step, done + 1), len(steps)):
                     self._do(log, number, steps[number])
@@ -188,6 +194,11 @@ class _Sitting:
         self._ledger.append(
             SittingEnded(code=self._attempt.code, sitting=self._attempt.sitting, how="window-closed")
         )
+
+    def _tell_anew(self) -> None:
+        """Tell the participant, and the experimenter, that the sitting begins anew."""
+        self._remarks_for_experimenter.append("the sitting began anew; what was recorded before is kept")
+        self._pages([lambda: TextPage(tr(words.ANEW), code=self._attempt.code)])
 
     def _count_earlier(self, first_step: int) -> None:
         """Count the blocks that an earlier attempt at this sitting has finished, for the last page."""

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, assert_never
 
-import msgspec
 import numpy as np
 from textual.pilot import Pilot
+from textual.screen import Screen
 
 from arl_tui.games.registry import words_of
 from arl_tui.language import key_for
@@ -26,6 +26,7 @@ from core.numerics.clock import NS_PER_S, ManualClock, wall_time_utc
 from core.numerics.streams import stream
 from core.recording.reader import read_recording
 from core.session.protocol import Protocol
+from studies.lab.check import SECONDS_PER_QUESTION, WORDS_PER_MINUTE
 from studies.lab.config import Block, Calibration, Practice
 from studies.lab.questions import Choice, FreeText, Likert, Number, Press, Question, Scale
 from studies.lab.read import LoadedStudy
@@ -86,7 +87,7 @@ class SimulatedPresenter:
         """Prepare.
 
         Args:
-            loaded: the study.
+            loaded: the study with this participant in it (`studies.lab.simulated_people.as_participant`).
             habits: of the participant.
             seed: of their answers.
             clock: of all times in the record; it moves on with every key.
@@ -116,10 +117,14 @@ class SimulatedPresenter:
         stuck: list[str] = []
 
         async def press(pilot: Pilot[object]) -> None:
+            seen: set[Screen[object]] = set()
             for _ in range(LATEST_PRESS):
                 if not app.is_running or len(app.results) == len(pages):
                     return
                 screen = app.screen
+                if screen not in seen:
+                    seen.add(screen)
+                    self._read(screen)
                 for key in self._keys(screen) if isinstance(screen, StudyPage | StopPage) else ():
                     self._clock.advance_ns(NS_PER_S // 2)
                     await pilot.press(key)
@@ -133,6 +138,14 @@ class SimulatedPresenter:
         if stuck:
             raise StuckError(f"a simulated participant could not leave a page of type {stuck[0]} by keys")
         return app.results, False
+
+    def _read(self, screen: Screen[object]) -> None:
+        """Take as long over a page as `arl study check` plans for a person."""
+        if isinstance(screen, QuestionPage):
+            self._clock.advance_ns(round(SECONDS_PER_QUESTION * NS_PER_S))
+        elif isinstance(screen, StudyPage):
+            words = len(screen.reading.split())
+            self._clock.advance_ns(round(words / WORDS_PER_MINUTE * 60 * NS_PER_S))
 
     def _keys(self, screen: StudyPage | StopPage) -> list[str]:
         if isinstance(screen, StopPage):
@@ -178,7 +191,7 @@ class SimulatedPresenter:
             case Practice():
                 return self._play_games(call, self._loaded.practice_protocol(call.step), {})
             case Calibration():
-                names = simulated_calibration(
+                names, time_ns = simulated_calibration(
                     self._loaded,
                     call.step,
                     code=call.code,
@@ -186,6 +199,7 @@ class SimulatedPresenter:
                     seed=call.seed,
                     software=dict(self._software),
                 )
+                self._clock.advance_ns(time_ns)
                 return Played(how="finished", file=names[0], more_files=names[1:])
             case other:
                 assert_never(other)
@@ -193,10 +207,6 @@ class SimulatedPresenter:
     def _play_games(self, call: BlockCall, protocol: Protocol, source: Mapping[str, str]) -> Played:
         from studies.demo import simulate_session, summarise  # here: compiled code comes with it
 
-        trainer = persons()[self._habits.kind]
-        protocol = msgspec.structs.replace(
-            protocol, trainer=msgspec.structs.replace(trainer, delay=protocol.trainer.delay)
-        )
         if self._to_draw.wants(call):
             path = self._play_drawn(call, protocol, source)
         else:
@@ -211,7 +221,10 @@ class SimulatedPresenter:
                 source=source,
                 study=call.facts,
             )
-        summary = summarise(read_recording(path))
+        recording = read_recording(path)
+        times = [getattr(event, "time_ns", 0) for event in recording.events]
+        self._clock.advance_ns(max(0, max(times, default=0) - recording.header.started_ns))
+        summary = summarise(recording)
         return Played(
             how="finished",
             file=path.name,

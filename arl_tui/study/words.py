@@ -35,6 +35,10 @@ ANSWER_SEVERAL = later("Choose with {key_space} as many as apply, then press {ke
 ANSWER_PRESS = later("Do what the sentence says")
 ANSWER_TYPED = later("Type your answer, then press {key_enter}")
 MAY_SKIP = later("You may leave this out: press {key_skip}")
+ANEW = later(
+    "# Once more from the beginning\n\nYour last visit ended early. It begins again now, from its first "
+    "page. What you did before is kept."
+)
 PROGRESS = later("Question {number} of {count}")
 BLOCK = later("Block {number} of {count}")
 PRACTICE = later("Practice")

@@ -19,7 +19,7 @@ from studies.exports.anonymise import Copies, anonymise
 from studies.exports.bids import BidsSettings, export_bids
 from studies.exports.minari import export_minari
 from studies.exports.sources import find_sources
-from studies.exports.tidy import ExportError, export_tidy
+from studies.exports.tidy import ExportError, export_tidy, simulated_note
 from studies.lab.questions import READY
 from studies.lab.read import LoadedStudy, load_study
 
@@ -48,6 +48,8 @@ class Archive:
     copies: Copies
     parts: dict[str, str] = field(default_factory=dict)
     """Each part of the folder with what it holds."""
+    simulated: str = ""
+    """Of simulated sessions in it, a sentence; new codes do not show them."""
 
 
 def make_archive(place: Path, into: Path, how: Anonymising, settings: ArchiveSettings) -> Archive:
@@ -75,6 +77,7 @@ def make_archive(place: Path, into: Path, how: Anonymising, settings: ArchiveSet
     archive.parts["data/"] = (
         "anonymised recordings, reaction trials and records of sittings, as `arl` reads and replays them"
     )
+    archive.simulated = simulated_note(export_tidy(data, into / "tables").origins)
     _exports(data, into, settings, archive.parts)
     _format(into / "format", archive.parts)
     _protocols(data, into / "protocols", archive.parts)
@@ -91,7 +94,7 @@ def _first(copies: Copies) -> str:
 
 
 def _exports(data: Path, into: Path, settings: ArchiveSettings, parts: dict[str, str]) -> None:
-    export_tidy(data, into / "tables")
+    """Write BIDS and Minari beside the tables."""
     parts["tables/"] = (
         "the same as tidy tables (CSV); `codebook.md` and `codebook.json` say what each column means"
     )
@@ -188,6 +191,8 @@ def _readme(settings: ArchiveSettings, archive: Archive) -> str:
         "",
         "A session is replayed exactly by `arl replay data/FILE`, with the versions in `software/`.",
     ]
+    if archive.simulated:
+        lines += ["", f"**{archive.simulated}**"]
     if left_out:
         lines += [
             "",

@@ -19,7 +19,7 @@ from core.system.private_files import make_private_folder
 from studies.exports.bids_pages import COLUMNS, HED, HED_VERSION, INSTRUCTIONS, README, TASKS, write_stimuli
 from studies.exports.columns import Cell, Column, Row
 from studies.exports.event_rows import press_rows, step_rows
-from studies.exports.other_rows import trial_rows
+from studies.exports.other_rows import trial_rows, trials_origin
 from studies.exports.session_rows import SessionRows
 from studies.exports.sources import Source, Trouble, find_sources
 from studies.exports.tables import TRIALS
@@ -28,7 +28,7 @@ from studies.reaction_time.trial_log import TrialFile, TrialFileError, read_tria
 
 BIDS_VERSION = "1.10.0"
 NO_VALUE = "n/a"
-_TRIAL_LEFT_OUT = frozenset({"participant", "session", "task", "domain"})
+_TRIAL_LEFT_OUT = frozenset({"participant", "session", "origin", "task", "domain"})
 """Columns of the tidy table that the name of a BIDS file says."""
 
 
@@ -124,7 +124,7 @@ class _Writer:
     def _session(self, recording: Recording) -> None:
         session = SessionRows(recording, "")
         header = recording.header
-        subject, stem = self._named(header.participant, header.origin, session.game or "judging")
+        subject, stem = self._named(header.participant, header.origin, session.game or "judging", "events")
         rows = sorted(
             chain(self._games(session), _steps(session), self._presses(session)), key=lambda row: _onset(row)
         )
@@ -135,7 +135,7 @@ class _Writer:
 
     def _trials(self, trials: TrialFile) -> None:
         task = re.sub(r"[^A-Za-z0-9]", "", trials.header.schedule.config.task)
-        subject, stem = self._named(trials.header.participant, "", task)
+        subject, stem = self._named(trials.header.participant, trials_origin(trials), task, "beh")
         self._table(f"{stem}_beh.tsv", self._trial_columns(), trial_rows(trials, ""))
         facts = trials.header.facts
         self._presentation(f"{stem}_beh.json", facts, facts.get("system", "").partition(" ")[0])
@@ -145,7 +145,7 @@ class _Writer:
         left_out = _TRIAL_LEFT_OUT | (frozenset() if self.settings.free_text else {"comment"})
         return tuple(column for column in TRIALS.columns if column.name not in left_out)
 
-    def _named(self, code: str, origin: str, task: str) -> tuple[_Subject, str]:
+    def _named(self, code: str, origin: str, task: str, kind: str) -> tuple[_Subject, str]:
         """Return a participant and the beginning of their next file's name."""
         label = re.sub(r"[^A-Za-z0-9]", "", code)
         if not label or self._labels.setdefault(label, code) != code:
@@ -155,9 +155,9 @@ class _Writer:
                 "BIDS labels are letters and digits. Give one of them another code (`arl anonymise`)"
             )
         subject = self._subjects.setdefault(label, _Subject())
-        subject.origins |= {origin} - {""}
+        subject.origins.add(origin)
         subject.runs[task] = subject.runs.get(task, 0) + 1
-        self._tasks[task] = "events" if origin else "beh"
+        self._tasks[task] = kind
         return subject, f"sub-{label}/beh/sub-{label}_task-{task}_run-{subject.runs[task]:02}"
 
     def _games(self, session: SessionRows) -> Iterator[Row]:

@@ -69,6 +69,12 @@ def _answer(line: QuestionAnswered, started_ns: int) -> Row:
     }
 
 
+def trials_origin(trials: TrialFile) -> str:
+    """Return who pressed in reaction trials: "live" or "simulated"."""
+    # An anonymised copy keeps its clock, not all facts.
+    return "simulated" if "simulated" in (trials.header.clock, trials.header.facts.get("origin")) else "live"
+
+
 def trial_rows(trials: TrialFile, session: str) -> Iterator[Row]:
     """Yield the rows of `trials`."""
     config = trials.header.schedule.config
@@ -78,6 +84,7 @@ def trial_rows(trials: TrialFile, session: str) -> Iterator[Row]:
         yield {
             "participant": trials.header.participant,
             "session": session,
+            "origin": trials_origin(trials),
             "task": record.task,
             "domain": config.game if record.task == "feedback lag" else None,
             "block": record.block + 1,

@@ -155,6 +155,9 @@ TRIALS = Table(
     (
         text("participant", "Code of the participant."),
         text("session", "Name of the file, without its ending."),
+        Column(
+            "origin", "text", "Who pressed.", levels={name: ORIGINS[name] for name in ("live", "simulated")}
+        ),
         text("task", "simple, choice, go/no-go, memory search, visual search, recognition or feedback lag."),
         Column(
             "domain",

@@ -6,6 +6,7 @@ One file is read at a time and its rows are written at once, so memory does not 
 import csv
 import json
 from abc import ABC, abstractmethod
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass, field
@@ -57,9 +58,19 @@ class Exported:
     """Files of other kinds."""
     damaged: list[Trouble] = field(default_factory=list)
     """Files that could not be read."""
+    origins: Counter[str] = field(default_factory=Counter)
+    """Sessions by who pressed: live, simulated, or imported."""
     twice: list[tuple[str, str]] = field(default_factory=list)
     """Pairs of sessions that seem to be the same one: copies, or the same session in two versions of the
     format."""
+
+
+def simulated_note(origins: Counter[str]) -> str:
+    """Return a sentence on simulated sessions; "" where there are none."""
+    if not origins["simulated"]:
+        return ""
+    sessions = f"{origins['simulated']} of {origins.total()} sessions"
+    return f"SIMULATED: in {sessions} a simulated participant pressed (column `origin`)."
 
 
 class TableFile(ABC):
@@ -181,6 +192,7 @@ def export_tidy(place: Path, into: Path, *, file_format: FileFormat = "csv") -> 
                     files[table.name].add(table.checked(row))
                     result.rows[table.name] += 1
                     if table is SESSIONS:
+                        result.origins[str(row["origin"])] += 1
                         first = seen.setdefault(tuple(row[name] for name in _SAME), source.session)
                         if first != source.session:
                             result.twice.append((first, source.session))

@@ -58,13 +58,19 @@ def sessions_in(folder: Path, damaged: list[str] | None = None) -> Iterator[Bloc
         except (RecordingError, OSError) as error:
             if damaged is None:
                 raise
-            damaged.append(f"{path.name} ({error})")
+            damaged.append(said_of(path, error))
             continue
         found.append(recording)
         parts.update(recording.older)
     for recording in found:
         if recording.path not in parts:
             yield BlockSoFar(recording.path, recording, summarise_recording(recording))
+
+
+def said_of(path: Path, error: Exception) -> str:
+    """Return what is wrong with a file, beginning with its name without folders."""
+    reason = str(error).replace(str(path), path.name)
+    return reason if reason.startswith(path.name) else f"{path.name}: {reason}"
 
 
 def block_so_far(folder: Path, sitting: int, step: int, run: int) -> BlockSoFar | None:

@@ -29,6 +29,7 @@ from studies.lab.config import (
 )
 from studies.lab.orders import Order, order_of, orders_per_cycle
 from studies.lab.read import LoadedStudy
+from studies.lab.simulated_people import as_participant, chances_per_game, settings_without_effect
 
 WORDS_PER_MINUTE = 200.0
 """Reading speed on a screen."""
@@ -36,7 +37,7 @@ SECONDS_PER_QUESTION = 8.0
 TRIAL_S = 6.0
 """One trial of a calibration, with what lies between trials."""
 GAME_OF_PRACTICE_S = 60.0
-PLACEHOLDER = re.compile(r"\[[A-Z][A-Z ,.'-]+\]")
+PLACEHOLDER = re.compile(r"\[[A-ZÄÖÜ][A-ZÄÖÜß\s,.'-]+\]")
 """What a ready text leaves to the experimenter, such as [NAME OF THE INSTITUTION]."""
 
 
@@ -86,7 +87,8 @@ def forecast(loaded: LoadedStudy, *, sessions: int = 2) -> Forecast:
         loaded: the study.
         sessions: simulated sessions per condition, >= 1.
     """
-    blocks = {name: _block(loaded, name, sessions) for name in loaded.protocols}
+    played = as_participant(loaded, "expert", chances_per_game(loaded))
+    blocks = {name: _block(played, name, sessions) for name in loaded.protocols}
     longest = max(blocks.values(), key=lambda block: block.minutes)
     steps = tuple(
         StepForecast(sitting, place, kind_of(step), *_duration(loaded, step, blocks, longest))
@@ -137,7 +139,7 @@ def _duration(
 def _missing(loaded: LoadedStudy) -> Iterator[str]:
     """Yield what the experimenter still has to do."""
     for name, text in loaded.texts.items():
-        left = sorted(set(PLACEHOLDER.findall(text)))
+        left = sorted({" ".join(found.split()) for found in PLACEHOLDER.findall(text)})
         if left:
             yield f"{name} still holds {', '.join(left)}: replace it"
     kinds = [(where, step) for *where, step in loaded.study.steps]
@@ -152,6 +154,11 @@ def _missing(loaded: LoadedStudy) -> Iterator[str]:
                     f"delay ({', '.join(own)}), and no calibration comes before it: add a step of type "
                     "calibration"
                 )
+    if without_effect := settings_without_effect(loaded):
+        yield (
+            f"[trainer] {', '.join(without_effect)} has no effect in a study, whose simulated participants "
+            "are of all kinds: take it out. [simulated] says how often they press"
+        )
     if not any(isinstance(step, Debriefing) for _, step in kinds):
         yield "no step of type debriefing: participants never learn what the study is about"
     cycle = orders_per_cycle(loaded.study)

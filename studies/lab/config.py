@@ -12,6 +12,7 @@ from core.configuration.fields import ALLOWED
 from core.session.protocol import Language
 
 Hours = Annotated[float, Meta(ge=0.0, le=24.0 * 366)]
+PressesPerGame = Annotated[float, Meta(ge=0.0, le=1_000_000.0)] | None
 Seconds = Annotated[float, Meta(ge=0.0, le=3600.0)]
 Text = Annotated[str, Meta(min_length=1)]
 """Name of a Markdown file beside the study file."""
@@ -205,10 +206,11 @@ class Resuming(Table, frozen=True, kw_only=True):
 
     rule: Literal["resume", "restart", "refuse"] = "resume"
     """resume: go on after the last finished game. restart: the sitting begins anew; what was recorded is
-    kept. refuse: the experimenter decides.
+    kept. refuse: the experimenter decides, by `arl study run --broken-off`.
     """
     within_hours: Hours = 4.0
-    """An older sitting is never resumed; it is refused, and the experimenter decides."""
+    """An older sitting is neither resumed nor restarted by rule: the experimenter decides, by `arl study run
+    --broken-off`."""
 
 
 class Codes(Table, frozen=True, kw_only=True):
@@ -218,6 +220,40 @@ class Codes(Table, frozen=True, kw_only=True):
     """How each code begins."""
     length: Annotated[int, Meta(ge=3, le=12)] = 4
     """Letters and digits after the prefix; without 0, O, 1, I and L."""
+
+
+class Simulated(Table, frozen=True, kw_only=True):
+    """How often simulated participants press (`arl study simulate`), of all kinds and of each kind."""
+
+    presses_per_game: PressesPerGame = None
+    """Judgements in a watched game on average, of every kind without a number of its own. None: two fifths of
+    [keys] max_presses_per_episode, as the paper's participants (section 4: 2 of 5)."""
+    expert: PressesPerGame = None
+    """The same of this kind, which judges as a controller far better than the learner."""
+    lay: PressesPerGame = None
+    """The same of this kind, which judges by what meets the eye."""
+    myopic: PressesPerGame = None
+    """The same of this kind, which judges the step's immediate effect."""
+    hesitant: PressesPerGame = None
+    """The same of this kind, which says nothing where it is hard to tell."""
+    noisy: PressesPerGame = None
+    """The same of this kind, which presses the wrong key in 3 of 10 cases."""
+    useless: PressesPerGame = None
+    """The same of this kind, which presses any key."""
+    adversary: PressesPerGame = None
+    """The same of this kind, which means the opposite."""
+    instructed: PressesPerGame = None
+    """The same of this kind, which makes no mistakes but those that it is asked for."""
+    bursty: PressesPerGame = None
+    """The same of this kind, which presses several times in a row; a burst counts once here."""
+    hasty: PressesPerGame = None
+    """The same of this kind, which presses before the outcome is seen, in a third of the cases."""
+    slow: PressesPerGame = None
+    """The same of this kind, which takes twice as long to press."""
+    tiring: PressesPerGame = None
+    """The same of this kind, which presses half as often after each 150 watched games."""
+    leaves: PressesPerGame = None
+    """The same of this kind, which says nothing any more after 300 watched games."""
 
 
 class Study(Table, frozen=True, kw_only=True):
@@ -249,6 +285,7 @@ class Study(Table, frozen=True, kw_only=True):
     dropouts: Dropouts = Dropouts()
     resuming: Resuming = Resuming()
     codes: Codes = Codes()
+    simulated: Simulated = Simulated()
 
     def __post_init__(self) -> None:
         if not self.conditions:

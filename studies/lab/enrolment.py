@@ -4,6 +4,7 @@ one.
 
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
+from typing import Literal
 
 from core.numerics.clock import wall_time_utc
 from core.numerics.streams import stream, stream_seed
@@ -14,6 +15,10 @@ from studies.lab.progress import Participant, SittingProgress, moment, progress
 
 ALPHABET = "23456789ABCDEFGHJKMNPQRSTUVWXYZ"
 """Of drawn codes: nothing that looks like something else (0 and O, 1 and I and L)."""
+
+
+Decision = Literal["resume", "restart"]
+"""What an experimenter decides about a sitting that broke off, in place of the study's rule."""
 
 
 class NotNow(ValueError):
@@ -33,11 +38,13 @@ class Attempt:
     run: int
     """How often the sitting was begun anew, from 0."""
     first_step: int
+    anew: bool = False
+    """The attempt before broke off, and the sitting begins from its first step."""
 
     @property
     def resumed(self) -> bool:
         """Whether the attempt before broke off and this one goes on with it."""
-        return self.number > self.run
+        return self.number > self.run and not self.anew
 
     def condition(self, block: int) -> str:
         """Return the condition of the participant's `block`-th block with an assigned condition, from 0."""
@@ -97,7 +104,13 @@ def enrol(
 
 
 def begin_sitting(
-    study: Study, ledger: Ledger, code: str, *, now: datetime | None = None, any_time: bool = False
+    study: Study,
+    ledger: Ledger,
+    code: str,
+    *,
+    now: datetime | None = None,
+    any_time: bool = False,
+    decision: Decision | None = None,
 ) -> Attempt:
     """Begin the participant's next sitting, or go on with one that broke off, and write that to the ledger.
 
@@ -107,6 +120,7 @@ def begin_sitting(
         code: of the participant.
         now: with a time zone; the present time by default.
         any_time: do not ask how long ago the sitting before was (simulated participants).
+        decision: of the experimenter about a sitting that broke off; None: the study's rule decides.
 
     Raises:
         NotNow: there is nothing to do, it is too early or too late, or the study's rule refuses to go on.
@@ -115,7 +129,8 @@ def begin_sitting(
     chosen: list[Attempt] = []
 
     def choose(lines: tuple[Line, ...]) -> Line:
-        attempt = _next_attempt(study, _known(progress(lines).participants, code), at, any_time=any_time)
+        person = _known(progress(lines).participants, code)
+        attempt = _next_attempt(study, person, at, any_time=any_time, decision=decision)
         chosen.append(attempt)
         return SittingStarted(
             at_utc=at.isoformat(timespec="seconds"),
@@ -124,6 +139,7 @@ def begin_sitting(
             attempt=attempt.number,
             run=attempt.run,
             first_step=attempt.first_step,
+            decided=decision,
         )
 
     ledger.decide(choose)
@@ -144,7 +160,9 @@ def _known(people: dict[str, Participant], code: str) -> Participant:
     return people[code]
 
 
-def _next_attempt(study: Study, person: Participant, now: datetime, *, any_time: bool) -> Attempt:
+def _next_attempt(
+    study: Study, person: Participant, now: datetime, *, any_time: bool, decision: Decision | None
+) -> Attempt:
     if person.withdrawn:
         raise NotNow(f"{person.code} has withdrawn")
     if person.dropped_out is not None:
@@ -154,10 +172,12 @@ def _next_attempt(study: Study, person: Participant, now: datetime, *, any_time:
         raise NotNow(f"{person.code} has finished: there is nothing left to do")
     before = person.sittings.get(number)
     if before is None:
+        if decision is not None:
+            raise NotNow(f"{person.code} has no sitting that broke off: leave --broken-off out")
         if not any_time:
             _check_interval(study, person, number, now)
         return Attempt(person.code, person.place, person.order, number, 0, 0, 0)
-    return _again(study, person, number, before, now)
+    return _again(study, person, number, before, now, decision)
 
 
 def _check_interval(study: Study, person: Participant, number: int, now: datetime) -> None:
@@ -175,26 +195,38 @@ def _check_interval(study: Study, person: Participant, number: int, now: datetim
         raise NotNow(
             f"{person.code} comes too late: the sitting {sitting.name!r} had to begin within "
             f"{sitting.within_hours:g} h, by {_when(ended + timedelta(hours=sitting.within_hours))}. `arl "
-            f"study drop {person.code}` gives the place to another participant"
+            f"study drop STUDY {person.code}` gives the place to another participant"
         )
 
 
-def _again(study: Study, person: Participant, number: int, before: SittingProgress, now: datetime) -> Attempt:
+def _again(
+    study: Study,
+    person: Participant,
+    number: int,
+    before: SittingProgress,
+    now: datetime,
+    decision: Decision | None,
+) -> Attempt:
     rule, last = study.resuming, before.last_sign
     assert last is not None, "a sitting that was begun has lines"
     age = now - last
     begun = f"{person.code} began the sitting {study.sittings[number].name!r}, and it ended early"
-    if rule.rule == "refuse":
-        raise NotNow(f'{begun}; [resuming] rule = "refuse" leaves it to you')
-    if age > timedelta(hours=rule.within_hours):
+    advice = (
+        "Add --broken-off resume to go on after the last finished game, or --broken-off restart to begin the "
+        f"sitting anew. `arl study drop STUDY {person.code}` gives the place to another participant"
+    )
+    if decision is None and rule.rule == "refuse":
+        raise NotNow(f'{begun}; [resuming] rule = "refuse" leaves it to you. {advice}')
+    if decision is None and age > timedelta(hours=rule.within_hours):
         raise NotNow(
             f"{begun} {age.total_seconds() / 3600:.1f} h ago; [resuming] within_hours allows "
-            f"{rule.within_hours:g} h. "
-            f"`arl study drop {person.code}` gives the place to another participant"
+            f"{rule.within_hours:g} h. {advice}"
         )
-    anew = rule.rule == "restart"
+    anew = (decision or rule.rule) == "restart"
     first = 0 if anew else before.next_step(len(study.sittings[number].steps))
-    return Attempt(person.code, person.place, person.order, number, before.attempts, before.run + anew, first)
+    return Attempt(
+        person.code, person.place, person.order, number, before.attempts, before.run + anew, first, anew
+    )
 
 
 def _when(at: datetime) -> str:
@@ -204,6 +236,7 @@ def _when(at: datetime) -> str:
 __all__ = [
     "ALPHABET",
     "Attempt",
+    "Decision",
     "LedgerError",
     "NotNow",
     "begin_sitting",

@@ -87,6 +87,8 @@ class SittingStarted(Entry, frozen=True, kw_only=True, tag="sitting-started"):
     """From 0; one more where the sitting begins anew instead of going on."""
     first_step: int = 0
     """Step at which this attempt begins."""
+    decided: Literal["resume", "restart"] | None = None
+    """What the experimenter decided about a sitting that broke off; None: the study's rule was followed."""
 
 
 class StepDone(Entry, frozen=True, kw_only=True, tag="step-done"):
@@ -262,10 +264,20 @@ def exclusive(path: Path) -> Iterator[None]:
 
     Args:
         path: of the lock's file, which stays empty.
+
+    Raises:
+        LedgerError: the file system has no locks.
     """
     with os.fdopen(os.open(path, os.O_CREAT | os.O_RDWR, 0o600), "wb") as lock:
         if sys.platform != "win32":
-            fcntl.flock(lock, fcntl.LOCK_EX)
+            try:
+                fcntl.flock(lock, fcntl.LOCK_EX)
+            except OSError as error:
+                raise LedgerError(
+                    f"{path}: this folder does not take locks ({error.strerror}), so two computers could "
+                    "write at the same time. Use a local disk, or a share with locks "
+                    "(docs/how-to/several-computers.md)"
+                ) from error
         yield
 
 

@@ -31,7 +31,7 @@ def only_sitting(folder: Path, code: str) -> Iterator[None]:
         if sys.platform != "win32":
             try:
                 fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except OSError as error:
+            except BlockingIOError as error:
                 raise NotNow(
                     f"a sitting of {code} is running already, in another window or on another computer: end "
                     f"it there first"

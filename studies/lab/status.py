@@ -10,10 +10,11 @@ from datetime import datetime
 from pathlib import Path
 
 from core.events import Event, KeyPressed, PressRetracted, WrongPressAsked
-from studies.lab.blocks import BlockSoFar, sessions_in
+from studies.lab.blocks import BlockSoFar, said_of, sessions_in
 from studies.lab.config import Study, kind_of
 from studies.lab.folder import participant_folder
 from studies.lab.ledger import read_ledger
+from studies.lab.minutes import minutes_of
 from studies.lab.orders import order_of
 from studies.lab.progress import Participant, progress
 from studies.lab.sealed import SealedFileError
@@ -24,6 +25,10 @@ FEW_PRESSES_PER_GAME = 0.5
 ALWAYS_THE_SAME = 0.98
 """A fraction of one key among at least `ENOUGH_PRESSES` above this is pointed out."""
 ENOUGH_PRESSES = 20
+SILENT_MIN = 10.0
+"""A sitting without an end whose files have not grown for so many minutes is pointed out."""
+ENDED = {"stopped": ", stopped", "window-closed": ", window closed", "failed": ", failed"}
+"""How an unfinished sitting ended, in words."""
 ENOUGH_ASKED = 4
 """With fewer requests for a wrong press, nothing is said about how many were followed."""
 
@@ -38,8 +43,9 @@ class Row:
     state: str
     where: str
     """Sitting and step, in words."""
-    minutes: float
-    """From the first to the last sign of life, summed over sittings."""
+    minutes: float | None
+    """From the first to the last sign of life, over all attempts at all sittings. Of a simulated participant:
+    minutes of the simulated sessions; None where no record of a sitting can be read."""
     games: int
     presses_per_game: float | None
     """Accepted presses that were not taken back; None before the first game."""
@@ -87,9 +93,11 @@ def status(study: Study, data: Path, now: datetime) -> Status:
 def _row(study: Study, data: Path, person: Participant, now: datetime) -> Row:
     flags: list[str] = []
     games = presses = 0
+    minutes = None
     if not person.withdrawn:
-        looked_at = _Recordings(participant_folder(data, person.code))
-        flags = list(looked_at.flags())
+        folder = participant_folder(data, person.code)
+        looked_at, minutes = _Recordings(folder), minutes_of(folder)
+        flags = [*_silence(study, person, folder, now), *looked_at.flags()]
         games, presses = looked_at.games, looked_at.presses
     return Row(
         person.code,
@@ -97,18 +105,20 @@ def _row(study: Study, data: Path, person: Participant, now: datetime) -> Row:
         person.order,
         person.state(study, now),
         _where(study, person),
-        sum(_minutes(person, number) for number in person.sittings),
+        _ledger_minutes(person) if minutes is None and not person.simulated else minutes,
         games,
         presses / games if games else None,
         tuple(flags),
     )
 
 
-def _minutes(person: Participant, number: int) -> float:
-    sitting = person.sittings[number]
-    if sitting.begun_at is None or sitting.last_sign is None:
-        return 0.0
-    return (sitting.last_sign - sitting.begun_at).total_seconds() / 60
+def _ledger_minutes(person: Participant) -> float:
+    """Return the minutes of each sitting's last attempt as the ledger knows them: its files are gone."""
+    return sum(
+        (sitting.last_sign - sitting.begun_at).total_seconds() / 60
+        for sitting in person.sittings.values()
+        if sitting.begun_at is not None and sitting.last_sign is not None
+    )
 
 
 def _where(study: Study, person: Participant) -> str:
@@ -124,7 +134,19 @@ def _where(study: Study, person: Participant) -> str:
     place = person.sittings[number].next_step(len(steps))
     if place == len(steps):
         return f"{sitting.name}: all steps done"
-    return f"{sitting.name}: step {place + 1} of {len(steps)} ({kind_of(steps[place])})"
+    ended = ENDED.get(person.sittings[number].ended or "", "")
+    return f"{sitting.name}: step {place + 1} of {len(steps)} ({kind_of(steps[place])}){ended}"
+
+
+def _silence(study: Study, person: Participant, folder: Path, now: datetime) -> Iterator[str]:
+    """Yield that a sitting seems to have broken off: it has no end, and its files have not grown for long."""
+    number = person.next_sitting(study)
+    if number not in person.sittings or person.sittings[number].ended is not None:
+        return
+    last_s = max((path.stat().st_mtime for path in folder.rglob("*.jsonl")), default=now.timestamp())
+    silent_min = (now.timestamp() - last_s) / 60
+    if silent_min > SILENT_MIN:
+        yield f"no sign of life for {silent_min:.0f} minutes: did the sitting break off?"
 
 
 class _Recordings:
@@ -167,7 +189,7 @@ class _Recordings:
         try:
             _, lines = read_sitting(path)
         except (SealedFileError, OSError) as error:
-            self.damaged.append(f"{path.name} ({error})")
+            self.damaged.append(said_of(path, error))
             return
         for line in lines:
             if isinstance(line, QuestionAnswered):

@@ -14,6 +14,7 @@ from core.numerics.arrays import Floats
 from core.numerics.clock import NS_PER_S
 from core.numerics.streams import stream
 from core.recording.reader import RecordingError, read_recording
+from core.recording.schema import Header
 from core.session.what_if import replay_human_model, watched_steps
 from studies.session_view.session import SessionView, open_session
 from studies.statistics import Interval, mean_interval, paired_difference
@@ -43,6 +44,8 @@ class SessionFigures:
     condition: str
     protocol: str
     game: str
+    origin: str
+    """Who pressed: live, simulated, or imported."""
     performances: Floats
     """Of games that came to an end; NaN for one that did not."""
     steps: Floats
@@ -106,6 +109,12 @@ class NothingToCompareError(Exception):
     """A recording holds no games."""
 
 
+def _condition(header: Header) -> str:
+    """Return the condition: that of a study, of an import, or of the protocol; "" where there is none."""
+    of_import = header.source.get("condition", header.protocol.get("condition", ""))
+    return str(header.study.get("condition", of_import))
+
+
 def figures_of(path: Path, *, own_delay_s: float = math.nan) -> SessionFigures:
     """Return a session in figures.
 
@@ -143,9 +152,10 @@ def figures_of(path: Path, *, own_delay_s: float = math.nan) -> SessionFigures:
     return SessionFigures(
         file=path.name,
         participant=header.participant,
-        condition=str(header.source.get("condition", protocol.get("condition", ""))),
+        condition=_condition(header),
         protocol=str(protocol.get("name", "")),
         game=session.protocol.game if session.protocol is not None else "",
+        origin=header.origin,
         performances=np.asarray(games["performance"], dtype=np.float64),
         steps=steps,
         good=_per_game(times[counted & (value > 0)], begin, after),
@@ -312,6 +322,7 @@ def game_rows(sessions: Sequence[SessionFigures], by: By) -> Iterator[dict[str, 
                 "participant": session.participant,
                 "condition": session.condition,
                 "protocol": session.protocol,
+                "origin": session.origin,
                 "group": session.group(by),
                 "game_name": session.game,
                 "game": game + 1,

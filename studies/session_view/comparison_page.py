@@ -76,19 +76,21 @@ def write_page(path: Path, groups: Groups, differences: Sequence[Difference], by
     picture = base64.b64encode(drawn.getvalue()).decode()
     n = min(len(sessions) for sessions in groups.values())
     few = few_trials_note(n, "sessions per group")
+    simulated = origins_note(session for sessions in groups.values() for session in sessions)
     parts = [
         "<!DOCTYPE html>",
         '<html lang="en"><head><meta charset="utf-8"><title>Sessions compared</title>',
         f"<style>{_STYLE}</style></head><body>",
         f"<h1>Sessions compared, by {by}</h1>",
         f'<p><img alt="Performance, presses, trust and weight over games" src="data:image/svg+xml;base64,{picture}"></p>',  # noqa: E501
+        f"<p><b>{_text(simulated)}</b></p>" if simulated else "",
         "<h2>Groups</h2>",
         _table(*group_table(groups)),
         f'<p class="note">{_text(few)}</p>' if few else "",
         "<h2>Differences</h2>",
         _table(*difference_table(differences)) if differences else "<p>There is one group only.</p>",
         "<h2>Sessions</h2>",
-        _table(*session_table([session for sessions in groups.values() for session in sessions]), words=4),
+        _table(*session_table([session for sessions in groups.values() for session in sessions]), words=5),
         f'<p class="note">{"<br>".join(map(_text, EXPLAINED))}</p>',
         "</body></html>",
     ]
@@ -105,6 +107,16 @@ EXPLAINED: Final = (
     "consistency: standard errors by which a model foresaw the presses better than chance (2: not random).",
     "delay: median time from a step's appearance to the press; own delay: mean measured by arl calibrate.",
 )
+
+
+def origins_note(sessions: Iterable[SessionFigures]) -> str:
+    """Return a sentence on simulated sessions; "" where there are none."""
+    origins = [session.origin for session in sessions]
+    simulated = origins.count("simulated")
+    if not simulated:
+        return ""
+    mixed = " People and simulated participants are compared." if simulated < len(origins) else ""
+    return f"SIMULATED: in {simulated} of {len(origins)} sessions a simulated participant pressed.{mixed}"
 
 
 def group_table(groups: Groups) -> tuple[list[str], list[list[str]]]:
@@ -135,14 +147,14 @@ def difference_table(differences: Iterable[Difference]) -> tuple[list[str], list
 def session_table(sessions: Iterable[SessionFigures]) -> tuple[list[str], list[list[str]]]:
     """Return head and rows: a row per session."""
     head = [
-        "file", "participant", "condition", "protocol", "games", "per game", "good", "bad", "taken back", "refused",  # noqa: E501
+        "file", "participant", "origin", "condition", "protocol", "games", "per game", "good", "bad", "taken back", "refused",  # noqa: E501
         "agreement", "consistency", "delay s", "own delay s", "trust", "weight",
     ]  # fmt: skip
     rows = [
         [
             *(
                 printable(text, longest=40)
-                for text in (one.file, one.participant, one.condition, one.protocol)
+                for text in (one.file, one.participant, one.origin, one.condition, one.protocol)
             ),
             str(len(one.performances)),
             number(one.value("performance")),

@@ -15,7 +15,7 @@ from core.session.protocol_reading import protocol_from
 from core.session.replay import replay_exactly
 from core.session.session import build_session
 from studies.lab.blocks import BlockSoFar, sessions_in
-from studies.lab.ledger import Enrolled, SittingEnded, Withdrawn, read_ledger
+from studies.lab.ledger import Enrolled, SittingEnded, SittingStarted, Withdrawn, read_ledger
 from studies.lab.notes import read_notes
 from studies.lab.progress import Participant, progress
 from studies.lab.sitting_log import ConsentAnswered, QuestionAnswered, read_sitting
@@ -287,20 +287,44 @@ def test_two_who_start_at_once_get_two_places_and_codes(lab: Lab) -> None:
     assert len({line.order for line in enrolled}) == 2
 
 
-def test_one_who_comes_back_too_late_is_told_so_and_nothing_is_recorded(tmp_path: Path) -> None:
+def test_one_who_comes_back_too_late_is_told_so_and_the_experimenter_decides(tmp_path: Path) -> None:
     lab = Lab(tmp_path, STUDY.replace("[[sittings]]", "[resuming]\nwithin_hours = 0.0001\n[[sittings]]", 1))
     with lab.run("--participant", "P1") as terminal:
         consent(terminal)
-        terminal.wait_for(START)
+        begin_block(terminal, "Game 2")
         kill(terminal)
     before = lab.lines()
     time.sleep(1.5)
-    with Terminal(
-        "study", "run", str(lab.folder / "study.toml"), "--participant", "P1", cwd=tmp_path, columns=300
-    ) as terminal:
+    again = ("study", "run", str(lab.folder / "study.toml"), "--participant", "P1")
+    with Terminal(*again, cwd=tmp_path, columns=300) as terminal:
         assert terminal.wait_for_exit() == 1
         assert "within_hours allows 0.0001 h" in terminal.text
+        assert "Add --broken-off resume" in terminal.text
     assert lab.lines() == before
+
+    # To go on, and to leave at the first page: the block is not over. Then to begin anew.
+    with lab.run("--participant", "P1", "--broken-off", "resume") as terminal:
+        terminal.wait_for("1 of 2 games")
+        terminal.press("q")
+        terminal.wait_for("You have stopped")
+        terminal.press("\r")
+        terminal.wait_for_exit()
+    assert (lab.participant().sittings[0].ended, lab.participant().sittings[0].next_step(7)) == ("stopped", 2)
+    with lab.run("--participant", "P1", "--broken-off", "restart") as terminal:
+        terminal.wait_for("Once more from the beginning")
+        terminal.wait_for("to go on")
+        terminal.press("\r")
+        consent(terminal)
+        begin_block(terminal)
+        kill(terminal)
+    started = [line for line in lab.lines() if isinstance(line, SittingStarted)]
+    assert [(line.decided, line.run, line.first_step) for line in started] == [
+        (None, 0, 0),
+        ("resume", 0, 2),
+        ("restart", 1, 0),
+    ]
+    # What was recorded in the first run is kept, and the second run has a session of its own.
+    assert sorted(found.recording.header.study["run"] for found in lab.blocks()) == ["0", "1"]
 
 
 def test_a_sitting_that_runs_already_is_not_begun_twice(lab: Lab) -> None:

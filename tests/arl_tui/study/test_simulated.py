@@ -1,6 +1,10 @@
 """Simulated participants of a study: they finish it by keys alone, and nobody takes their files for
 people's."""
 
+import csv
+import re
+from collections import Counter
+
 import pytest
 from click.testing import CliRunner
 
@@ -9,6 +13,7 @@ from core.recording.reader import read_recording
 from core.session.protocol_reading import protocol_from
 from core.session.replay import replay_exactly
 from core.session.session import build_session
+from studies.exports.tidy import export_tidy, simulated_note
 from studies.lab.sitting_log import read_sitting
 
 STUDY = """
@@ -113,6 +118,40 @@ def test_status_of_simulated_participants_is_shown_apart(home):
     arguments = ["study", "status", str(home / "study.toml"), "--recordings", str(home)]
     assert "Nobody has taken part yet" in CliRunner().invoke(main, arguments).output
     assert "2 of 4 have finished" in CliRunner().invoke(main, [*arguments, "--simulated"]).output
+
+
+def test_every_table_and_the_archive_say_that_they_are_simulated(home, tmp_path):
+    data = home / "studies" / "small-simulated"
+    exported = export_tidy(data, tmp_path / "tables")
+    assert "in 6 of 6 sessions a simulated participant pressed" in simulated_note(exported.origins)
+    assert simulated_note(Counter(live=3)) == ""
+    for path in (tmp_path / "tables").glob("*.csv"):
+        with path.open(newline="") as file:
+            rows = list(csv.DictReader(file))
+        if path.name != "settings.csv":  # a row per setting: sessions are joined by name
+            assert {row["origin"] for row in rows} <= {"simulated"}, path.name
+    assert exported.rows["trials"] > 0
+    options = ["--out", str(tmp_path / "archive"), "--key", str(tmp_path / "key")]
+    result = CliRunner().invoke(main, ["archive", str(data), *options])
+    assert result.exit_code == 0, result.output
+    assert "SIMULATED: in 6 of 6 sessions" in (tmp_path / "archive" / "README.md").read_text()
+
+
+def test_minutes_are_those_of_the_simulated_sessions(home):
+    """Each participant reads, waits half a minute, and plays 1 practice game and 2 blocks of 1 game."""
+    for header, lines in sittings(home):
+        played = 0
+        for path in sessions(home):
+            recording = read_recording(path)
+            if recording.header.participant == header.participant:
+                played += recording.events[-1].time_ns - recording.header.started_ns
+        calibration, pause = 32 * 6, 30
+        taken_s = (lines[-1].time_ns - header.started_ns) / 1e9
+        assert taken_s > played / 1e9 + calibration + pause
+        arguments = ["study", "status", str(home / "study.toml"), "--recordings", str(home), "--simulated"]
+        told = " ".join(CliRunner().invoke(main, arguments).output.split())
+        minutes = int(re.search(rf"{header.participant} .*? (\d+) min,", told)[1])
+        assert minutes == pytest.approx(taken_s / 60, abs=1.0)
 
 
 def test_blocks_after_a_calibration_go_by_the_delay_that_it_measured(home):

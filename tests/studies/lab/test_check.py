@@ -2,7 +2,7 @@
 
 import pytest
 
-from studies.lab.check import forecast
+from studies.lab.check import PLACEHOLDER, forecast
 from studies.lab.read import load_study
 from studies.lab.ready_studies import copy_ready_study
 from tests.studies.lab.test_read import STUDY
@@ -39,6 +39,12 @@ def test_placeholders_a_missing_debriefing_and_an_unbalanced_number_are_named(wr
     assert "consent.md still holds [NAME]" in missing
     assert "no step of type debriefing" in missing
     assert "7 participants cannot be balanced over 2 orders: plan a multiple of 2" in missing
+
+
+def test_every_placeholder_of_a_ready_consent_is_named(tmp_path):
+    for language in ("en", "de"):
+        text = load_study(copy_ready_study("demo", tmp_path / language, language)[0]).texts["consent.md"]
+        assert len(PLACEHOLDER.findall(text)) == text.count("[") == 7
 
 
 def test_an_own_delay_needs_a_calibration_before_it(write):

@@ -14,6 +14,7 @@ from studies.lab.ledger import (
     Ledger,
     LedgerError,
     SittingEnded,
+    SittingStarted,
     StepDone,
     Withdrawn,
     read_ledger,
@@ -160,6 +161,19 @@ def test_where_the_study_refuses_to_resume_the_experimenter_decides(tmp_path):
     begin_sitting(study, ledger, "A", now=MORNING)
     with pytest.raises(NotNow, match="leaves it to you"):
         begin_sitting(study, ledger, "A", now=MORNING)
+    ledger.append(StepDone(code="A", sitting=0, step=0, at_utc=MORNING.isoformat()))
+    resumed = begin_sitting(study, ledger, "A", now=MORNING, decision="resume")
+    assert (resumed.first_step, resumed.resumed, resumed.anew) == (1, True, False)
+    restarted = begin_sitting(study, ledger, "A", now=MORNING + timedelta(days=1), decision="restart")
+    assert (restarted.first_step, restarted.resumed, restarted.anew) == (0, False, True)
+    written = [line.decided for line in ledger.lines() if isinstance(line, SittingStarted)]
+    assert written == [None, "resume", "restart"]
+
+
+def test_a_decision_about_a_sitting_that_did_not_break_off_is_refused(study, ledger):
+    enrol(study, ledger, "A", now=MORNING)
+    with pytest.raises(NotNow, match="no sitting that broke off"):
+        begin_sitting(study, ledger, "A", now=MORNING, decision="restart")
 
 
 def two_days():

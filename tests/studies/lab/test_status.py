@@ -1,5 +1,6 @@
 """What an experimenter sees, and what withdrawing removes."""
 
+import os
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
@@ -7,13 +8,14 @@ import msgspec
 import pytest
 
 from core.events import KeyPressed, WrongPressAsked
-from core.numerics.clock import ManualClock
+from core.numerics.clock import NS_PER_S, ManualClock
 from core.recording.reader import read_recording
 from core.recording.recorder import LineWriter
 from studies.lab.enrolment import NotNow, begin_sitting, enrol
 from studies.lab.folder import exports_folder, participant_folder, sitting_path
 from studies.lab.ledger import Declined, Ledger, SittingEnded, StepDone
-from studies.lab.sitting_log import FileRecorded, QuestionAnswered, SittingLog
+from studies.lab.minutes import minutes_of
+from studies.lab.sitting_log import FileRecorded, QuestionAnswered, SittingLog, StepBegun
 from studies.lab.status import _Recordings, instructed_presses, status
 from studies.lab.withdraw import withdraw
 from tests.studies.lab.examples import study_of
@@ -54,6 +56,41 @@ def test_a_running_participant_is_shown_with_step_and_minutes(study, ledger):
     begin(study, ledger, minutes=7)
     row = row_of(study, ledger)
     assert (row.state, row.where, row.minutes) == ("active", "day 1: step 2 of 4 (block)", 7.0)
+
+
+def test_a_sitting_that_broke_off_is_pointed_out(study, ledger):
+    begin(study, ledger)
+    sitting_file(ledger)
+    path = sitting_path(ledger.folder, "A", 0, 0)
+    os.utime(path, (MORNING.timestamp(),) * 2)
+    row = status(study, ledger.folder, MORNING + timedelta(minutes=42)).rows[0]
+    assert row.flags == ("no sign of life for 42 minutes: did the sitting break off?",)
+    ledger.append(SittingEnded(code="A", sitting=0, how="window-closed", at_utc=MORNING.isoformat()))
+    row = status(study, ledger.folder, MORNING + timedelta(minutes=42)).rows[0]
+    assert (row.where, row.flags) == ("day 1: step 2 of 4 (block), window closed", ())
+
+
+def test_minutes_are_those_of_every_attempt_and_of_a_session_that_broke_off(study, ledger):
+    """Two attempts: 3 minutes and a session of the golden recording, and 4 minutes to a proper end."""
+    begin(study, ledger)
+    folder, minute = participant_folder(ledger.folder, "A"), 60 * NS_PER_S
+    first = msgspec.structs.replace(HEADER, at_utc="2026-11-28T09:00:00+00:00", started_ns=7)
+    with SittingLog(sitting_path(ledger.folder, "A", 0, 0), first, clock=ManualClock()) as log:
+        log.write(StepBegun(step=1, kind="block", time_ns=7 + 3 * minute))
+    golden = read_recording(GOLDEN)
+    header = msgspec.structs.replace(
+        golden.header, created_utc="2026-11-28T09:03:00+00:00", study={"kind": "block"}
+    )
+    writer = LineWriter(folder / GOLDEN.name, header)
+    for event in golden.events:
+        writer.append(event)
+    writer.close()
+    second = msgspec.structs.replace(first, at_utc="2026-11-28T10:00:00+00:00", attempt=1)
+    with SittingLog(sitting_path(ledger.folder, "A", 0, 1), second, clock=ManualClock(7 + 4 * minute)) as log:
+        log.close("finished")
+    session = (golden.events[-1].time_ns - header.started_ns) / minute
+    assert minutes_of(folder) == pytest.approx(7 + session)
+    assert row_of(study, ledger).minutes == pytest.approx(7 + session)
 
 
 def test_finishers_are_counted_by_order_and_decliners_only_counted(study, ledger):

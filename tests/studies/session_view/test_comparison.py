@@ -21,7 +21,7 @@ from studies.session_view.comparison import (
     groups_of,
     over_games,
 )
-from studies.session_view.comparison_page import draw_comparison, write_page
+from studies.session_view.comparison_page import draw_comparison, origins_note, write_page
 from tests.studies.session_view.made import TETRIS, live_events, write
 
 pytestmark = pytest.mark.jit
@@ -37,6 +37,7 @@ def made(participant: str, condition: str, performances: list[float], **changed:
         "game": "tetris",
         "performances": np.array(performances),
         "steps": np.full(n, 20.0),
+        "origin": "live",
         "good": np.arange(n, dtype=float),
         "bad": np.ones(n),
         "match": np.full(n, 0.5),
@@ -50,6 +51,22 @@ def made(participant: str, condition: str, performances: list[float], **changed:
         "own_delay_s": math.nan,
     }
     return SessionFigures(**(facts | changed))
+
+
+def test_the_condition_of_a_study_makes_a_group_and_simulated_sessions_are_named(tmp_path: Path) -> None:
+    path = write(tmp_path / "live.jsonl", live_events())
+    live = figures_of(path)
+    golden = read_recording(path)
+    header = msgspec.structs.replace(golden.header, study={"condition": "annealed"}, origin="simulated")
+    writer = LineWriter(tmp_path / "simulated.jsonl", header)
+    for event in golden.events:
+        writer.append(event)
+    writer.close()
+    simulated = figures_of(tmp_path / "simulated.jsonl")
+    assert (simulated.group("condition"), simulated.origin, live.origin) == ("annealed", "simulated", "live")
+    assert origins_note([live]) == ""
+    assert "in 1 of 1 sessions a simulated participant" in origins_note([simulated])
+    assert "People and simulated participants are compared" in origins_note([live, simulated])
 
 
 def test_figures_of_a_session_are_those_of_its_events(tmp_path: Path) -> None:
