@@ -57,7 +57,7 @@ def no_number(render_mode=None):
             {"env": f"{__name__}:no_number"},
             TileModel(),
             GameError,
-            "no_number gave the reward nan after rewards of 25",
+            "no_number gave the reward nan for action",
         ),
     ],
     ids=["ridge", "sgd", "reward"],
