@@ -138,6 +138,8 @@ class GymnasiumPlugin(GamePlugin):
         encoder = protocol.learner.encoder if isinstance(protocol.learner, SarsaConfig) else None
         return [
             f"the domain is the Gymnasium environment {protocol.domain.env}, without its own time limit",
+            f"a step on screen is one step of the environment, shown for {protocol.screen.tick_ms} ms: its "
+            "picture shows what the step led to",
             "every episode counts as one policy, because the learner changes all the time",
             _seen(with_encoder(protocol.domain, encoder)),
         ]
