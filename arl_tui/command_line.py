@@ -146,7 +146,7 @@ class Arl(click.Group):
         return super().main(*args, **extra)
 
     def invoke(self, ctx: click.Context) -> Any:
-        """Run a subcommand; stop with a message where a file or folder cannot be used."""
+        """Run a subcommand; stop with a message where a file, a folder or a game cannot be used."""
         try:
             return super().invoke(ctx)
         except click.ClickException as error:
@@ -156,6 +156,12 @@ class Arl(click.Group):
             if error.errno == errno.EPIPE or error.filename is None:
                 raise
             raise click.ClickException(cannot_use(error)) from error
+        except ValueError as error:
+            from core.plugins import GameError  # here, not above: `arl` alone starts without
+
+            if not isinstance(error, GameError):
+                raise
+            raise click.ClickException(printable_lines(str(error), longest=None)) from error
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Say where recordings are kept."""

@@ -222,7 +222,7 @@ class WorkerLink:
         except (EOFError, OSError):
             self.process.join(1.0)
             return self._post_mortem()
-        return first.error if isinstance(first, Crashed) else ""
+        return f"{first.error}\n{first.trace}".strip() if isinstance(first, Crashed) else ""
 
     def listen(self, on_message: Callable[[FromWorker], None], on_lost: Callable[[str], None]) -> None:
         """Start delivering messages in the running event loop."""

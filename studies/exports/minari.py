@@ -23,6 +23,7 @@ from core.events import EpisodeStarted, StepTaken
 from core.interop.gymnasium.action import EnvAction
 from core.interop.gymnasium.config import GymnasiumConfig
 from core.keepaway.pitch import KeepawayConfig
+from core.plugins import GameError
 from core.recording.reader import Recording, RecordingError, read_recording
 from core.registry import game_of
 from core.session.protocol import Protocol
@@ -95,7 +96,7 @@ def export_minari(place: Path, into: Path) -> MinariExport:
                 sets.add(source)
             except RecordingError as error:
                 result.damaged.append(Trouble(source.path, str(error)))
-            except NotReplayedError as error:
+            except (NotReplayedError, GameError) as error:
                 result.left_out.append(Trouble(source.path, str(error)))
     if not result.episodes:
         if not any(into.iterdir()):

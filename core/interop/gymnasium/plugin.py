@@ -136,8 +136,10 @@ class GymnasiumPlugin(GamePlugin):
         """Return what is particular to it."""
         assert isinstance(protocol.domain, GymnasiumConfig), "a protocol of Gymnasium"
         encoder = protocol.learner.encoder if isinstance(protocol.learner, SarsaConfig) else None
+        tick_ms = protocol.screen.tick_ms
         return [
             f"the domain is the Gymnasium environment {protocol.domain.env}, without its own time limit",
+            f"a step on screen is one step of the environment: what it led to, shown for {tick_ms} ms",
             "every episode counts as one policy, because the learner changes all the time",
             _seen(with_encoder(protocol.domain, encoder)),
         ]

@@ -20,11 +20,15 @@ from arl_tui.worker import start_worker
 from core.interop.gymnasium.config import GymnasiumConfig
 from core.interop.gymnasium.picture import NO_ACTION, EnvPicture, smaller
 from core.plugins import GameError
-from core.session.protocol import DEFAULTS, Protocol
+from core.session.protocol import DEFAULTS, Protocol, SessionConfig
 from tests.arl_tui.fakes import episode_started, step_taken
+from tests.core.interop import own_task
+from tests.core.sessions import simulated
 
 gymnasium = pytest.importorskip("gymnasium")
 pytest.importorskip("pygame")
+
+OWN = "tests.core.interop.own_task"
 
 
 def test_pictures_are_small_travel_as_data_and_follow_the_actions() -> None:
@@ -201,3 +205,18 @@ def test_a_protocol_whose_environment_cannot_be_played_is_not_called_usable(tmp_
     assert result.exit_code == 1
     assert "has no environment 'MountainCra-v0': the nearest is MountainCar-v0" in result.output
     assert "can be used" not in result.output
+
+
+def test_a_recording_whose_environment_is_gone_is_answered_with_a_message(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    protocol = msgspec.structs.replace(
+        about(f"{OWN}:make", phi=f"{OWN}:phi"),
+        session=SessionConfig(episodes=1, unseen_between=0, watched_steps=3, unseen_steps=3),
+    )
+    simulated(tmp_path, protocol)
+    monkeypatch.delattr(own_task, "make")
+    result = CliRunner().invoke(main, ["replay", str(tmp_path / "session-5.jsonl")])
+    assert result.exit_code == 1
+    assert "Error: there is no function 'tests.core.interop.own_task:make'" in result.output
+    assert isinstance(result.exception, SystemExit)

@@ -176,3 +176,23 @@ def test_sessions_of_gymnasium_become_data_sets_with_the_environments_spaces(env
         for seen in episode.observations[:-1]
     ]
     assert found == states
+
+
+def test_a_session_whose_environment_is_gone_is_left_out_with_the_reason(tmp_path, monkeypatch):
+    pytest.importorskip("gymnasium")
+    from core.session.protocol_reading import protocol_from
+    from tests.core.interop import own_task
+
+    own = "tests.core.interop.own_task"
+    protocol = protocol_from(
+        {
+            "domain": {"type": "gymnasium", "env": f"{own}:make", "phi": f"{own}:phi"},
+            "session": {"episodes": 1, "unseen_between": 0, "watched_steps": 3},
+            "trainer": {"knowledge": "myopic"},
+        }
+    )
+    (tmp_path / "data").mkdir()
+    simulated(tmp_path / "data", protocol)
+    monkeypatch.delattr(own_task, "make")
+    with pytest.raises(ExportError, match=r"session-5.jsonl: there is no function '.*own_task:make'"):
+        export_minari(tmp_path / "data", tmp_path / "sets")
