@@ -3,6 +3,7 @@
 import errno
 import os
 import sys
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib import import_module
@@ -26,6 +27,10 @@ FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 
 OWN_GAMES = ("tetris", "keepaway", "gymnasium")
 """`core.plugins.BUILT_IN`, written out here so that `--help` need not load it; a test compares."""
+
+
+NO_FILE = "<arl>"
+"""`core.numerics.kernel_files.NO_FILE`, for the same reason; a test compares."""
 
 
 class GameChoice(click.ParamType):  # type: ignore[type-arg] # not generic in click 8.1
@@ -143,6 +148,7 @@ class Arl(click.Group):
     def main(self, *args: Any, **extra: Any) -> Any:
         """Run; see `click.Command.main`."""
         speak_utf8()
+        warnings.formatwarning = note_or_warning
         return super().main(*args, **extra)
 
     def invoke(self, ctx: click.Context) -> Any:
@@ -188,6 +194,18 @@ def say(text: object = "", *, err: bool = False, nl: bool = True, **style: Any) 
 def cannot_use(error: OSError) -> str:
     """Return which file or folder cannot be used, why, and what to do."""
     return f"{error.filename}: {error.strerror}. Choose another file or folder, or make this one writable"
+
+
+_usual_warning = warnings.formatwarning
+
+
+def note_or_warning(
+    message: Warning | str, category: type[Warning], filename: str, lineno: int, line: str | None = None
+) -> str:
+    """Return a warning as it is printed: what this program says of its own folders is one line."""
+    if filename == NO_FILE:
+        return f"Note: {message}\n"
+    return _usual_warning(message, category, filename, lineno, line)
 
 
 def speak_utf8() -> None:

@@ -6,6 +6,7 @@ import re
 import subprocess
 import sys
 import tarfile
+import tomllib
 import zipfile
 from pathlib import Path
 
@@ -37,6 +38,17 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("dist")
     run(sys.executable, "-m", "build", "--outdir", folder, REPOSITORY, folder=folder)
     return folder
+
+
+def test_the_versions_of_python_are_the_same_everywhere():
+    project = tomllib.loads((REPOSITORY / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    oldest, beyond = re.fullmatch(r">=3\.(\d+),<3\.(\d+)", project["requires-python"]).groups()
+    name = "Programming Language :: Python :: 3."
+    listed = [each.removeprefix(name) for each in project["classifiers"] if each.startswith(name)]
+    assert listed == [str(minor) for minor in range(int(oldest), int(beyond))]
+    for page in ("README.md", "docs/tutorials/first-session.md"):
+        text = (REPOSITORY / page).read_text(encoding="utf-8")
+        assert f"You need Python 3.{oldest} to 3.{int(beyond) - 1}, pip" in text, page
 
 
 @pytest.mark.slow

@@ -34,6 +34,8 @@ KEPT_FOLDERS = 4
 OLD_FORMAT_S = 86_400.0
 """A folder of an earlier version has no `IN_USE` file: it is removed when it has not been used for so long,
 seconds."""
+NO_FILE = "<arl>"
+"""Where warnings come from, in the place of a source file."""
 _DIGEST_BYTES = 32
 _OURS_ONLY = stat.S_IWGRP | stat.S_IWOTH
 
@@ -142,8 +144,9 @@ class KernelFiles:
         """Say once why programs are slower."""
         if line not in self.notes:
             self.notes.append(line)
-            # Without a place in the source, which tells a user nothing: one line.
-            warnings.warn_explicit(line, KernelCacheWarning, "arl", 1)
+            # Without a place in the source, which tells a user nothing: one line. Python prints the source,
+            # too, where it finds a file of this name.
+            warnings.warn_explicit(line, KernelCacheWarning, NO_FILE, 1)
 
     # --- the folder -----------------------------------------------------------------------------------------
 

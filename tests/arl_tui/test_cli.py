@@ -1,5 +1,6 @@
 """The commands that need no terminal."""
 
+import os
 import subprocess
 import sys
 import tomllib
@@ -9,7 +10,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from arl_tui.cli import COMMANDS, main
-from arl_tui.command_line import OWN_GAMES, Listed
+from arl_tui.command_line import NO_FILE, OWN_GAMES, Listed
 from arl_tui.commands.demo import demo_protocol
 from arl_tui.commands.protocol import toml_lines
 from arl_tui.recordings import new_path
@@ -21,6 +22,8 @@ from core.recording.schema import Header, to_plain
 from core.session.protocol import Protocol
 from core.session.protocol_reading import load_protocol
 from tests.arl_tui.fakes import episode_ended, episode_started, session_ended
+
+REPOSITORY = Path(__file__).resolve().parents[2]
 
 
 def run(*arguments: str | Path) -> Result:
@@ -201,3 +204,41 @@ def test_an_unknown_command_is_refused() -> None:
 
 def test_the_names_of_our_own_games_are_those_of_the_look_up() -> None:
     assert tuple(BUILT_IN) == OWN_GAMES
+
+
+UNTRUSTED_FOLDER = """
+import sys, warnings
+from pathlib import Path
+
+from arl_tui.command_line import Arl, note_or_warning
+from core.numerics.kernel_files import KernelFiles
+
+if "command" in sys.argv:
+    warnings.formatwarning = note_or_warning  # as `Arl.main` does
+KernelFiles(Path("none"), pruned=False).note("compiled code is damaged: compiling it anew")
+"""
+
+
+@pytest.mark.parametrize("words", [["command"], []], ids=["command", "library"])
+def test_a_fault_of_the_compiled_code_is_one_line(tmp_path: Path, words: list[str]) -> None:
+    # Python prints the line of the source where a warning comes from, and looks for it in files of that name:
+    # the command's own, where that is `arl`.
+    (tmp_path / "arl").write_text("#!/usr/bin/python\n")
+    (tmp_path / "program.py").write_text(UNTRUSTED_FOLDER)
+    done = subprocess.run(
+        [sys.executable, str(tmp_path / "program.py"), *words],
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(REPOSITORY)},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    (line,) = done.stderr.splitlines()
+    assert line.endswith("compiled code is damaged: compiling it anew")
+    assert line.startswith("Note: compiled" if words else f"{NO_FILE}:1: ")
+
+
+def test_the_name_in_place_of_a_file_is_that_of_the_kernel_files() -> None:
+    from core.numerics import kernel_files
+
+    assert kernel_files.NO_FILE == NO_FILE
