@@ -102,7 +102,7 @@ class AskNow(Record, frozen=True, kw_only=True, tag="ask-now"):
 
 
 class TriedOut(Record, frozen=True, kw_only=True, tag="tried-out"):
-    """From the worker, its first message where the game's rules are somebody else's: they can be played."""
+    """From the worker, its first message where the game's rules are foreign: they can be played."""
 
 
 class Crashed(Record, frozen=True, kw_only=True, tag="crashed"):
@@ -214,7 +214,7 @@ class WorkerLink:
         self._loop: asyncio.AbstractEventLoop | None = None
 
     def refusal(self) -> str:
-        """Wait until a game whose rules are somebody else's has been tried, before anything else is listened
+        """Wait until a game with foreign rules has been tried, before anything else is listened
         to; return why it cannot be played, "" where it can.
         """
         try:

@@ -34,7 +34,7 @@ WEIGHT_NOT_SHOWN = (
 def check_protocol(path: Path, protocol: Protocol) -> None:
     """Print what a session of a protocol file will do; compiled code is loaded for the last lines.
 
-    Rules that are somebody else's are tried: stop with a message where they cannot be played.
+    Rules that are not the program's own are tried: stop with a message where they cannot be played.
     """
     if plugin_of(protocol).foreign:
         try:

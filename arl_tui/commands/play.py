@@ -23,6 +23,7 @@ from core.session.protocol import Protocol
 from core.session.protocol_reading import load_protocol
 
 if TYPE_CHECKING:
+    from arl_tui.app.link import WorkerLink
     from arl_tui.app.outcome import SessionOutcome
     from arl_tui.session_app import ArlApp
     from core.recording.joined import FinishedPart
@@ -225,10 +226,7 @@ def live_app(
     # on two hardware threads of one core a worker that compiles slows the first picture down by a third.
     link = start_worker(protocol, root_seed, simulated=simulated, kept=kept)
     try:
-        # Before the first page: it is the experimenter who can do something about it.
-        refusal = link.refusal() if plugin_of(protocol).foreign else ""
-        if refusal:
-            raise click.ClickException(refusal)
+        _try_foreign_rules(protocol, link)
         setup = SessionSetup(
             protocol=protocol,
             root_seed=root_seed,
@@ -246,6 +244,15 @@ def live_app(
         return app, app.run_in_terminal()
     finally:
         link.close()
+
+
+def _try_foreign_rules(protocol: Protocol, link: "WorkerLink") -> None:
+    """Stop before the first page where rules that are not the program's own cannot be played: only the
+    experimenter can do something about it.
+    """
+    refusal = link.refusal() if plugin_of(protocol).foreign else ""
+    if refusal:
+        raise click.ClickException(refusal)
 
 
 def tell(outcome: "SessionOutcome") -> None:

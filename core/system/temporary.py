@@ -83,7 +83,7 @@ def _remove(path: Path) -> None:
 
 
 def is_running(pid: int) -> bool:
-    """Return whether there is a process of this number, whoever's it is (POSIX)."""
+    """Return whether there is a process of this number, of any user (POSIX)."""
     try:
         os.kill(pid, 0)
     except (ProcessLookupError, OverflowError):

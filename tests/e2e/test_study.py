@@ -16,11 +16,10 @@ from core.session.replay import replay_exactly
 from core.session.session import build_session
 from studies.lab.blocks import BlockSoFar, sessions_in
 from studies.lab.ledger import Enrolled, SittingEnded, SittingStarted, Withdrawn, read_ledger
-from studies.lab.notes import read_notes
 from studies.lab.progress import Participant, progress
 from studies.lab.sitting_log import ConsentAnswered, QuestionAnswered, read_sitting
 from tests.e2e.processes import descendants, left_after
-from tests.e2e.terminal import PATIENCE_S, START, Terminal
+from tests.e2e.terminal import START, Terminal
 
 STUDY = """
 name = "tiny"
@@ -336,43 +335,6 @@ def test_a_sitting_that_runs_already_is_not_begun_twice(lab: Lab) -> None:
             assert second.wait_for_exit() == 1
             assert "a sitting of P1 is running already" in second.text
     assert lab.participant().sittings[0].attempts == 1
-
-
-def both(monitor: Terminal, terminal: Terminal, text: str) -> None:
-    """Read both terminals until the monitor shows a text: a terminal that nobody reads blocks its program."""
-    end = time.monotonic() + PATIENCE_S
-    while text not in monitor.text:
-        assert time.monotonic() < end, f"{text} was not seen:\n{monitor.text}"
-        terminal.pump(0.05)
-        monitor.pump(0.05)
-
-
-def test_the_experimenter_follows_a_sitting_and_takes_a_note(lab: Lab) -> None:
-    watching = ("study", "status", str(lab.folder / "study.toml"), "--watch")
-    with Terminal(*watching, cwd=lab.folder) as monitor, lab.run("--participant", "P1") as terminal:
-        monitor.wait_for("Nobody has taken part yet")
-        consent(terminal)
-        terminal.wait_for(START)
-        both(monitor, terminal, "P1  day 1: step 3 of 7 (block)")
-        terminal.begin("Game 1")
-        terminal.pump(0.5)
-        terminal.press("j")
-        both(monitor, terminal, "game 1, ")
-        assert "LINEARCONDITION" not in monitor.text
-        assert "presses per minute, lag" in monitor.text
-        terminal.pump(0.3)
-        monitor.press("n")
-        both(monitor, terminal, "Note, then Enter")
-        monitor.press("P1 was interrupted by a phone\r")
-        both(monitor, terminal, "Noted at ")
-        terminal.wait_for("Thank you!")
-        kill(terminal)
-        monitor.press("q")
-        assert monitor.wait_for_exit() == 0
-    (note,) = read_notes(lab.data)
-    assert (note.text, note.running) == ("P1 was interrupted by a phone", ("P1",))
-    (found,) = lab.blocks()
-    assert exact(found.recording)
 
 
 def test_practice_ends_when_both_keys_were_pressed_and_a_calibration_follows(tmp_path: Path) -> None:
