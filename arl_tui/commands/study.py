@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import click
 
 from arl_tui.command_line import recordings_option, say, theme_option
+from core.system.foreign_text import printable
 
 if TYPE_CHECKING:
     from arl_tui.study.simulated import Drawn
@@ -264,7 +265,7 @@ def withdraw(file: Path, code: str, simulated: bool, yes: bool, recordings: Path
     from studies.lab.withdraw import withdraw as remove
 
     if not yes:
-        click.confirm(f"Remove all data of {code} for ever?", abort=True)
+        click.confirm(f"Remove all data of {printable(code)} for ever?", abort=True)
     with _plain_errors():
         _, ledger = _open(file, recordings, simulated=simulated)
         tombstone = remove(ledger, code)

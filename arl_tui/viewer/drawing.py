@@ -66,15 +66,16 @@ def status_line(viewing: Viewing, transport: Transport, moment: Moment) -> list[
     games = f"  game {moment.game + 1}/{len(session.games)}" if moment.game >= 0 else ""
     tag = viewing.tags.near(moment.time_ns, NEAR_NS)
     note = f"  [{tag.tag}] {printable(tag.note, longest=40)}" if tag is not None else ""
-    runs: list[Run] = [
+    if viewing.whole is not None:
+        # How long the session is, is not known yet. The line has 57 columns in a window of 80.
+        reading = f"  reading the rest: {viewing.whole.share:.0%}"
+        return [(f"{state} {at}", BOLD), (reading, DIM), (f"{games}{step}  {speed}", None), (note, BOLD)]
+    return [
         (f"{state} {at}", BOLD),
-        (f" of {whole}{'' if viewing.whole is None else ' and more'}  {speed}", None),
+        (f" of {whole}  {speed}", None),
         (f"{games}{step}", None),
         (note, BOLD),
     ]
-    if viewing.whole is not None:
-        runs.append((f"  reading the rest: {viewing.whole.share:.0%}", DIM))
-    return runs
 
 
 def feedback_lines(viewing: Viewing, moment: Moment, width: int, *, roomy: bool) -> list[list[Run]]:

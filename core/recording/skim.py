@@ -11,12 +11,13 @@ import msgspec
 
 from core.recording.lines import record_of
 from core.recording.reader import Recording, read_recording
-from core.recording.schema import End, Header
+from core.recording.schema import VERSION, End, Header, Line
 from core.recording.sealed import SealedFile, UnusualFileError
 
 WORTH_SKIMMING = 1 << 22
 """Bytes from which on a file is skimmed: 4 MB."""
 STEP_BEGINS = b'{"type":"step-taken"'
+_decoder: msgspec.json.Decoder[Line] = msgspec.json.Decoder(Line)
 _COUNTED = (b'{"type":"frame-shown"', STEP_BEGINS, b'{"type":"credit-given"')
 
 
@@ -55,7 +56,11 @@ def _skimmed(path: Path) -> Recording | None:
 def _decoded(path: Path, kept: list[bytes], n_lines: int, steps: int) -> Recording | None:
     try:
         header = msgspec.json.decode(kept[0] + b"}", type=Header)
-        records = [record_of(payload + b"}", header.version) for payload in kept[1:]]
+        wholes = [payload + b"}" for payload in kept[1:]]
+        if header.version == VERSION:
+            records = list(map(_decoder.decode, wholes))
+        else:
+            records = [record_of(whole, header.version) for whole in wholes]
     except (msgspec.DecodeError, ValueError, RecursionError):
         return None
     last = records[-1] if records else None

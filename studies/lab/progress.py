@@ -7,9 +7,11 @@ from typing import Literal, assert_never
 
 from studies.lab.config import Study
 from studies.lab.ledger import (
+    ADVICE,
     Declined,
     DroppedOut,
     Enrolled,
+    LedgerError,
     Line,
     Opened,
     SittingEnded,
@@ -117,40 +119,62 @@ class Progress:
 
 
 def progress(lines: Iterable[Line]) -> Progress:
-    """Return where each participant is after these lines of a ledger."""
+    """Return where each participant is after these lines of a ledger.
+
+    Raises:
+        LedgerError: a line is of a participant who was not enrolled, or of a sitting that was not begun.
+    """
     people: dict[str, Participant] = {}
     declined = 0
-    for line in lines:
+    for number, line in enumerate(lines, start=1):
         at = moment(line.at_utc)
-        match line:
-            case Opened():
-                pass
-            case Declined():
-                declined += 1
-            case Enrolled():
-                people[line.code] = Participant(line.code, line.place, line.order, line.simulated, at)
-            case SittingStarted():
-                sitting = people[line.code].sittings.setdefault(line.sitting, SittingProgress())
-                sitting.attempts = line.attempt + 1
-                sitting.run = line.run
-                sitting.ended = None
-                sitting.begun_at = sitting.last_sign = people[line.code].last_sign = at
-                sitting.steps_done = {place for place in sitting.steps_done if place < line.first_step}
-            case StepDone():
-                sitting = people[line.code].sittings[line.sitting]
-                sitting.steps_done.add(line.step)
-                sitting.last_sign = people[line.code].last_sign = at
-            case SittingEnded():
-                sitting = people[line.code].sittings[line.sitting]
-                sitting.ended = line.how
-                sitting.last_sign = people[line.code].last_sign = at
-            case DroppedOut():
-                people[line.code].dropped_out = line.reason
-            case Withdrawn():
-                people[line.code].withdrawn = True
-            case other:
-                assert_never(other)
+        if isinstance(line, Declined):
+            declined += 1
+        elif isinstance(line, Enrolled):
+            people[line.code] = Participant(line.code, line.place, line.order, line.simulated, at)
+        elif not isinstance(line, Opened):
+            try:
+                _take(people[line.code], line, at)
+            except KeyError as error:
+                raise LedgerError(
+                    f"ledger.jsonl:{number}: {line.__struct_config__.tag} of {line.code}: no line before "
+                    f"enrols this participant, or begins this sitting. {ADVICE}"
+                ) from error
     return Progress(people, declined)
+
+
+def _take(
+    person: Participant,
+    line: SittingStarted | StepDone | SittingEnded | DroppedOut | Withdrawn,
+    at: datetime,
+) -> None:
+    """Take in a line about a participant.
+
+    Raises:
+        KeyError: the sitting was not begun.
+    """
+    match line:
+        case SittingStarted():
+            sitting = person.sittings.setdefault(line.sitting, SittingProgress())
+            sitting.attempts = line.attempt + 1
+            sitting.run = line.run
+            sitting.ended = None
+            sitting.begun_at = sitting.last_sign = person.last_sign = at
+            sitting.steps_done = {place for place in sitting.steps_done if place < line.first_step}
+        case StepDone():
+            sitting = person.sittings[line.sitting]
+            sitting.steps_done.add(line.step)
+            sitting.last_sign = person.last_sign = at
+        case SittingEnded():
+            sitting = person.sittings[line.sitting]
+            sitting.ended = line.how
+            sitting.last_sign = person.last_sign = at
+        case DroppedOut():
+            person.dropped_out = line.reason
+        case Withdrawn():
+            person.withdrawn = True
+        case other:
+            assert_never(other)
 
 
 def moment(at_utc: str) -> datetime:

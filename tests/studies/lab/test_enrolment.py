@@ -236,6 +236,22 @@ def test_a_changed_line_is_named(study, ledger):
         ledger.lines()
 
 
+@pytest.mark.parametrize(
+    "line",
+    [
+        SittingStarted(code="P99", sitting=0, attempt=0),
+        StepDone(code="A", sitting=3, step=0),
+        SittingEnded(code="P99", sitting=0, how="finished"),
+        DroppedOut(code="P99", reason="none"),
+    ],
+)
+def test_a_line_of_nobody_is_named(study, ledger, line):
+    enrol(study, ledger, "A", now=MORNING)
+    ledger.append(line)
+    with pytest.raises(LedgerError, match=rf"ledger\.jsonl:\d: .* of {line.code}: no line before enrols"):
+        progress(ledger.lines())
+
+
 def test_a_line_cut_off_by_a_kill_is_removed_by_the_next_writer(study, ledger):
     enrol(study, ledger, "A", now=MORNING)
     with ledger.path.open("ab") as file:
