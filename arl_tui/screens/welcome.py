@@ -70,6 +70,7 @@ class WelcomeScreen(PageScreen):
         self._protocol = protocol
         self._words = screens_of(protocol).words_for(protocol)
         self.HEADING = f"{tr(self._words.heading)}  -  {part}" if part else self._words.heading
+        self._in_study = bool(part)
         self._participant = participant
         self._simulated = simulated
         self._overview = overview
@@ -175,8 +176,17 @@ class WelcomeScreen(PageScreen):
         self.query_one("#call", Static).update(self._call())
 
     def _warning(self) -> str:
-        """Return what the experimenter is told of the pace; nothing in a demonstration, which is no study."""
-        return "" if self._simulated else pace_warning(self._protocol, self._worker_ready)
+        """Return what the experimenter is told of the pace."""
+        return pace_warning(self._protocol, self._worker_ready) if self._tells_pace else ""
+
+    @property
+    def _tells_pace(self) -> bool:
+        """Whether the experimenter reads of the pace here.
+
+        Not in a demonstration; nor in a visit of a study, where participants are alone with the page: `arl
+        study check` says it before, and `arl study run` at the end.
+        """
+        return not self._simulated and not self._in_study
 
     def _call(self) -> str:
         """Return two lines: what can be pressed, and how far the preparation is."""
@@ -185,7 +195,7 @@ class WelcomeScreen(PageScreen):
             # The warning takes the room of the second line: nothing moves without one.
             if self._warning():
                 return line
-            pace = "" if self._simulated else pace_line(self._protocol, self._worker_ready)
+            pace = pace_line(self._protocol, self._worker_ready) if self._tells_pace else ""
             return f"{line}\n[dim]{pace and f'For the experimenter: {pace}'}[/]"
         far = tr("getting ready")
         if self._progress is not None and self._progress.compiled:

@@ -59,9 +59,9 @@ def drawn_code(study: Study, ledger: Ledger, *, prefix: str | None = None) -> st
     Args:
         study: whose codes are drawn.
         ledger: of the study.
-        prefix: of the code; the study's by default.
+        prefix: of the code, of simulated participants; the study's by default. Their letters are others.
     """
-    draws = stream(study.seed, "codes")
+    draws = stream(study.seed, "codes" if prefix is None else "simulated codes")
     while True:
         letters = draws.integers(len(ALPHABET), size=study.codes.length)
         code = (study.codes.prefix if prefix is None else prefix) + "".join(

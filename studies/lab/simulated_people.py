@@ -20,8 +20,8 @@ USUAL_PART = 0.4
 MOST_PER_CHANCE = 0.8
 """Nobody presses more often per step that can be judged: trainers in TAMER's public logs, who have no
 budget, press 0.8 to 2.8 times per piece, and the fewest of these is a press for eight pieces in ten."""
-GAMES_TO_COUNT = 3
-"""Watched games from which the chances to press in a game are counted."""
+GAMES_TO_COUNT = 10
+"""At most so many watched games are played to count the chances to press in a game."""
 
 
 def presses_per_game(loaded: LoadedStudy, kind: str) -> float:
