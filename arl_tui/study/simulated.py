@@ -26,8 +26,8 @@ from core.numerics.clock import NS_PER_S, ManualClock, wall_time_utc
 from core.numerics.streams import stream
 from core.recording.reader import read_recording
 from core.session.protocol import Protocol
-from studies.lab.check import SECONDS_PER_QUESTION, WORDS_PER_MINUTE
 from studies.lab.config import Block, Calibration, Practice
+from studies.lab.minutes import SECONDS_PER_QUESTION, WORDS_PER_MINUTE
 from studies.lab.questions import Choice, FreeText, Likert, Number, Press, Question, Scale
 from studies.lab.read import LoadedStudy
 

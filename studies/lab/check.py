@@ -27,13 +27,11 @@ from studies.lab.config import (
     TextPage,
     kind_of,
 )
+from studies.lab.minutes import SECONDS_PER_QUESTION, WORDS_PER_MINUTE
 from studies.lab.orders import Order, order_of, orders_per_cycle
 from studies.lab.read import LoadedStudy
 from studies.lab.simulated_people import as_participant, chances_per_game, settings_without_effect
 
-WORDS_PER_MINUTE = 200.0
-"""Reading speed on a screen."""
-SECONDS_PER_QUESTION = 8.0
 TRIAL_S = 6.0
 """One trial of a calibration, with what lies between trials."""
 GAME_OF_PRACTICE_S = 60.0

@@ -20,6 +20,10 @@ from studies.lab.sitting_log import (
     read_sitting,
 )
 
+WORDS_PER_MINUTE = 200.0
+"""Reading speed on a screen."""
+SECONDS_PER_QUESTION = 8.0
+
 
 class _Attempt(NamedTuple):
     at_utc: str
