@@ -25,7 +25,7 @@ from core.combination.window import DecisionWindow, Values
 from core.domain import Choices, Features
 from core.events import CreditGiven
 from core.feedback.samples import MassAccount
-from core.numerics.arrays import Floats
+from core.numerics.arrays import Floats, in_order
 
 
 class Listeners:
@@ -77,7 +77,7 @@ class Listeners:
     def account(self) -> MassAccount:
         """Where the mass of all participants' presses went."""
         accounts = [dataclasses.astuple(learner.account) for learner in self.learners]
-        return MassAccount(*(sum(column) for column in zip(*accounts, strict=True)))
+        return MassAccount(*(in_order(column) for column in zip(*accounts, strict=True)))
 
     def fold(self, weights: Sequence[float], window: DecisionWindow) -> float:
         """Set how several participants are folded, by their weights; return the weight of the folded H.
@@ -265,7 +265,7 @@ class ListenersTrust:
         participants alike.
         """
         # Of one alone -0.0 is 0.0, as it stands in recordings.
-        w_h = [sum(self.w_h)] if self._listeners.alone else self.w_h
+        w_h = [in_order(self.w_h)] if self._listeners.alone else self.w_h
         each = [scheme.episode_weights(w_s, episode) for w_s in w_h]
         weights = [single.w_h for single in each]
         silent = not (any(weights) and self._listeners.knows_something)

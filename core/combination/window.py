@@ -11,6 +11,7 @@ from core.combination.agreement import Agreement
 from core.combination.preference import mean_and_sd
 from core.combination.tally import Tally, agreement_of, compare_choices, new_tally
 from core.domain import Choices, Features
+from core.numerics.arrays import in_order
 from core.numerics.compiled import kernel
 
 Values = Callable[[Features, NDArray[np.float64]], NDArray[np.float64]]
@@ -104,7 +105,7 @@ class DecisionWindow:
             self.compare(rng.standard_normal(size=(n_features,)), human_weights).rate
             for _ in range(N_RANDOM_POLICIES)
         ]
-        return sum(rates) / len(rates)
+        return in_order(rates) / len(rates)
 
     def _rows(
         self,
