@@ -10,6 +10,8 @@ The weight of the folded H is its own spread. If only one of several presses, ch
 
 import dataclasses
 from collections.abc import Sequence
+from functools import reduce
+from operator import add
 
 import numpy as np
 
@@ -27,7 +29,7 @@ from core.events import CreditGiven
 from core.feedback.config import CreditConfig
 from core.feedback.samples import MassAccount
 from core.learners.human_config import HumanModelConfig
-from core.numerics.arrays import Floats
+from core.numerics.arrays import Floats, in_order
 from core.numerics.tile_coding import Tiling
 
 
@@ -81,8 +83,9 @@ class Listeners:
     @property
     def account(self) -> MassAccount:
         """Where the mass of all participants' presses went."""
+        # One by one, as `in_order` does, and counts stay whole numbers.
         accounts = [dataclasses.astuple(learner.account) for learner in self.learners]
-        return MassAccount(*(sum(column) for column in zip(*accounts, strict=True)))
+        return MassAccount(*(reduce(add, column) for column in zip(*accounts, strict=True)))
 
     def fold(self, weights: Sequence[float], window: DecisionWindow) -> float:
         """Set how several participants are folded, by their weights; return the weight of the folded H.
@@ -291,7 +294,7 @@ class ListenersTrust:
         participants alike.
         """
         # Of one alone -0.0 is 0.0, as it stands in recordings.
-        w_h = [sum(self.w_h)] if self._listeners.alone else self.w_h
+        w_h = [in_order(self.w_h)] if self._listeners.alone else self.w_h
         each = [scheme.episode_weights(w_s, episode) for w_s in w_h]
         weights = [single.w_h for single in each]
         silent = not (any(weights) and self._listeners.knows_something)

@@ -12,6 +12,7 @@ from core.combination.preference import mean_and_sd
 from core.combination.tally import Tally, agreement_of, compare_choices, new_tally
 from core.domain import Choices, Features
 from core.learners.linear import action_values
+from core.numerics.arrays import in_order
 from core.numerics.compiled import kernel
 from core.numerics.fixed_point import exact_weights
 
@@ -113,7 +114,7 @@ class DecisionWindow:
             self.compare(rng.standard_normal(size=(n_features,)), human_weights).rate
             for _ in range(N_RANDOM_POLICIES)
         ]
-        return sum(rates) / len(rates)
+        return in_order(rates) / len(rates)
 
     def _rows(
         self,

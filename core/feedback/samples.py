@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from core.domain import Features
 from core.feedback.config import CreditConfig
+from core.numerics.arrays import in_order
 
 __all__ = ["CreditConfig", "FeedbackSample", "MassAccount", "PressCredit"]
 
@@ -57,7 +58,7 @@ class MassAccount:
         return MassAccount(
             presses=self.presses + 1,
             merged=self.merged,
-            credited=self.credited + sum(given.shares),
+            credited=self.credited + in_order(given.shares),
             before_first=self.before_first + given.before_first,
             in_gaps=self.in_gaps + given.in_gaps,
             too_late=self.too_late + given.too_late,

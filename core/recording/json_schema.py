@@ -5,6 +5,7 @@ It says what a line may hold. That the chain is whole, and in which order lines 
 """
 
 from collections.abc import Mapping
+from inspect import cleandoc
 from typing import Any
 
 import msgspec
@@ -80,6 +81,9 @@ def _definition(record: type[msgspec.Struct], components: Mapping[str, Any], ver
     if record is Header:
         properties["version"] = {**properties["version"], "const": version}
         found["required"] = [*found["required"], "format", "version"]
+    if "description" in found:
+        # Python 3.13 takes the indent away, 3.11 does not.
+        found["description"] = cleandoc(found["description"])
     found["title"] = _tag(record)
     found["properties"] = {**properties, "chain": _CHAIN}
     found["required"] = [*found["required"], "chain"]
