@@ -34,6 +34,7 @@ from core.domain import Choices, Features
 from core.events import CreditGiven
 from core.feedback.config import CreditConfig
 from core.learners.contract import EnvironmentLearner, StepwiseLearner
+from core.numerics.arrays import in_order
 from core.numerics.streams import stream, stream_seed
 from core.numerics.tile_coding import Tiling, tile_values
 
@@ -112,7 +113,7 @@ class ArlAgent:
         Of several participants the mean; each one's is in `trust_of_sources`. Which weight an episode is
         played with is up to the scheme: `EpisodePolicy.episode_weights`.
         """
-        return sum(self.trust_of_sources) / len(self.trust_of_sources)
+        return in_order(self.trust_of_sources) / len(self.trust_of_sources)
 
     @property
     def trust_of_sources(self) -> list[float]:
