@@ -114,7 +114,7 @@ class ArlApp(SessionControls):
     def on_mount(self) -> None:
         """Listen to the worker, and to requests to end."""
         loop = asyncio.get_running_loop()
-        self._flush_clock.on_stamp = lambda: _call_soon(loop, self.live.collect_frames)
+        self._flush_clock.on_stamp = lambda: self.soon(self.live.collect_frames)
         loop.set_exception_handler(self._on_loop_error)
         self.push_screen(self.welcome)
         self._link.listen(self.live.take_in, self.live.worker_lost)
@@ -130,13 +130,12 @@ class ArlApp(SessionControls):
         """Start the session: the participant has pressed the start key."""
         created_utc = wall_time_utc()
         header = self._header(created_utc)
-        loop = asyncio.get_running_loop()
 
         def create(path: Path) -> Recorder:
             return Recorder(
                 path,
                 header,
-                on_news=lambda: _call_soon(loop, self._on_disk_news),
+                on_news=lambda: self.soon(self._on_disk_news),
                 clock=self._clock,
                 sign=sign,
             )
@@ -373,11 +372,6 @@ def _raise(error: Exception) -> None:
 def key_name(event: events.Key) -> str:
     """Return the key as it is recorded: Shift and Caps Lock change a letter's character, not its key."""
     return event.key.lower() if len(event.key) == 1 else event.key
-
-
-def _call_soon(loop: asyncio.AbstractEventLoop, callback: object) -> None:
-    if not loop.is_closed():
-        loop.call_soon_threadsafe(callback)  # type: ignore[arg-type]
 
 
 def build_app(setup: SessionSetup, link: Link, *, clock: Clock | None = None) -> ArlApp:

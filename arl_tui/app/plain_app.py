@@ -5,6 +5,7 @@ They also end in the same way when the terminal goes away or a signal asks for i
 """
 
 import asyncio
+import contextvars
 import os
 import signal
 import sys
@@ -70,6 +71,7 @@ class PlainApp(App[Result], inherit_bindings=False):
         """The signal that has ended this app; SIGHUP also where the terminal was found to be gone."""
         self._guard = TerminalGuard()
         self._event_loop: asyncio.AbstractEventLoop | None = None
+        self._own_context = contextvars.copy_context()
         self.before_leaving: Callable[[], None] = lambda: None
         """Called before the process ends because the terminal is gone: the last chance to write something."""
 
@@ -110,8 +112,17 @@ class PlainApp(App[Result], inherit_bindings=False):
             self.ended_by = signal.Signals(number)
             if hasattr(driver, "end_soon"):
                 driver.end_soon()
-            if self._event_loop is not None and not self._event_loop.is_closed():
-                self._event_loop.call_soon_threadsafe(self.end_by_signal, self.ended_by)
+            self.soon(self.end_by_signal, self.ended_by)
+
+    def soon(self, callback: Callable[..., object], *arguments: object) -> None:
+        """Call back in the app's event loop as soon as possible: from any thread, or from a signal handler.
+
+        What is called knows its app. Textual keeps the app in a context variable; other threads have none,
+        and a page that is opened without one ends the app with an error.
+        """
+        loop = self._event_loop
+        if loop is not None and not loop.is_closed():
+            loop.call_soon_threadsafe(callback, *arguments, context=self._own_context.copy())
 
     def terminal_gone(self) -> None:
         """Act on a terminal that can no longer be read, or no longer be written to."""
@@ -119,7 +130,7 @@ class PlainApp(App[Result], inherit_bindings=False):
 
     def on_mount(self) -> None:
         """Act on a signal that came before the app ran."""
-        self._event_loop = asyncio.get_running_loop()
+        self._event_loop, self._own_context = asyncio.get_running_loop(), contextvars.copy_context()
         if self.ended_by is not None:
             self.call_later(self.end_by_signal, self.ended_by)
 

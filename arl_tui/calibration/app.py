@@ -100,13 +100,7 @@ class CalibrationApp(PlainApp[CalibrationOutcome]):
 
     def on_mount(self) -> None:
         """Listen to flushes and to requests to end, and begin."""
-        loop = asyncio.get_running_loop()
-
-        def tell() -> None:
-            if not loop.is_closed():
-                loop.call_soon_threadsafe(self._take_flushes)
-
-        self._flush_clock.on_stamp = tell
+        self._flush_clock.on_stamp = lambda: self.soon(self._take_flushes)
         self.run_worker(self._conduct(), exclusive=True, name="conduct")
 
     def on_unmount(self) -> None:

@@ -6,6 +6,7 @@ is simulated.
 """
 
 import asyncio
+import contextvars
 import threading
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -130,6 +131,8 @@ class _ThreadLink:
         self._on_lost: Callable[[str], None] = lambda _reason: None
         self._listening = False
         self._closed = False
+        self._context = contextvars.copy_context()
+        """The app's: a page that a message opens finds the app in it."""
 
     # --- the screen's end -----------------------------------------------------------------------------------
 
@@ -137,6 +140,7 @@ class _ThreadLink:
         """Start the player."""
         self._on_message, self._on_lost = on_message, on_lost
         self._listening = True
+        self._context = contextvars.copy_context()
         self._loop.hold()
         threading.Thread(target=self._play, name="player", daemon=True).start()
 
@@ -169,8 +173,12 @@ class _ThreadLink:
             pass
         except Exception as error:  # noqa: BLE001 - whatever it was, the session must end
             reason = f"{type(error).__name__}: {error}"
-            self._loop.call_soon_threadsafe(self._lose, reason)
+            self.soon(self._lose, reason)
         self._loop.call_soon_threadsafe(self._loop.go_on)
+
+    def soon(self, callback: Callable[..., None], argument: object) -> None:
+        """Call back in the loop's thread, from the player's."""
+        self._loop.call_soon_threadsafe(callback, argument, context=self._context.copy())
 
     def _lose(self, reason: str) -> None:
         if self._listening:
@@ -205,7 +213,7 @@ class _Line:
 
     def send(self, message: FromWorker) -> None:
         """Say something to the app."""
-        self._link._loop.call_soon_threadsafe(self._link.deliver, msgspec.msgpack.encode(message))
+        self._link.soon(self._link.deliver, msgspec.msgpack.encode(message))
 
     def receive(self, timeout_s: float | None = 0.0) -> list[ToWorker]:
         """Wait on the loop's time.

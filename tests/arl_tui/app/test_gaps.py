@@ -1,5 +1,8 @@
 """A machine that sleeps, a stopped process, a window without the keyboard: noticed and recorded."""
 
+import contextvars
+import threading
+
 import pytest
 
 from arl_tui.app.gaps import LONGEST_NS, GapWatch
@@ -197,3 +200,29 @@ async def test_a_mark_that_may_be_meant_for_q_says_so_at_the_second_press(
         await settle(pilot)
         (said,) = app._notifications
         assert "other letters? Change it to English" in said.message
+
+
+@pytest.mark.parametrize("first_told_by", ["the writing thread", "a signal"])
+async def test_a_gap_that_another_thread_notices_first_pauses_the_session(
+    app: ArlApp, link: FakeLink, protocol: Protocol, first_told_by: str
+) -> None:
+    async with app.run_test(size=SIZE) as pilot:
+        await begin(pilot, link, protocol, steps=1)
+        now_ns = app.live._clock.now_ns()
+        gaps = [TimeGap(last_ns=now_ns - 2 * NS_PER_S, time_ns=now_ns)]
+        app.live.find_gap = lambda: gaps.pop() if gaps else None
+        tell = app._flush_clock.on_stamp
+        if first_told_by == "a signal":
+
+            def tell() -> None:
+                app.soon(app.live.notice_gap)
+
+        # Neither has the context in which Textual finds the app of a page.
+        thread = threading.Thread(target=lambda: contextvars.Context().run(tell))
+        thread.start()
+        thread.join()
+        await settle(pilot)
+        assert isinstance(app.screen, PauseScreen)
+        await pilot.press("space")
+        await settle(pilot)
+        assert isinstance(app.screen, PlayScreen)
