@@ -3,8 +3,11 @@
 Run by the robot as `python -m arl_tui.timing.subject PLAN SEEN PARENT`; writes what it saw to the file SEEN.
 """
 
+import sys
 from collections.abc import Callable
+from pathlib import Path
 
+import msgspec
 from rich.segment import Segment
 from textual import events
 from textual.app import ComposeResult
@@ -22,6 +25,7 @@ from arl_tui.timing.plan import (
     ANSWER_KEY,
     GAP_S,
     SETTLE_S,
+    START_UP_S,
     TIME_OUT_S,
     Answered,
     Plan,
@@ -32,6 +36,8 @@ from arl_tui.widgets.board import TetrisBoard
 from core.events import FrameShown
 from core.feedback.keys import nanoseconds
 from core.numerics.clock import MonotonicClock
+from core.session.protocol import Protocol, ScreenConfig, SessionConfig
+from core.system.processes import leave_with
 from core.tetris.picture import Snapshot
 
 FRAME_MS = 33
@@ -219,3 +225,42 @@ class SubjectApp(PlainApp[str]):
         self.answers.append(Answered(number=trial, flushed_ns=self._flushed_ns, key_ns=key_ns))
         self._stimulus.show(None)
         after(self, GAP_S, self._next_trial)
+
+
+def board_protocol() -> Protocol:
+    """Return a session that never stands still: an endless row of watched games at 30 pictures per second."""
+    return Protocol(
+        session=SessionConfig(episodes=100_000, unseen_between=0),
+        screen=ScreenConfig(tick_ms=FRAME_MS, pause_between_episodes_s=0.1),
+    )
+
+
+def run(plan: Plan) -> tuple[str, Seen]:
+    """Run the app in this terminal; return why it ended early ("" if it did not) and what it saw."""
+    link = None
+    if plan.condition == "beside a board":
+        from arl_tui.worker import start_worker
+
+        link = start_worker(board_protocol(), plan.root_seed)
+    try:
+        app = SubjectApp(plan, link)
+        trouble = app.run()
+        seen = app.seen()
+    finally:
+        if link is not None:
+            link.close()
+    return "the app closed without a result" if trouble is None else trouble, seen
+
+
+def main(plan_path: str, seen_path: str, parent: str) -> None:
+    """Run a plan from a file and write what was seen to another."""
+    plan = msgspec.json.decode(Path(plan_path).read_bytes(), type=Plan)
+    leave_with(int(parent), started_by_main_thread=True, longest_s=START_UP_S + plan.longest_s)
+    trouble, seen = run(plan)
+    if trouble:
+        raise SystemExit(trouble)
+    Path(seen_path).write_bytes(msgspec.json.encode(seen))
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

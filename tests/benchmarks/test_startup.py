@@ -163,4 +163,5 @@ def test_the_first_moving_picture(
         subprocess.run(
             [sys.executable, "-m", "arl_tui.cli", "warm-up"], check=True, env=exported, cwd=REPOSITORY
         )
-    judge(f"first picture of {game}, {cache} cache", first_picture, bare_textual, limit=10.0)
+    # Three seconds are asked for; a bare start takes about a sixth of one.
+    judge(f"first picture of {game}, {cache} cache", first_picture, bare_textual, limit=18.0)
