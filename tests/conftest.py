@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, settings
 # clock.
 settings.register_profile("no clock", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("no clock")
-# Thousands of tests keep millions of objects alive, which every full collection looks at: a quarter of the time.
+# Thousands of tests keep millions of objects alive, and every full collection looks at all of them.
 gc.set_threshold(20_000, 20, 50)
 
 
