@@ -5,6 +5,7 @@ import signal
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from core.events import FocusLost, FocusRegained, KeyPressed, ScreenCleared, TimeGap
@@ -12,6 +13,7 @@ from core.recording.reader import Recording, read_recording
 from core.session.protocol_reading import protocol_from
 from core.session.replay import replay_exactly
 from core.session.session import build_session
+from tests.e2e.processes import worker_of
 from tests.e2e.terminal import Terminal
 
 LONG = """
@@ -75,6 +77,37 @@ def test_a_stopped_process_pauses_and_nothing_is_credited_across(
     assert len(of(recording, FocusLost)) == len(of(recording, FocusRegained)) == 1
     session = build_session(protocol_from(recording.header.protocol), recording.header.root_seed)
     assert replay_exactly(recording, session).difference is None
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(4))
+def test_a_machine_that_stands_still_again_and_again_loses_nothing(
+    seed: int, tmp_path: Path, play: tuple[str, ...]
+) -> None:
+    """Whoever notices first, the timer, a key or the writing thread: the session pauses and goes on."""
+    rng, stalls = np.random.default_rng(seed), 24
+    (tmp_path / "long.toml").write_text(LONG.replace("episodes = 1", "episodes = 1000"))
+    with Terminal(*play, cwd=tmp_path) as terminal:
+        start(terminal)
+        app, worker = terminal.child.pid, worker_of(terminal.child.pid)
+        for _ in range(stalls):
+            terminal.pump(rng.uniform(0.2, 1.0))
+            stopped = [app, worker] if rng.random() < 0.5 else [app]
+            for _ in range(rng.integers(1, 4)):
+                for pid in stopped:
+                    os.kill(pid, signal.SIGSTOP)
+                time.sleep(rng.uniform(1.1, 1.5))
+                for pid in stopped:
+                    os.kill(pid, signal.SIGCONT)
+                time.sleep(rng.choice([0.0005, 0.002, 0.01, 0.03, 0.1, 0.2]))
+            terminal.wait_for("so the game has been", patience_s=1.9)
+            terminal.press(" ")
+            terminal.wait_for("Your feedback", patience_s=20)
+        os.kill(app, signal.SIGTERM)
+        terminal.wait_for_exit_only()
+    recording = recorded(tmp_path)
+    assert recording.complete
+    assert len(of(recording, TimeGap)) >= stalls
 
 
 def test_a_session_can_be_played_with_a_keyboard_of_another_alphabet(
