@@ -90,7 +90,7 @@ def all_recordings(
         ]
     for path in sorted(found):
         if path.exists() and not path.is_file() and not path.is_dir():
-            # Whoever opened a pipe or a device would wait for ever.
+            # Opening a pipe or a device would wait for ever.
             on_error(OSError(errno.EINVAL, "a pipe or a device, not a file", str(path)))
         else:
             yield path

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from core.combination.agent import ArlAgent
 from core.combination.human_learner import HumanLearner
-from core.combination.schemes import ANNEALED_SCHEMES, SCHEMES, Per, Scheme
+from core.combination.schemes import SCHEMES, AnnealedWeight, Per, Scheme
 from core.events import CreditGiven, KeyPressed, PressRetracted
 from core.feedback.credit import Delay, describe
 from core.numerics.streams import stream, stream_seed
@@ -172,8 +172,8 @@ def scheme_named(name: str, own: Scheme) -> Scheme:
     scheme = own if isinstance(own, kind) else kind()
     if not colon:
         return scheme
-    falling = [tag for tag, kind in SCHEMES.items() if kind in ANNEALED_SCHEMES]
-    if not isinstance(scheme, ANNEALED_SCHEMES):
+    falling = [tag for tag, kind in SCHEMES.items() if issubclass(kind, AnnealedWeight)]
+    if not isinstance(scheme, AnnealedWeight):
         raise ValueError(  # noqa: TRY004 - the text is wrong, not its type
             f"{name!r}: the weight of {tag} does not fall; those of {', '.join(falling)} do"
         )
@@ -207,7 +207,7 @@ def _row(path: Path, protocol: Protocol, settings: WhatIfSettings) -> Judged:
     row = WhatIfRow(
         credit=describe(protocol.agent.credit.delay),
         scheme=str(scheme.__struct_config__.tag),
-        per=scheme.per if isinstance(scheme, ANNEALED_SCHEMES) else None,
+        per=scheme.per if isinstance(scheme, AnnealedWeight) else None,
         trust=tuple(relearned.trust),
         episode=judged.episode,
         watched=agent.so_far.watched,

@@ -8,6 +8,8 @@ OLDER_EVERY = 16
 """Such collections between two that take those objects, too, that have survived one."""
 ALL_EVERY = 40
 """Looks between two full collections while the game is covered."""
+OF_PYTHON = 5_000
+"""Objects at most that Python itself has frozen at its start (3.12: some hundreds)."""
 
 
 class GarbageControl:
@@ -19,16 +21,22 @@ class GarbageControl:
     """
 
     def __init__(self) -> None:
-        self._frozen = False
+        self._begun = self._frozen = False
         self._looks = 0
 
     def first_paint(self) -> None:
-        """Take everything that start-up left behind out of later collections."""
-        if not self._frozen:
+        """Take everything that start-up left behind out of later collections.
+
+        Where a program around this one has frozen objects of its own, nothing more is frozen: `restore`
+        could not tell the two apart.
+        """
+        if not self._begun:
+            self._begun = True
             gc.collect()
-            gc.freeze()
+            self._frozen = gc.get_freeze_count() <= OF_PYTHON
+            if self._frozen:
+                gc.freeze()
             gc.enable()
-            self._frozen = True
 
     def hold(self) -> None:
         """Collect nothing from here on."""
@@ -59,4 +67,4 @@ class GarbageControl:
         gc.enable()
         if self._frozen:
             gc.unfreeze()
-            self._frozen = False
+        self._begun = self._frozen = False

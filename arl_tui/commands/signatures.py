@@ -21,7 +21,7 @@ def make_new_key(path: Path) -> None:
             f"{error.filename}: there is such a file; keys are never overwritten"
         ) from error
     say(f"Private key: {path} (keep it where only you can read it)")
-    say(f"Public key: {public} (give it to whoever is to verify your recordings)")
+    say(f"Public key: {public} (give it to those who are to verify your recordings)")
     say(f"Sign every session from now on: export ARL_SIGNING_KEY={path.absolute()}")
 
 

@@ -31,7 +31,10 @@ class Entry:
 HOME = (
     Entry(later("Take part"), later("watch an agent learn, and judge it by key presses"), ("play",), "game"),
     Entry(
-        later("Calibrate"), later("measure how fast somebody reacts and judges"), ("calibrate",), "calibrate"
+        later("Calibrate"),
+        later("measure how fast a participant reacts and judges"),
+        ("calibrate",),
+        "calibrate",
     ),
     Entry(later("Studies"), later("lead a participant through a study, or follow one"), ("study",), "study"),
     Entry(later("Recordings"), later("list what is recorded, and check it"), ("recordings",)),

@@ -18,12 +18,12 @@ from core.combination.episode_weights import (
     EpisodeWeights,
 )
 from core.combination.schemes import (
-    ANNEALED_SCHEMES,
     SCHEMES,
     ActionBiasing,
     ActsOn,
     Advise,
     Annealed,
+    AnnealedWeight,
     Coach,
     Constant,
     ControlSharing,
@@ -54,7 +54,6 @@ from core.learners.human_config import HumanModelConfig, RidgeModel
 
 __all__ = [
     "ADVISE",
-    "ANNEALED_SCHEMES",
     "ENVIRONMENT_WEIGHTS",
     "EXPONENTIAL",
     "FORM_NAMES",
@@ -66,6 +65,7 @@ __all__ = [
     "Advise",
     "AgentConfig",
     "Annealed",
+    "AnnealedWeight",
     "AskingConfig",
     "BootstrapConfig",
     "Coach",

@@ -6,7 +6,7 @@ Sessions, what-ifs, evaluation and experiments all ask `next_episode`. (`docs/de
 from dataclasses import dataclass
 from typing import Self
 
-from core.combination.config import ANNEALED_SCHEMES, Scheme
+from core.combination.config import AnnealedWeight, Scheme
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,5 +47,5 @@ def next_episode(scheme: Scheme, so_far: EpisodesSoFar) -> NextEpisode:
             are asked about the episode's number, which plays no part.
         so_far: what has begun.
     """
-    by_game = isinstance(scheme, ANNEALED_SCHEMES) and scheme.per == "watched-game"
+    by_game = isinstance(scheme, AnnealedWeight) and scheme.per == "watched-game"
     return NextEpisode(so_far.episodes, so_far.watched if by_game else so_far.episodes)

@@ -41,6 +41,36 @@ NEEDED: dict[ActsOn, str] = {
 """Which learner a scheme needs, by what it acts on, for messages."""
 
 
+class AnnealedWeight(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """What schemes share whose weight of the participant falls: beta_k = beta_0 decay^k (Knox & Stone 2010).
+
+    What beta weighs, and in which units, each scheme says. `core.combination.schedule` counts k by `per`.
+
+    Raises:
+        ValueError: beta_0 is not finite and >= 0, or decay is not in (0, 1].
+    """
+
+    beta_0: Annotated[float, number(ge=0, le=1e9)] = 1.0
+    """Weight of the first episode, >= 0."""
+    decay: Annotated[float, number(gt=0, le=1)] = 0.98
+    """Factor per watched game or per episode, in (0, 1] (TAMER's code documents 0.98 for AAMAS 2010)."""
+    per: Per = "watched-game"
+    """What the weight falls with: each watched game, or each episode, unseen ones included
+    (`docs/decisions/annealing.md`)."""
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.beta_0) and self.beta_0 >= 0):
+            raise ValueError(f"beta_0 is finite and >= 0, got {self.beta_0}")
+        if not 0 < self.decay <= 1:
+            raise ValueError(f"decay is a factor in (0, 1], got {self.decay}")
+
+    def beta(self, episode: int) -> float:
+        """Return beta_k of number `episode` >= 0 of the schedule; ValueError for a negative number."""
+        if episode < 0:
+            raise ValueError(f"episodes count from 0, got {episode}")
+        return self.beta_0 * self.decay**episode
+
+
 class Linear(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="linear"):
     """a = argmax w_r R + w_h H with w_r = 1 and w_h from bootstrap learning (Eq. 3)."""
 
@@ -64,7 +94,7 @@ class Exponential(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="
         return EpisodeWeights(EXPONENTIAL, 1.0, trust)
 
 
-class Annealed(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="annealed"):
+class Annealed(AnnealedWeight, frozen=True, forbid_unknown_fields=True, tag="annealed"):
     """Eq. 3 with w_h = beta_0 decay^k, k counted by `per`: the paper's baseline (section 4; Knox & Stone
     2010).
     """
@@ -73,20 +103,12 @@ class Annealed(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="ann
 
     beta_0: Annotated[float, number(ge=0, le=1e9, usual=(0, 1000))] = 1.0
     """w_h of the first episode. 1: as much say as the environment, both being standardised. (Our choice.)"""
-    decay: Annotated[float, number(gt=0, le=1)] = 0.98
-    """Factor per watched game or per episode, in (0, 1] (TAMER's code documents 0.98 for AAMAS 2010)."""
-    per: Per = "watched-game"
-    """What the weight falls with: each watched game, or each episode, unseen ones included
-    (`docs/decisions/annealing.md`)."""
     scale: Scale = "standardised"
     """As in `Linear`."""
 
-    def __post_init__(self) -> None:
-        _check_annealing(self.beta_0, self.decay)
-
     def episode_weights(self, trust: float, episode: int) -> EpisodeWeights:
         """Return the weights at number `episode` >= 0 of the schedule; `trust` plays no part."""
-        return EpisodeWeights(_linear_form(self.scale), 1.0, _annealed(self.beta_0, self.decay, episode))
+        return EpisodeWeights(_linear_form(self.scale), 1.0, self.beta(episode))
 
 
 class Constant(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="constant"):
@@ -124,7 +146,7 @@ class HumanOnly(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="hu
         return EpisodeWeights(LINEAR, 0.0, 1.0)
 
 
-class ActionBiasing(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="action-biasing"):
+class ActionBiasing(AnnealedWeight, frozen=True, forbid_unknown_fields=True, tag="action-biasing"):
     """a = argmax Q + beta H at choice only, beta annealed (Knox & Stone 2010, technique 6).
 
     The scales of Q and H are the values' own, as in the source, so `beta_0` belongs to one task and one
@@ -135,41 +157,25 @@ class ActionBiasing(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag
 
     beta_0: Annotated[float, number(ge=0, le=1e9, usual=(0, 1e6))] = 10.0
     """Weight of the first episode (default of TAMER's code)."""
-    decay: Annotated[float, number(gt=0, le=1)] = 0.98
-    """Factor per watched game or per episode, in (0, 1] (TAMER's code documents 0.98 for AAMAS 2010)."""
-    per: Per = "watched-game"
-    """What the weight falls with: each watched game, or each episode, unseen ones included
-    (`docs/decisions/annealing.md`)."""
     scale: Scale = "raw"
     """As in `Linear`; the source adds raw values."""
 
-    def __post_init__(self) -> None:
-        _check_annealing(self.beta_0, self.decay)
-
     def episode_weights(self, trust: float, episode: int) -> EpisodeWeights:
         """Return the weights at number `episode` >= 0 of the schedule; `trust` plays no part."""
-        return EpisodeWeights(_linear_form(self.scale), 1.0, _annealed(self.beta_0, self.decay, episode))
+        return EpisodeWeights(_linear_form(self.scale), 1.0, self.beta(episode))
 
 
-class ControlSharing(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="control-sharing"):
+class ControlSharing(AnnealedWeight, frozen=True, forbid_unknown_fields=True, tag="control-sharing"):
     """With probability min(1, beta) take argmax H, else argmax R (Knox & Stone 2010, technique 7)."""
 
     acts_on: ClassVar[ActsOn] = "choice"
 
     beta_0: Annotated[float, number(ge=0, le=1e9, usual=(0, 1000))] = 1.0
     """Probability in the first episode, clipped to 1 (as in the Frogger study of Griffith et al. 2013)."""
-    decay: Annotated[float, number(gt=0, le=1)] = 0.98
-    """Factor per watched game or per episode, in (0, 1] (TAMER's code documents 0.98 for AAMAS 2010)."""
-    per: Per = "watched-game"
-    """What the weight falls with: each watched game, or each episode, unseen ones included
-    (`docs/decisions/annealing.md`)."""
-
-    def __post_init__(self) -> None:
-        _check_annealing(self.beta_0, self.decay)
 
     def episode_weights(self, trust: float, episode: int) -> EpisodeWeights:
         """Return the weights at number `episode` >= 0 of the schedule; `trust` plays no part."""
-        return EpisodeWeights(LINEAR, 1.0, 0.0, min(1.0, _annealed(self.beta_0, self.decay, episode)))
+        return EpisodeWeights(LINEAR, 1.0, 0.0, min(1.0, self.beta(episode)))
 
 
 class Advise(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="advise"):
@@ -200,7 +206,7 @@ class Advise(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="advis
         return EpisodeWeights(ADVISE, 1.0 / self.temperature, odds)
 
 
-class RewardShaping(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="reward-shaping"):
+class RewardShaping(AnnealedWeight, frozen=True, forbid_unknown_fields=True, tag="reward-shaping"):
     """The learner learns from r + beta H(s, a), beta annealed, and chooses by R alone (Knox & Stone 2010,
     technique 1).
     """
@@ -209,18 +215,10 @@ class RewardShaping(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag
 
     beta_0: Annotated[float, number(ge=0, le=1e9, usual=(0, 1e6))] = 1.0
     """Reward per unit of H in the first episode: a press is worth a line, or a cycle. (Our choice.)"""
-    decay: Annotated[float, number(gt=0, le=1)] = 0.98
-    """Factor per watched game or per episode, in (0, 1] (TAMER's code documents 0.98 for AAMAS 2010)."""
-    per: Per = "watched-game"
-    """What the weight falls with: each watched game, or each episode, unseen ones included
-    (`docs/decisions/annealing.md`)."""
-
-    def __post_init__(self) -> None:
-        _check_annealing(self.beta_0, self.decay)
 
     def episode_weights(self, trust: float, episode: int) -> EpisodeWeights:
         """Return the weights at number `episode` >= 0 of the schedule; `trust` plays no part."""
-        return EpisodeWeights(LINEAR, 1.0, 0.0, shaping=_annealed(self.beta_0, self.decay, episode))
+        return EpisodeWeights(LINEAR, 1.0, 0.0, shaping=self.beta(episode))
 
 
 class QAugmentation(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="q-augmentation"):
@@ -292,9 +290,6 @@ Scheme = (
 SCHEMES: dict[str, type[Scheme]] = {str(kind.__struct_config__.tag): kind for kind in get_args(Scheme)}
 """Every scheme by its tag."""
 
-ANNEALED_SCHEMES = (Annealed, ActionBiasing, ControlSharing, RewardShaping)
-"""Schemes whose weight falls: `core.combination.schedule` says what with."""
-
 
 def check_learner(scheme: Scheme, kind: LearnerKind, name: str) -> None:
     """Refuse a learner that a scheme cannot act on.
@@ -323,17 +318,3 @@ def waits_for_feedback(scheme: Scheme) -> bool:
 
 def _linear_form(scale: Scale) -> int:
     return LINEAR if scale == "standardised" else LINEAR_RAW
-
-
-def _check_annealing(beta_0: float, decay: float) -> None:
-    if not (math.isfinite(beta_0) and beta_0 >= 0):
-        raise ValueError(f"beta_0 is finite and >= 0, got {beta_0}")
-    if not 0 < decay <= 1:
-        raise ValueError(f"decay is a factor in (0, 1], got {decay}")
-
-
-def _annealed(beta_0: float, decay: float, episode: int) -> float:
-    """beta_k = beta_0 decay^k (Knox & Stone 2010)."""
-    if episode < 0:
-        raise ValueError(f"episodes count from 0, got {episode}")
-    return beta_0 * decay**episode

@@ -79,7 +79,8 @@ class HumanRewardModel:
         self._n_samples += 1
         self._export = None
         check_learned(
-            (self._means, self._scatter, self._sgd_weights),
+            # No sum of products overflows before the sums of squares on the diagonal.
+            (self._means, np.diagonal(self._scatter), self._sgd_weights),
             f"The human model, with features up to {np.abs(features).max():g} of step {sample.step},",
         )
 

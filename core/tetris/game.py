@@ -110,7 +110,11 @@ def fits(board: Board, falling: FallingPiece) -> bool:
     column, row = falling.column, falling.row
     if row < 0 or column < 0 or column + shape.width > len(board):
         return False
-    return not any(board[column + offset] >> row & mask for offset, mask in enumerate(shape.masks))
+    for mask in shape.masks:  # a loop: `any` with a generator takes twice as long, and sessions wait for this
+        if board[column] >> row & mask:
+            return False
+        column += 1
+    return True
 
 
 def flattest(piece: int) -> int:

@@ -39,11 +39,13 @@ def _one_game(config: TetrisConfig, seed: int) -> Iterator[int]:
     wall = Wall(config.rows, config.columns)
     for number in range(MOST_PER_GAME):
         piece = PIECE_STREAMS[config.pieces](seed, number)
-        plans = reachable_placements(wall.board, piece, config.rows)
+        board = wall.board
+        plans = reachable_placements(board, piece, config.rows)
         if not plans:
             return
-        landing = {placement: landing_row(wall.board, piece, *placement) for placement in sorted(plans)}
-        lowest = [placement for placement, row in landing.items() if row == min(landing.values())]
+        landing = {placement: landing_row(board, piece, *placement) for placement in sorted(plans)}
+        row = min(landing.values())
+        lowest = [placement for placement in landing if landing[placement] == row]
         placement = lowest[ties.integers(len(lowest))]
         shown = animate(wall, piece, placement, plans[placement], counts=Counts())
         yield shown.ticks

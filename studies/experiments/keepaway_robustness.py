@@ -96,16 +96,16 @@ WHY = """\
 most of these passes: they are right, and every measure of agreement with what the keepers do says that they are wrong.
 
 *Single episodes mislead, too.* Sarsa's values belong to the policy that is played. An episode played under another w_h than those before it is played with
-values that do not fit, and with a human model that was told of other situations: it is shorter, whoever the person is. What listening is worth
+values that do not fit, and with a human model that was told of other situations: it is shorter with any participant. What listening is worth
 shows only where keepers listen all the time, and learn so: that is the row of constant w_h ([measured on pilot seeds](../decisions/keepaway-experiments.md)).
 
 *Any presses help a little.* Random presses (50 % wrong) make keepers better as well, by constant w_h and by trust by trial, whose mean w_h is near 0: young Sarsa
-tries one action in a hundred, and gains from whoever makes it try more. So what a rule makes of people is to be read against the column of 50 %, not against 1. By that measure
+tries one action in a hundred, and gains from anybody's presses, because they make it try more. So what a rule makes of people is to be read against the column of 50 %, not against 1. By that measure
 the constant weight uses people who know the game, and what it loses with an adversary is small.
 
-*Learners side by side* ([the rule, and what was tried before it](../decisions/side-by-side.md)) compare keepers that learned with the person and keepers that learned without: one learner chooses without the
-human, one believes them, one believes the opposite; one of them plays each episode, and all learn from it. So the one without the participant soon becomes better than Sarsa alone, from what
-the others do, and then its agreement with the person has the right sign. Its constants were fixed on pilot seeds.
+*Learners side by side* ([the rule, and what was tried before it](../decisions/side-by-side.md)) compare keepers that learned with the participant and keepers that learned without: one learner chooses without the
+participant, one believes them, one believes the opposite; one of them plays each episode, and all learn from it. So the one without the participant soon becomes better than Sarsa alone, from what
+the others do, and then its agreement with the participant has the right sign. Its constants were fixed on pilot seeds.
 
 **When it fails.** It takes some 200 episodes to decide, so people who are good gain less than if they were listened to from the start (constant w_h = 1), and a participant who leaves early leaves little. Its gain with random
 presses is exploration, no trust. It needs a learner that can learn about one policy from the episodes of another, which is why it is not a rule for the cross-entropy method or

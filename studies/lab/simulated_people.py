@@ -71,15 +71,15 @@ def as_participant(loaded: LoadedStudy, kind: str, chances: float) -> LoadedStud
         kind: of `core.feedback.simulated_participants.persons`.
         chances: from `chances_per_game`.
     """
-    protocol, whoever = _first_protocol(loaded), person(kind)
+    protocol, usual = _first_protocol(loaded), person(kind)
     likely = presses_per_game(loaded, kind) / chances if chances > 0 else 0.0
     delay = protocol.trainer.delay
     trainer = msgspec.structs.replace(
-        whoever,
+        usual,
         press_probability=min(MOST_PER_CHANCE, likely),
         max_presses=protocol.keys.max_presses_per_episode,
         mean_presses=None,
-        delay=whoever.delay if delay == _usual_trainer(protocol).delay else delay,
+        delay=usual.delay if delay == _usual_trainer(protocol).delay else delay,
     )
     return with_trainer(loaded, trainer)
 

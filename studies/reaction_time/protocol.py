@@ -53,7 +53,7 @@ class TaskConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     """A break is offered after each block."""
     foreperiod: Foreperiod = Foreperiod()
     catch_rate: float = 0.1
-    """Fraction of trials without a stimulus: whoever presses there does not react but guesses. Not in
+    """Fraction of trials without a stimulus: a press there is a guess, not a reaction. Not in
     go/no-go."""
     time_out_s: float = 2.0
     """Longest wait for a response, seconds; the trial is then right-censored."""

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import msgspec
+import numpy as np
 import pytest
 
 from core.events import EpisodeStarted, Event, FrameShown, KeyPressed, SessionEnded, StepTaken
@@ -154,16 +155,33 @@ def sit_through(terminal: Terminal, folder: Path, *people: TrainerConfig) -> str
     return keyboard.written
 
 
+SEEDS = range(900, 908)
+"""The first half of the seeds of the library's test, fixed before any session was played."""
+
+
 @pytest.mark.slow
 def test_two_good_people_and_an_adversary_end_as_in_the_library(tmp_path: Path) -> None:
-    """The order of `test_an_adversary_among_two_good_people_is_not_trusted_and_does_no_harm`: both good
-    people have a weight above 0, the adversary one below.
+    """Final weights, in the mean over seeds, are ordered as those of the library's test of an adversary
+    among two good people (`tests/core/combination/test_listeners.py`).
+
+    A single session can end with a weight of 0, there as here: 15 presses in each of six games often tell a
+    good person from chance, not always.
     """
     protocol_file = tmp_path / "crowd.toml"
     protocol_file.write_text(CROWD)
-    with play(tmp_path, protocol_file, "--seed", "3") as terminal:
-        written = sit_through(terminal, tmp_path / "r", GOOD, GOOD, ADVERSARY)
-    recording = the_recording(tmp_path)
+    weights = np.array([weights_of_a_session(tmp_path / str(seed), protocol_file, seed) for seed in SEEDS])
+    print(np.round(weights, 3))
+    good, adversary = weights[:, :2], weights[:, 2]
+    assert good.mean() > 0.05
+    assert adversary.mean() < 0
+
+
+def weights_of_a_session(folder: Path, protocol_file: Path, seed: int) -> tuple[float, ...]:
+    """Play one session with two good people and an adversary, check each press, and return final weights."""
+    folder.mkdir()
+    with play(folder, protocol_file, "--seed", str(seed)) as terminal:
+        written = sit_through(terminal, folder / "r", GOOD, GOOD, ADVERSARY)
+    recording = the_recording(folder)
     assert recording.header.participants == ["A01", "B02", "C03"]
     whose = {key: person for person, keys in enumerate(("jf", "ws", "mv")) for key in keys}
     presses = [e for e in recording.events if isinstance(e, KeyPressed) and e.key in whose]
@@ -175,9 +193,8 @@ def test_two_good_people_and_an_adversary_end_as_in_the_library(tmp_path: Path) 
     assert min(map(len, accepted.values())) > 30
     ended = recording.outputs[-1]
     assert isinstance(ended, SessionEnded)
-    first, second, adversary = ended.weights["trust"]
-    assert min(first, second) > 0 > adversary
     replayed(recording)
+    return tuple(ended.weights["trust"])
 
 
 GRADED = """

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from arl_tui.app.garbage import ALL_EVERY, OLDER_EVERY, SWEEP_EVERY, GarbageControl
+from arl_tui.app.garbage import ALL_EVERY, OF_PYTHON, OLDER_EVERY, SWEEP_EVERY, GarbageControl
 
 
 class Knot:
@@ -19,6 +19,14 @@ class Knot:
 
     def __del__(self) -> None:
         Knot.living -= 1
+
+
+@pytest.fixture(autouse=True)
+def _nothing_is_frozen() -> Iterator[None]:
+    """As in a program of its own; the tests have frozen what they hold together (`tests/conftest.py`)."""
+    gc.unfreeze()
+    yield
+    gc.freeze()
 
 
 @pytest.fixture
@@ -56,3 +64,21 @@ def test_a_collector_that_is_not_held_back_is_left_alone(control: GarbageControl
     for _ in range(10 * SWEEP_EVERY):
         control.look(covered=False)
     assert gc.isenabled()
+
+
+def test_what_is_left_over_from_the_start_is_frozen_and_given_back() -> None:
+    control = GarbageControl()
+    control.first_paint()
+    assert gc.get_freeze_count() > OF_PYTHON
+    control.restore()
+    assert gc.get_freeze_count() == 0
+
+
+def test_what_another_program_has_frozen_stays_so() -> None:
+    gc.freeze()
+    before = gc.get_freeze_count()
+    control = GarbageControl()
+    control.first_paint()
+    assert gc.get_freeze_count() == before
+    control.restore()
+    assert gc.get_freeze_count() == before
