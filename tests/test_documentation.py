@@ -27,8 +27,9 @@ FENCE = re.compile(
     re.DOTALL | re.MULTILINE,
 )
 NOT_RUN = re.compile(r"<!-- not run here: (?P<reason>.+?) -->\s*$")
-PAGES_OF_OTHER_TESTS = {"extending.md", "own-experiment.md"}
-"""Their Python blocks are whole files, which tests of their own put where they belong."""
+PAGES_OF_OTHER_TESTS = {"extending.md", "own-experiment.md", "first-study.md"}
+"""Python blocks of the first two are whole files, which tests of their own put where they belong. Of the last
+one `tests/e2e/test_first_study.py` runs every command, by name, in a terminal."""
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,7 @@
 """What the app's tests share: a small protocol, and an app whose worker is faked."""
 
+import gc
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -9,6 +11,22 @@ from core.feedback.keys import KeyConfig
 from core.session.protocol import Protocol, ScreenConfig, SessionConfig
 from tests.arl_tui.driving import app_for
 from tests.arl_tui.fakes import FakeLink
+from tests.conftest import WORTH_COMPILING_AHEAD
+
+
+@pytest.fixture(autouse=True, scope="session")
+def _after_the_compiler(request: pytest.FixtureRequest) -> None:
+    """Play games compiled in a run of all tests; a file that is run by itself compiles what it needs."""
+    if len(request.session.items) > WORTH_COMPILING_AHEAD:
+        request.getfixturevalue("compiled")
+
+
+@pytest.fixture
+def nothing_frozen() -> Iterator[None]:
+    """As in a program of its own; the tests have frozen what they hold together (`tests/conftest.py`)."""
+    gc.unfreeze()
+    yield
+    gc.freeze()
 
 
 @pytest.fixture(autouse=True)

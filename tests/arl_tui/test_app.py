@@ -4,6 +4,8 @@ file."""
 import gc
 from pathlib import Path
 
+import pytest
+
 from arl_tui.app.link import Begin, Ready
 from arl_tui.app.outcome import SessionOutcome
 from arl_tui.screens.closing import ClosingScreen
@@ -147,6 +149,7 @@ async def test_stopping_asks_first_then_lets_the_worker_finish(
     assert app.return_value.trouble is None
 
 
+@pytest.mark.usefixtures("nothing_frozen")
 async def test_the_collector_rests_during_an_episode_and_works_after_it(
     app: ArlApp, link: FakeLink, protocol: Protocol
 ) -> None:

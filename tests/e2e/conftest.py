@@ -1,13 +1,8 @@
 """What the sessions in a pseudo-terminal share."""
 
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
-
-from tests.e2e.terminal import REPOSITORY
 
 PROTOCOL = """
 name = "short"
@@ -36,17 +31,5 @@ def protocol_file(tmp_path: Path) -> Path:
 
 
 @pytest.fixture(scope="session", autouse=True)
-def _compiled_before(tmp_path_factory: pytest.TempPathFactory) -> None:
-    """Compile everything once: each of a hundred sessions would begin to, and be ended before it is done."""
-    environment = {
-        **os.environ,
-        "PYTHONPATH": str(REPOSITORY),
-        "ARL_HOME": str(tmp_path_factory.mktemp("home")),
-    }
-    subprocess.run(
-        [sys.executable, "-m", "arl_tui.cli", "warm-up"],
-        env=environment,
-        stdin=subprocess.DEVNULL,
-        capture_output=True,
-        check=True,
-    )
+def _compiled_before(compiled: None) -> None:
+    """Wait until everything is compiled."""

@@ -21,12 +21,7 @@ class Knot:
         Knot.living -= 1
 
 
-@pytest.fixture(autouse=True)
-def _nothing_is_frozen() -> Iterator[None]:
-    """As in a program of its own; the tests have frozen what they hold together (`tests/conftest.py`)."""
-    gc.unfreeze()
-    yield
-    gc.freeze()
+pytestmark = pytest.mark.usefixtures("nothing_frozen")
 
 
 @pytest.fixture
@@ -79,6 +74,6 @@ def test_what_another_program_has_frozen_stays_so() -> None:
     before = gc.get_freeze_count()
     control = GarbageControl()
     control.first_paint()
-    assert gc.get_freeze_count() == before
     control.restore()
-    assert gc.get_freeze_count() == before
+    # Fewer by what was let go of meanwhile; `restore` would have left none.
+    assert before - 1000 < gc.get_freeze_count() <= before
