@@ -6,8 +6,10 @@ from pathlib import Path
 
 import pytest
 
+from arl_tui.app import gaps
 from arl_tui.session_app import ArlApp
 from core.feedback.keys import KeyConfig
+from core.numerics.clock import NS_PER_S
 from core.session.protocol import Protocol, ScreenConfig, SessionConfig
 from tests.arl_tui.driving import app_for
 from tests.arl_tui.fakes import FakeLink
@@ -19,6 +21,30 @@ def _after_the_compiler(request: pytest.FixtureRequest) -> None:
     """Play games compiled in a run of all tests; a file that is run by itself compiles what it needs."""
     if len(request.session.items) > WORTH_COMPILING_AHEAD:
         request.getfixturevalue("compiled")
+
+
+@pytest.fixture(autouse=True)
+def no_gaps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A busy machine may stand still for a second: only tests about that are to notice it."""
+    monkeypatch.setattr(gaps, "LONGEST_NS", 3600 * NS_PER_S)
+
+
+@pytest.fixture
+def notices_gaps(no_gaps: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Standing still for a second is a gap, as in a session."""
+    monkeypatch.setattr(gaps, "LONGEST_NS", NS_PER_S)
+
+
+@pytest.fixture(autouse=True)
+def _frozen_after_each_test() -> Iterator[None]:
+    """Take what a test leaves behind out of later collections.
+
+    Each app leaves some 20,000 objects that live on. Each session collects everything several times; after
+    some hundred tests that took half of all time.
+    """
+    yield
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture

@@ -25,6 +25,7 @@ from tests.arl_tui.driving import SIZE, begin, settle, text_of
 from tests.arl_tui.fakes import FakeLink
 
 
+@pytest.mark.usefixtures("notices_gaps")
 def test_only_more_than_a_second_without_a_look_is_a_gap() -> None:
     clock = ManualClock(5 * NS_PER_S)
     watch = GapWatch(clock, suspended=lambda: 0)
@@ -35,6 +36,7 @@ def test_only_more_than_a_second_without_a_look_is_a_gap() -> None:
     assert watch.look() is None
 
 
+@pytest.mark.usefixtures("notices_gaps")
 def test_a_sleep_that_the_clock_does_not_count_is_a_gap() -> None:
     clock, asleep = ManualClock(5 * NS_PER_S), [100]
     watch = GapWatch(clock, suspended=lambda: asleep[0])
