@@ -188,6 +188,7 @@ def test_events_of_keepaway_are_timed_from_the_picture_with_the_mark(tmp_path: P
     assert median(errors) < 15.0, errors
 
 
+@pytest.mark.terminal
 def test_a_killed_calibration_keeps_every_finished_trial_and_goes_on(tmp_path: Path) -> None:
     with calibrate(tmp_path, "simple", 3) as terminal:
         participant = Participant(terminal, lambda text: CROSS in text, " ")

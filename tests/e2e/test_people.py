@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import msgspec
+import pytest
 
 from arl_tui.app.demo_participant import DemoParticipant
 from arl_tui.app.link import PressSuggested
@@ -66,6 +67,7 @@ def go_on_after_a_gap(terminal: Terminal) -> None:
         terminal.pump(0.2)
 
 
+@pytest.mark.terminal
 def test_an_adversary_at_the_keyboard_is_recorded_as_they_pressed_and_learned_from(
     tmp_path: Path, protocol_file: Path
 ) -> None:

@@ -5,6 +5,8 @@ import signal
 import time
 from pathlib import Path
 
+import pytest
+
 from core.events import EpisodeEnded, FrameShown, KeyPressed, SessionEnded, StepTaken, StopAsked
 from core.recording.reader import Recording, read_recording
 from core.session.protocol_reading import protocol_from
@@ -176,6 +178,7 @@ def test_stopping_in_the_middle_saves_everything(tmp_path: Path, protocol_file: 
     replayed(recording)
 
 
+@pytest.mark.terminal
 def test_a_closed_window_ends_session_and_program(tmp_path: Path, protocol_file: Path) -> None:
     with play(tmp_path, protocol_file) as terminal:
         start(terminal)
@@ -219,6 +222,7 @@ pause_between_episodes_s = 0.3
 """
 
 
+@pytest.mark.terminal
 def test_practice_ends_when_both_keys_were_pressed_on_time_and_the_session_follows(tmp_path: Path) -> None:
     """Both are recorded, in a file each, and both are replayed exactly."""
     protocol_file = tmp_path / "practised.toml"

@@ -3,6 +3,8 @@
 import time
 from pathlib import Path
 
+import pytest
+
 from core.events import KeyPressed, QuestionAnswered, QuestionPosed
 from tests.e2e.terminal import Terminal
 from tests.e2e.test_play import play, replayed, the_recording
@@ -51,6 +53,7 @@ def answer(terminal: Terminal, key: str) -> int:
     return written_ns
 
 
+@pytest.mark.terminal
 def test_questions_are_answered_by_keys_recorded_and_replayed(tmp_path: Path) -> None:
     file = tmp_path / "asking.toml"
     file.write_text(PROTOCOL)

@@ -5,6 +5,8 @@ import signal
 from collections.abc import Callable
 from pathlib import Path
 
+import pytest
+
 from core.events import EpisodeEnded, KeyPressed, SessionEnded
 from core.recording.joined import read_session
 from core.recording.summary import summarise_recording
@@ -52,6 +54,7 @@ def break_off(terminal: Terminal, end: Callable[[Terminal], None]) -> None:
     assert not left_after(pids, 10.0)
 
 
+@pytest.mark.terminal
 def test_a_session_that_broke_off_in_its_second_game_three_times_goes_on(
     tmp_path: Path, protocol_file: Path
 ) -> None:

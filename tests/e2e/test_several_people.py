@@ -216,6 +216,7 @@ type = "per-value"
 """
 
 
+@pytest.mark.terminal
 @pytest.mark.parametrize(("keys", "values"), [("dfghj", [-2.0, -1.0, 0.0, 1.0, 2.0])])
 def test_grades_are_recorded_shown_and_learned_from(tmp_path: Path, keys: str, values: list[float]) -> None:
     protocol_file = tmp_path / "graded.toml"

@@ -3,6 +3,8 @@
 import time
 from pathlib import Path
 
+import pytest
+
 from studies.lab.notes import read_notes
 from tests.e2e.terminal import PATIENCE_S, START, Terminal
 from tests.e2e.test_study import Lab, consent, exact, kill
@@ -17,6 +19,7 @@ def both(monitor: Terminal, terminal: Terminal, text: str) -> None:
         monitor.pump(0.05)
 
 
+@pytest.mark.terminal
 def test_the_experimenter_follows_a_sitting_and_takes_a_note(tmp_path: Path) -> None:
     lab = Lab(tmp_path)
     watching = ("study", "status", str(lab.folder / "study.toml"), "--watch")

@@ -21,9 +21,6 @@ class Knot:
         Knot.living -= 1
 
 
-pytestmark = pytest.mark.usefixtures("nothing_frozen")
-
-
 @pytest.fixture
 def control() -> Iterator[GarbageControl]:
     gc.collect()
@@ -61,6 +58,7 @@ def test_a_collector_that_is_not_held_back_is_left_alone(control: GarbageControl
     assert gc.isenabled()
 
 
+@pytest.mark.usefixtures("nothing_frozen")
 def test_what_is_left_over_from_the_start_is_frozen_and_given_back() -> None:
     control = GarbageControl()
     control.first_paint()
@@ -69,6 +67,7 @@ def test_what_is_left_over_from_the_start_is_frozen_and_given_back() -> None:
     assert gc.get_freeze_count() == 0
 
 
+@pytest.mark.usefixtures("nothing_frozen")
 def test_what_another_program_has_frozen_stays_so() -> None:
     gc.freeze()
     before = gc.get_freeze_count()

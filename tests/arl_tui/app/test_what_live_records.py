@@ -65,7 +65,7 @@ class Room(Bench):
                 step = self.step if word == "show" else self.shown
                 self.stamps.append((self.live.painted(step), now_ns))
                 self.shown = step
-            case "step":
+            case "step" if self.shown == self.step:  # the player waits until each step has been seen
                 self.step += 1
                 self.say_output(step_taken(self.step))
             case "ask" if not self.live.gate.covered:
