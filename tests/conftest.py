@@ -14,7 +14,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 REPOSITORY = Path(__file__).resolve().parents[1]
-NEEDS_KERNELS = ("arl_tui", "interop", "keepaway", "tetris")
+NEEDS_KERNELS = ("arl_tui", "contracts", "interop", "keepaway", "tetris")
 """Folders of tests that play games: they come after those that need nothing compiled."""
 WORTH_COMPILING_AHEAD = 1000
 """A run of so many tests compiles everything on the second core while its first tests run."""

@@ -36,7 +36,7 @@ name = "day 1"
 steps = [
   { type = "consent", text = "consent.md" },
   { type = "practice", games = 1 },
-  { type = "calibration", trials = 30, practice = 2 },
+  { type = "calibration", trials = 20, practice = 2 },
   { type = "block" },
   { type = "break", shortest_s = 30 },
   { type = "block" },
