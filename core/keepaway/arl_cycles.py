@@ -30,7 +30,7 @@ from core.learners.sarsa import (
     take_action,
 )
 from core.numerics.arrays import Bools, Floats, Ints
-from core.numerics.compiled import inner_kernel, kernel
+from core.numerics.compiled import called_kernel, inner_kernel, kernel
 from core.numerics.tile_coding import find_windows
 
 # What `play` returns.
@@ -202,7 +202,7 @@ def _watch(
     watch_step(judge, presses, wanted, match.actions[i], step_of_episode, step, now_ns)
 
 
-@inner_kernel
+@called_kernel
 def _decide(
     match: Match,
     sarsa: Sarsa,
@@ -287,7 +287,7 @@ def _show(match: Match, timeline: Timeline, i: int, now_ns: int) -> None:
     timeline.counts[EPISODE_STEPS] += 1
 
 
-@inner_kernel
+@called_kernel
 def _press(human: HumanSet, presses: Presses, rule: CreditRule, timeline: Timeline) -> None:
     """Make the press that is due; if it counts, every keeper learns from its steps' shares of it."""
     if not make(presses):

@@ -11,7 +11,7 @@ import numpy as np
 
 from core.learners.sarsa_config import SarsaConfig
 from core.numerics.arrays import Floats, Ints
-from core.numerics.compiled import inner_kernel
+from core.numerics.compiled import called_kernel, inner_kernel
 from core.numerics.tile_coding import TileCoder, add_to_windows, window_sum
 
 __all__ = [
@@ -160,7 +160,7 @@ def action_values(sarsa: Sarsa, k: int, windows: Ints, out: Floats) -> None:
         out[a] = window_sum(weights[a], windows, sarsa.coder.n_tilings)
 
 
-@inner_kernel
+@called_kernel
 def decide(sarsa: Sarsa, k: int, windows: Ints, time: int, rng: np.random.Generator) -> int:
     """Choose learner k's action in the state with these active tiles, and learn from the option that ended.
 
@@ -256,7 +256,7 @@ def observe_action(sarsa: Sarsa, k: int, windows: Ints, action: int, time: int) 
     take_action(sarsa, k, windows, action, time, before)
 
 
-@inner_kernel
+@called_kernel
 def end_episode(sarsa: Sarsa, time: int) -> None:
     """Give every learner that decided the reward up to the episode's end, and forget traces and decisions."""
     for k in range(len(sarsa.last_time)):

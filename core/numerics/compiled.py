@@ -1,6 +1,6 @@
 """The one place where kernels are decorated.
 
-Every compiled function of the project is decorated with `kernel` or `inner_kernel`, so that all of them
+Every compiled function is decorated with `kernel`, `inner_kernel` or `called_kernel`, so that all of them
 release the GIL, are kept on disk (`core.numerics.kernel_folder`), and keep IEEE arithmetic (no fast-math:
 sums are the same on every CPU).
 """
@@ -18,6 +18,8 @@ longer."""
 INNER: dict[str, Any] = {"_nrt": False, "forceinline": True, "error_model": "numpy"}
 """How inner kernels are compiled: without reference counts, into their callers, divisions without
 exceptions."""
+CALLED: dict[str, Any] = INNER | {"forceinline": False}
+"""How called kernels are compiled: as inner ones, and each stays a function."""
 
 if not JIT_DISABLED:
     import numba
@@ -40,6 +42,15 @@ def inner_kernel(function: Function) -> Function:
     return _compiled(function, **INNER)
 
 
+def called_kernel(function: Function) -> Function:
+    """Compile a part of other kernels as `inner_kernel` does, but as a function that they call.
+
+    For large parts of several entries, and for what is called seldom. An optimiser takes much longer for one
+    large function than for the same code in a few, and play loses some 2 % (`docs/decisions/cold-start.md`).
+    """
+    return _compiled(function, called=True, **CALLED)
+
+
 def kernel_with_twin(function: Function, in_python: Callable[..., Any]) -> Function:
     """Compile `function`; where kernels run as plain Python, `in_python` stands for it.
 
@@ -54,10 +65,12 @@ def kernel_with_twin(function: Function, in_python: Callable[..., Any]) -> Funct
     return compiled
 
 
-def _compiled(function: Function, **options: Any) -> Function:
+def _compiled(function: Function, *, called: bool = False, **options: Any) -> Function:
     if JIT_DISABLED:
         return function
-    return cast(Function, Kernel(function, targetoptions=ALWAYS | options))
+    compiled = Kernel(function, targetoptions=ALWAYS | options)
+    compiled.stays_a_function = called
+    return cast(Function, compiled)
 
 
 def specialised(function: Function, *arguments: Any) -> Function:

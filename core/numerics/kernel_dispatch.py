@@ -5,17 +5,16 @@ Numba compiles every function into native code of its own, with a wrapper for Py
 are only ever called by other kernels and become one piece with them. Here a kernel that another one calls
 becomes a *part*: its types are inferred and its LLVM code is written and simplified, no more. A kernel that
 Python calls becomes an *entry*: all parts it reaches are linked into one module, which is optimised and
-turned into native code once. Parts and entries are kept on disk apart (`core.numerics.kernel_files`), so an
-entry that comes later does not begin anew (`docs/decisions/cold-start.md`, with the figures).
+turned into native code once. A *called* kernel (`core.numerics.compiled.called_kernel`) is turned into native
+code once for all entries that call it. All are kept on disk apart (`core.numerics.kernel_files`), so an entry
+that comes later does not begin anew (`docs/decisions/cold-start.md`, with the figures).
 """
 
-import gc
 import hashlib
 import importlib
 import pickle
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, cast
 
@@ -23,15 +22,14 @@ import llvmlite
 import numba
 from llvmlite import binding as llvm
 from numba.core import compiler, types, typing
-from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler_lock import global_compiler_lock
-from numba.core.dispatcher import _FunctionCompiler
 from numba.core.registry import CPUDispatcher
 from numba.core.serialize import dumps
 from numba.core.sigutils import normalize_signature
 
+from core.numerics.kernel_compiler import KernelCompiler, no_collections
 from core.numerics.kernel_folder import kernel_files
-from core.numerics.kernel_libraries import EntryLibrary, PartLibrary, Types
+from core.numerics.kernel_libraries import CalledLibrary, EntryLibrary, NativeLibrary, PartLibrary, Types
 
 PART, ENTRY = "part", "entry"
 
@@ -39,53 +37,10 @@ by_name: dict[str, "Kernel"] = {}
 """Every kernel of this process by its name."""
 
 
-class _Flags(compiler.Flags):
-    """Numba's, compared by what is set: it compares all 40 options at every look-up of a type, a tenth of all
-    time.
-    """
-
-    __slots__ = ()
-
-    def __eq__(self, other: object) -> bool:
-        return self is other or (isinstance(other, _Flags) and self._values == other._values)
-
-    def __hash__(self) -> int:
-        return hash(_Flags)
-
-
-class _Compiler(_FunctionCompiler):
-    """Numba's, told what to compile into."""
-
-    def part(self, args: Types, library: PartLibrary) -> Any:
-        """Compile a part."""
-        return self._into(args, library, no_compile=True, no_cpython_wrapper=True)
-
-    def entry(self, args: Types, library: EntryLibrary) -> Any:
-        """Compile an entry."""
-        return self._into(args, library, no_compile=False, no_cpython_wrapper=False)
-
-    def _into(self, args: Types, library: JITCodeLibrary, **how: bool) -> Any:
-        flags = _Flags()
-        self.targetdescr.options.parse_as_flags(flags, self.targetoptions)
-        for name, value in how.items():
-            setattr(flags, name, value)
-        return compiler.compile_extra(
-            self.targetdescr.typing_context,
-            self.targetdescr.target_context,
-            self.py_func,
-            args=args,
-            return_type=None,
-            flags=flags,
-            locals=self.locals,
-            library=library,
-            pipeline_class=self.pipeline_class,
-        )
-
-
 class _Part:
     """A compiled part; numba finds its implementation by this object."""
 
-    def __init__(self, signature: Any, fndesc: Any, library: PartLibrary) -> None:
+    def __init__(self, signature: Any, fndesc: Any, library: PartLibrary | CalledLibrary) -> None:
         self.signature, self.fndesc, self.library = signature, fndesc, library
 
 
@@ -94,6 +49,8 @@ class Kernel(CPUDispatcher):
 
     files = kernel_files()
     """Where compiled code is kept."""
+    stays_a_function = False
+    """As a part it is native code of its own, which its callers call."""
     fallback: Callable[["Kernel", Types], Callable[..., Any] | None] | None = None
     """What Python runs in place of an entry that is not compiled yet; nothing waits for a compiler then."""
 
@@ -105,7 +62,9 @@ class Kernel(CPUDispatcher):
         pipeline_class: Any = compiler.Compiler,
     ) -> None:
         super().__init__(py_func, locals, targetoptions, pipeline_class)
-        self._compiler = _Compiler(py_func, self.targetdescr, self.targetoptions, self.locals, pipeline_class)
+        self._compiler = KernelCompiler(
+            py_func, self.targetdescr, self.targetoptions, self.locals, pipeline_class
+        )
         self.in_python: Callable[..., Any] | None = None
         """What stands for it in plain Python, where that is not the function itself."""
         line = py_func.__code__.co_firstlineno
@@ -163,14 +122,21 @@ class Kernel(CPUDispatcher):
         return found
 
     def _new_part(self, args: Types) -> _Part:
-        library = PartLibrary(self.targetctx.codegen(), self.py_func.__qualname__)
+        library: PartLibrary | CalledLibrary
+        name, codegen = self.py_func.__qualname__, self.targetctx.codegen()
+        library = CalledLibrary(codegen, name) if self.stays_a_function else PartLibrary(codegen, name)
         library.owner = (self.name, args)
-        with _no_collections():
+        library.enable_object_caching()
+        with no_collections():
             result = self._compiler.part(args, library)
-            library.environment = result.environment
+            library.environment, library.symbol = result.environment, result.fndesc.llvm_func_name
             library._ensure_finalized()
             part = _Part(result.signature, result.fndesc, library)
-            self._save_part(args, part)
+            if isinstance(library, CalledLibrary):
+                _tell(library, result.environment)
+                self._save_native(PART, args, library, result)
+            else:
+                self._save_part(args, part, library)
         return part
 
     def _entry(self, args: Types) -> Any:
@@ -188,13 +154,9 @@ class Kernel(CPUDispatcher):
     def _new_entry(self, args: Types) -> Any:
         library = EntryLibrary(self.targetctx.codegen(), self.py_func.__qualname__)
         library.enable_object_caching()
-        with _no_collections():
+        with no_collections():
             result = self._compiler.entry(args, library)
-            engine = library.codegen._engine
-            for part in library._linking_libraries:
-                if isinstance(part, PartLibrary) and engine.is_symbol_defined(part.environment.env_name):
-                    library.codegen.set_env(part.environment.env_name, part.environment)
-            self._save_entry(args, result)
+            self._save_native(ENTRY, args, library, result)
         return result
 
     # --- files ----------------------------------------------------------------------------------------------
@@ -216,17 +178,14 @@ class Kernel(CPUDispatcher):
     def _save(self, kind: str, args: Types, content: tuple[Any, ...]) -> None:
         self.files.save(f"{self.name}.{kind}", self._key(kind, args), dumps(content))
 
-    def _save_part(self, args: Types, part: _Part) -> None:
-        library = part.library
+    def _save_part(self, args: Types, part: _Part, library: PartLibrary) -> None:
         if self._source is None or library.has_dynamic_globals:
             return
         _forget_types(part.fndesc)
-        calls = [called.owner for called in library.parts]
-        bitcode = library._final_module.as_bitcode()
         content = (
             library.name,
-            bitcode,
-            calls,
+            library._final_module.as_bitcode(),
+            [(*called.owner, called.symbol) for called in library.parts],
             part.fndesc,
             library.environment,
             part.signature,
@@ -235,23 +194,42 @@ class Kernel(CPUDispatcher):
         self._save(PART, args, content)
 
     def _load_part(self, args: Types) -> _Part | None:
+        if self.stays_a_function:
+            return self._load_called(args)
         content = self._load(PART, args)
         if content is None:
             return None
         name, bitcode, calls, fndesc, environment, signature, reload_init = content
+        parts = _at_hand(calls)
+        if parts is None:
+            return None
         for run in reload_init:
             run()
         library = PartLibrary(self.targetctx.codegen(), name)
         library.owner, library.environment = (self.name, args), environment
+        library.symbol = fndesc.llvm_func_name
         library._reload_init.update(reload_init)
         library._final_module = llvm.parse_bitcode(bitcode)
-        for called, with_types in calls:
-            library._linking_libraries.append(kernel_named(called).part(with_types).library)
+        library._linking_libraries += [part.library for part in parts]
         library.seal()
         return _Part(signature, fndesc, library)
 
-    def _save_entry(self, args: Types, result: Any) -> None:
-        library = result.library
+    def _load_called(self, args: Types) -> _Part | None:
+        library = CalledLibrary(self.targetctx.codegen(), self.py_func.__qualname__)
+        found = self._load_native(PART, args, library)
+        if found is None:
+            return None
+        fndesc, environment, signature, _ = found
+        library.owner, library.environment = (self.name, args), environment
+        library.symbol = fndesc.llvm_func_name
+        _tell(library, environment)
+        return _Part(signature, fndesc, library)
+
+    def _save_native(self, kind: str, args: Types, library: NativeLibrary, result: Any) -> None:
+        """Keep native code, and tell its parts' environments to it."""
+        for part in library._linking_libraries:
+            if isinstance(part, PartLibrary):
+                _tell(library, part.environment)
         if self._source is None or library.has_dynamic_globals:
             return
         _forget_types(result.fndesc)
@@ -259,7 +237,7 @@ class Kernel(CPUDispatcher):
         defined = [f.name for f in module.functions if not f.is_declaration]
         defined += [g.name for g in module.global_variables if not g.is_declaration]
         content = (
-            library.name,
+            [(*called.owner, called.symbol) for called in library.called],
             library._get_compiled_object(),
             defined,
             result.fndesc,
@@ -268,30 +246,45 @@ class Kernel(CPUDispatcher):
             result.reload_init,
             tuple(result._find_referenced_environments()),
         )
-        self._save(ENTRY, args, content)
+        self._save(kind, args, content)
 
-    def _load_entry(self, args: Types) -> Any:
-        content = self._load(ENTRY, args)
+    def _load_native(
+        self, kind: str, args: Types, library: NativeLibrary
+    ) -> tuple[Any, Any, Any, set[Any]] | None:
+        """Load native code into a library; return its description, environment, signature, and what runs
+        before.
+        """
+        content = self._load(kind, args)
         if content is None:
             return None
-        name, code, defined, fndesc, environment, signature, reload_init, environments = content
+        calls, code, defined, fndesc, environment, signature, reload_init, environments = content
+        called = _at_hand(calls)
+        if called is None:
+            return None
         for run in reload_init:
             run()
-        codegen = self.targetctx.codegen()
-        library = EntryLibrary(codegen, name)
+        codegen = library.codegen
+        library.called = tuple(cast(CalledLibrary, part.library) for part in called)
         library.enable_object_caching()
         library._set_compiled_object(code)
         library._finalize_final_module()
         codegen._engine._defined_symbols.update(defined)
-        entry_point = self.targetctx.get_executable(library, fndesc, environment)
         for referenced in environments:
             codegen.set_env(referenced.env_name, referenced)
+        return fndesc, environment, signature, reload_init
+
+    def _load_entry(self, args: Types) -> Any:
+        library = EntryLibrary(self.targetctx.codegen(), self.py_func.__qualname__)
+        found = self._load_native(ENTRY, args, library)
+        if found is None:
+            return None
+        fndesc, environment, signature, reload_init = found
         return compiler.compile_result(
             target_context=self.targetctx,
             typing_context=self.typingctx,
             library=library,
             environment=environment,
-            entry_point=entry_point,
+            entry_point=self.targetctx.get_executable(library, fndesc, environment),
             fndesc=fndesc,
             signature=signature,
             objectmode=False,
@@ -299,6 +292,22 @@ class Kernel(CPUDispatcher):
             reload_init=reload_init,
             metadata={},
         )
+
+
+def _tell(library: NativeLibrary, environment: Any) -> None:
+    """Tell native code its environment, unless it does without."""
+    if library.codegen._engine.is_symbol_defined(environment.env_name):
+        library.codegen.set_env(environment.env_name, environment)
+
+
+def _at_hand(calls: list[tuple[str, Types, str]]) -> list[_Part] | None:
+    """Return the parts that kept code calls; None where one of them has been compiled anew since.
+
+    Code that was linked to another one of its name would jump into nothing.
+    """
+    found = [(kernel_named(name).part(args), symbol) for name, args, symbol in calls]
+    whole = all(part.library.symbol == symbol for part, symbol in found)
+    return [part for part, _ in found] if whole else None
 
 
 VERSIONS = (numba.__version__, llvmlite.__version__, sys.implementation.cache_tag)
@@ -346,17 +355,3 @@ def _forget_types(fndesc: Any) -> None:
     more.
     """
     fndesc.typemap = fndesc.calltypes = None
-
-
-@contextmanager
-def _no_collections() -> Iterator[None]:
-    """Keep Python from looking for garbage: a compiler makes many objects, and most of them stay until it has
-    ended.
-    """
-    was_enabled = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if was_enabled:
-            gc.enable()

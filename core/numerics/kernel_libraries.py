@@ -16,6 +16,8 @@ class PartLibrary(JITCodeLibrary):
 
     owner: tuple[str, Types] = ("", ())
     """Name and argument types of the kernel."""
+    symbol = ""
+    """Under which its callers find it; another one each time it is compiled."""
     environment: Any = None
 
     def _optimize_functions(self, ll_module: Any) -> None:
@@ -30,7 +32,7 @@ class PartLibrary(JITCodeLibrary):
         """Take in what numba compiled for this function alone, and leave other kernels' parts outside."""
         self._raise_if_finalized()
         for library in dict.fromkeys(self._linking_libraries):
-            if not isinstance(library, PartLibrary):
+            if not isinstance(library, PartLibrary | CalledLibrary):
                 self._reload_init.update(library._reload_init)
                 self._final_module.link_in(library._get_module_for_linking(), preserve=True)
         self.seal()
@@ -45,18 +47,36 @@ class PartLibrary(JITCodeLibrary):
         self._finalized = True
 
     @property
-    def parts(self) -> list["PartLibrary"]:
+    def parts(self) -> "list[PartLibrary | CalledLibrary]":
         """The parts this one calls."""
-        return [lib for lib in dict.fromkeys(self._linking_libraries) if isinstance(lib, PartLibrary)]
+        libraries = dict.fromkeys(self._linking_libraries)
+        return [library for library in libraries if isinstance(library, PartLibrary | CalledLibrary)]
 
 
-class EntryLibrary(JITCodeLibrary):
-    """Native code of an entry and all parts it reaches."""
+class NativeLibrary(JITCodeLibrary):
+    """Native code of a kernel and of all parts it reaches, but for those that are native code already."""
+
+    called: "tuple[CalledLibrary, ...]" = ()
+    """Native code that this code calls. It must be loaded before this is."""
 
     def finalize(self) -> None:
         """Link all parts in, optimise once, and compile."""
-        self._linking_libraries = list(_reached(self._linking_libraries))
+        reached = _reached(self._linking_libraries)
+        self.called = tuple(library for library in reached if isinstance(library, CalledLibrary))
+        self._linking_libraries = [library for library in reached if not isinstance(library, CalledLibrary)]
         super().finalize()
+
+
+class EntryLibrary(NativeLibrary):
+    """What Python calls."""
+
+
+class CalledLibrary(NativeLibrary):
+    """What several entries call: compiled once for all of them."""
+
+    owner: tuple[str, Types] = ("", ())
+    symbol = ""
+    environment: Any = None
 
 
 def _reached(libraries: list[Any]) -> dict[Any, None]:

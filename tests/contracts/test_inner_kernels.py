@@ -65,7 +65,7 @@ def inner_kernels() -> dict[str, ast.FunctionDef]:
         f"{dotted}.{function.name}": function
         for dotted, module in modules().items()
         for function in functions(module)
-        if "inner_kernel" in decorators(function)
+        if {"inner_kernel", "called_kernel"} & decorators(function)
     }
 
 
@@ -95,7 +95,9 @@ def test_only_kernels_call_inner_kernels_that_draw():
     assert {"core.keepaway.simulator.game.begin_cycle", "core.learners.sarsa.greedy_or_random"} <= draw
     seen = 0
     for dotted, module in modules().items():
-        compiled = [f for f in functions(module) if decorators(f) & {"kernel", "inner_kernel"}]
+        compiled = [
+            f for f in functions(module) if decorators(f) & {"kernel", "inner_kernel", "called_kernel"}
+        ]
         in_kernels = {node for function in compiled for node in ast.walk(function)}
         for node in ast.walk(module):
             name = node.func.id if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) else ""

@@ -36,10 +36,10 @@ from core.keepaway.simulator.policies import choose
 from core.keepaway.simulator.takers import command_taker
 from core.keepaway.simulator.variables import observe
 from core.numerics.arrays import Floats
-from core.numerics.compiled import inner_kernel, kernel
+from core.numerics.compiled import called_kernel, inner_kernel, kernel
 
 
-@inner_kernel
+@called_kernel
 def begin_cycle(match: Match, rules: Rules, streams: Streams) -> bool:
     """Perceive; put keepers into their options; mark in `match.deciding` those that have to decide.
 
@@ -75,7 +75,7 @@ def begin_cycle(match: Match, rules: Rules, streams: Streams) -> bool:
     return any_decides
 
 
-@inner_kernel
+@called_kernel
 def finish_cycle(match: Match, rules: Rules, streams: Streams) -> bool:
     """Carry out the decisions in `match.actions`, command all players, move everything, and let the referee
     look.

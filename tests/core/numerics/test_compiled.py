@@ -197,6 +197,53 @@ def test_damaged_code_is_compiled_anew_with_a_line_on_why(filled, tmp_path, dama
         assert (again.stdout, again.stderr) == ("0\n", "")
 
 
+OWN = """
+from core.numerics.compiled import called_kernel, inner_kernel, kernel
+@inner_kernel
+def third(x): return x / 3.0
+@called_kernel
+def twice(x): return 2.0 * third(x)
+@inner_kernel
+def both(x): return twice(x) + third(x)
+@kernel
+def first(x): return both(x) + 1.0
+@kernel
+def second(x): return both(x) - 1.0
+"""
+
+
+@pytest.fixture(scope="module")
+def own(tmp_path_factory):
+    """A module with kernels that call one another, and a folder in which one of its two entries is
+    compiled.
+    """
+    folder = tmp_path_factory.mktemp("own")
+    (folder / "own.py").write_text(OWN)
+    path = os.pathsep.join([str(REPOSITORY), str(folder)])
+    done = run("import own; print(own.first(6.0))", NUMBA_CACHE_DIR=str(folder / "cache"), PYTHONPATH=path)
+    assert done.stdout == "7.0\n", done.stderr
+    return folder, path
+
+
+@pytest.mark.jit
+@pytest.mark.parametrize("damaged", ["third", "twice", "both", "first"])
+def test_code_is_not_linked_to_what_was_compiled_anew_since(own, tmp_path, damaged):
+    """Kept code knows what it calls by names that compiling gives anew."""
+    folder, path = own
+    cache = shutil.copytree(folder / "cache", tmp_path / "cache")
+    (file,) = cache.rglob(f"own.{damaged}.*.kernel")
+    file.write_bytes(file.read_bytes()[:-1])
+    done = run(
+        "import own; print(own.second(6.0), own.first(6.0))", NUMBA_CACHE_DIR=str(cache), PYTHONPATH=path
+    )
+    assert (done.returncode, done.stdout) == (0, "5.0 7.0\n"), done.stderr
+    assert "is damaged" in done.stderr
+    again = run(
+        "import own; print(own.second(6.0), own.first(6.0))", NUMBA_CACHE_DIR=str(cache), PYTHONPATH=path
+    )
+    assert (again.stdout, again.stderr) == ("5.0 7.0\n", "")
+
+
 @pytest.mark.jit
 def test_code_that_others_may_have_written_is_not_loaded(filled, tmp_path):
     cache = shutil.copytree(filled, tmp_path / "cache")
