@@ -152,6 +152,7 @@ def run(command: list[str], folder: Path) -> None:
     assert done.returncode == 0, f"{command[-1]}\n{done.stdout}\n{done.stderr}"
 
 
+@pytest.mark.thorough
 @pytest.mark.jit
 @pytest.mark.parametrize("page", RUNNING, ids=lambda page: str(page.relative_to(REPOSITORY)))
 def test_the_blocks_of_a_page_run_in_order(page: Path, tmp_path: Path):
@@ -190,6 +191,7 @@ def test_there_are_six_examples():
     assert len(EXAMPLES) == 6
 
 
+@pytest.mark.thorough
 @pytest.mark.jit
 @pytest.mark.parametrize("program", EXAMPLES, ids=lambda path: path.stem)
 def test_an_example_runs(program: Path, tmp_path: Path):

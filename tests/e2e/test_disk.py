@@ -83,7 +83,7 @@ def presses_in(recording: Recording) -> int:
     return sum(accepted(recording).values())
 
 
-@pytest.mark.parametrize("delay_ms", [0, pytest.param(50, marks=pytest.mark.terminal), 400])
+@pytest.mark.parametrize("delay_ms", [0, pytest.param(50, marks=pytest.mark.thorough), 400])
 def test_what_the_screen_has_confirmed_is_in_the_file_however_slow_the_disk_is(
     delay_ms: int, tmp_path: Path
 ) -> None:
@@ -100,7 +100,7 @@ def test_what_the_screen_has_confirmed_is_in_the_file_however_slow_the_disk_is(
     assert confirmed.missing_from(read_recording(the_file(tmp_path))) == {}
 
 
-@pytest.mark.terminal
+@pytest.mark.thorough
 def test_a_disk_that_hangs_is_reported_and_the_closing_page_says_what_is_known_to_be_on_it(
     tmp_path: Path,
 ) -> None:
@@ -158,7 +158,7 @@ def test_a_full_disk_is_told_within_a_second_and_nothing_is_confirmed_any_more(t
     assert rest.stat().st_mode & 0o777 == FILE_MODE
 
 
-@pytest.mark.terminal
+@pytest.mark.thorough
 def test_a_folder_that_is_deleted_is_told_within_a_second_and_the_recording_is_saved_elsewhere(
     tmp_path: Path,
 ) -> None:
@@ -179,7 +179,7 @@ def test_a_folder_that_is_deleted_is_told_within_a_second_and_the_recording_is_s
     assert stop.reason == "disk-failed"
 
 
-@pytest.mark.terminal
+@pytest.mark.thorough
 def test_a_folder_made_read_only_takes_the_rest_of_the_open_recording(tmp_path: Path) -> None:
     with play(tmp_path) as terminal:
         confirmed = Confirmed()

@@ -30,7 +30,7 @@ def take_part(terminal: Terminal) -> None:
         terminal.press(keys)
 
 
-@pytest.mark.terminal
+@pytest.mark.thorough
 def test_a_stranger_has_two_simulated_and_one_own_participant_recorded_checked_and_tabulated(
     tmp_path: Path,
 ) -> None:

@@ -93,7 +93,7 @@ def test_a_closed_terminal_ends_a_session_which_says_so(
     assert isinstance(recording.outputs[-1], SessionEnded)
 
 
-@pytest.mark.terminal
+@pytest.mark.thorough
 @pytest.mark.parametrize("closed", ["input", "output", "both"])
 def test_a_session_of_which_one_end_closes_ends(closed: str, tmp_path: Path, long_file: Path) -> None:
     with TwoEnds(*play_arguments(long_file), cwd=tmp_path) as program:
@@ -129,7 +129,7 @@ def test_every_command_ends_with_its_terminal(command: str, closed: str, tmp_pat
     assert left_after(family, 0.5) == set()
 
 
-@pytest.mark.terminal
+@pytest.mark.thorough
 def test_a_terminal_that_nobody_reads_does_not_keep_a_session_from_ending(
     tmp_path: Path, long_file: Path
 ) -> None:
@@ -160,7 +160,7 @@ def test_a_signal_ends_the_session_and_the_terminal_is_as_before(
     assert stop_reason(recording) == "signal"
 
 
-@pytest.mark.terminal
+@pytest.mark.thorough
 def test_several_signals_in_a_row_end_the_session_once(tmp_path: Path, long_file: Path) -> None:
     with play(tmp_path, long_file) as terminal:
         start(terminal)
@@ -215,8 +215,8 @@ def test_a_program_that_crashes_leaves_a_terminal_that_can_be_used(
     "noise",
     [
         b"\xe9",  # a Latin-1 key
-        pytest.param(b"\x1b[M\x20\xf0\xf1", marks=pytest.mark.terminal),  # a mouse report beyond column 95
-        pytest.param(b"\xff\xfe\x80\x00\xc3(\xa0\xa1", marks=pytest.mark.terminal),  # line noise
+        pytest.param(b"\x1b[M\x20\xf0\xf1", marks=pytest.mark.thorough),  # a mouse report beyond column 95
+        pytest.param(b"\xff\xfe\x80\x00\xc3(\xa0\xa1", marks=pytest.mark.thorough),  # line noise
     ],
     ids=["latin-1", "mouse", "noise"],
 )
@@ -238,6 +238,7 @@ def test_bytes_that_are_not_utf_8_are_keys_without_a_meaning(
     assert any(press.verdict == "other" for press in presses) or noise.startswith(b"\x1b[M")
 
 
+@pytest.mark.thorough
 def test_a_learner_that_hangs_is_reported_and_the_session_can_be_ended(
     tmp_path: Path, long_file: Path
 ) -> None:
@@ -259,7 +260,7 @@ def test_a_learner_that_hangs_is_reported_and_the_session_can_be_ended(
     assert stop_reason(recording) == "participant"
 
 
-@pytest.mark.terminal
+@pytest.mark.thorough
 def test_a_learner_that_answers_again_is_no_longer_reported(tmp_path: Path, protocol_file: Path) -> None:
     with play(tmp_path, protocol_file) as terminal:
         start(terminal)

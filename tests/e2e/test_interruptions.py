@@ -132,9 +132,9 @@ def test_a_session_can_be_played_with_a_keyboard_of_another_alphabet(
 @pytest.mark.parametrize(
     "environment",
     [
-        pytest.param({"LC_ALL": "C", "PYTHONIOENCODING": "ascii"}, marks=pytest.mark.terminal),
+        pytest.param({"LC_ALL": "C", "PYTHONIOENCODING": "ascii"}, marks=pytest.mark.thorough),
         {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"},
-        pytest.param({"PYTHONIOENCODING": "latin-1"}, marks=pytest.mark.terminal),
+        pytest.param({"PYTHONIOENCODING": "latin-1"}, marks=pytest.mark.thorough),
     ],
 )
 def test_the_first_page_is_drawn_whatever_the_environment_says_of_encodings(

@@ -67,7 +67,7 @@ def go_on_after_a_gap(terminal: Terminal) -> None:
         terminal.pump(0.2)
 
 
-@pytest.mark.terminal
+@pytest.mark.thorough
 def test_an_adversary_at_the_keyboard_is_recorded_as_they_pressed_and_learned_from(
     tmp_path: Path, protocol_file: Path
 ) -> None:

@@ -178,7 +178,7 @@ def test_stopping_in_the_middle_saves_everything(tmp_path: Path, protocol_file: 
     replayed(recording)
 
 
-@pytest.mark.terminal
+@pytest.mark.thorough
 def test_a_closed_window_ends_session_and_program(tmp_path: Path, protocol_file: Path) -> None:
     with play(tmp_path, protocol_file) as terminal:
         start(terminal)
@@ -222,7 +222,7 @@ pause_between_episodes_s = 0.3
 """
 
 
-@pytest.mark.terminal
+@pytest.mark.thorough
 def test_practice_ends_when_both_keys_were_pressed_on_time_and_the_session_follows(tmp_path: Path) -> None:
     """Both are recorded, in a file each, and both are replayed exactly."""
     protocol_file = tmp_path / "practised.toml"

@@ -53,7 +53,7 @@ def answer(terminal: Terminal, key: str) -> int:
     return written_ns
 
 
-@pytest.mark.terminal
+@pytest.mark.thorough
 def test_questions_are_answered_by_keys_recorded_and_replayed(tmp_path: Path) -> None:
     file = tmp_path / "asking.toml"
     file.write_text(PROTOCOL)

@@ -54,7 +54,7 @@ def break_off(terminal: Terminal, end: Callable[[Terminal], None]) -> None:
     assert not left_after(pids, 10.0)
 
 
-@pytest.mark.terminal
+@pytest.mark.thorough
 def test_a_session_that_broke_off_in_its_second_game_three_times_goes_on(
     tmp_path: Path, protocol_file: Path
 ) -> None:

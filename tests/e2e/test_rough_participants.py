@@ -66,7 +66,7 @@ def _taken_back(recording: Recording) -> list[bool]:
     return [type(event).__name__ == "PressRetracted" for event in recording.events]
 
 
-@pytest.mark.terminal
+@pytest.mark.thorough
 def test_a_participant_who_mashes_all_keys_and_resizes(tmp_path: Path, protocol_file: Path) -> None:
     chance = random.Random(7)
     windows = itertools.cycle([(200, 60), (120, 40), (70, 20), (80, 24)])
@@ -84,7 +84,7 @@ def test_a_participant_who_mashes_all_keys_and_resizes(tmp_path: Path, protocol_
     assert {"other", "accepted"} <= {press.verdict for press in presses}
 
 
-@pytest.mark.terminal
+@pytest.mark.thorough
 def test_a_participant_who_answers_nothing(tmp_path: Path, protocol_file: Path) -> None:
     assert check(rough(tmp_path, protocol_file, lambda terminal, turn: None)) == []
 

@@ -216,7 +216,7 @@ type = "per-value"
 """
 
 
-@pytest.mark.terminal
+@pytest.mark.thorough
 @pytest.mark.parametrize(("keys", "values"), [("dfghj", [-2.0, -1.0, 0.0, 1.0, 2.0])])
 def test_grades_are_recorded_shown_and_learned_from(tmp_path: Path, keys: str, values: list[float]) -> None:
     protocol_file = tmp_path / "graded.toml"
@@ -261,6 +261,7 @@ max_presses_per_episode = 2
 """
 
 
+@pytest.mark.thorough
 def test_people_at_a_keepaway_match_press_and_take_back_their_own(tmp_path: Path) -> None:
     protocol_file = tmp_path / "pitch.toml"
     protocol_file.write_text(PITCH + PEOPLE)

@@ -225,7 +225,7 @@ def lose_power(terminal: Terminal) -> None:
 ENDS = (close_the_window, kill, lose_power)
 
 
-@pytest.mark.terminal
+@pytest.mark.thorough
 def test_one_whose_block_2_breaks_off_three_times_goes_on_at_the_last_finished_game(lab: Lab) -> None:
     before: dict[Path, bytes] = {}
     for number, end in enumerate(ENDS):
@@ -287,7 +287,7 @@ def test_two_who_start_at_once_get_two_places_and_codes(lab: Lab) -> None:
     assert len({line.order for line in enrolled}) == 2
 
 
-@pytest.mark.terminal
+@pytest.mark.thorough
 def test_one_who_comes_back_too_late_is_told_so_and_the_experimenter_decides(tmp_path: Path) -> None:
     lab = Lab(tmp_path, STUDY.replace("[[sittings]]", "[resuming]\nwithin_hours = 0.0001\n[[sittings]]", 1))
     with lab.run("--participant", "P1") as terminal:
@@ -339,7 +339,7 @@ def test_a_sitting_that_runs_already_is_not_begun_twice(lab: Lab) -> None:
     assert lab.participant().sittings[0].attempts == 1
 
 
-@pytest.mark.terminal
+@pytest.mark.thorough
 def test_practice_ends_when_both_keys_were_pressed_and_a_calibration_follows(tmp_path: Path) -> None:
     first = """{ type = "practice", games = 2 },
   { type = "calibration", trials = 2, practice = 1, tasks = ["simple"] },

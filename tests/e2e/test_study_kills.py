@@ -142,7 +142,7 @@ def kill_and_go_on(number: int, folder: Path, kills: int) -> None:
     )
 
 
-@pytest.mark.terminal
+@pytest.mark.thorough
 def test_sittings_that_are_killed_again_and_again_are_finished(tmp_path: Path) -> None:
     kill_and_go_on(0, tmp_path, 2)
 

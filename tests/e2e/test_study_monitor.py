@@ -19,7 +19,7 @@ def both(monitor: Terminal, terminal: Terminal, text: str) -> None:
         monitor.pump(0.05)
 
 
-@pytest.mark.terminal
+@pytest.mark.thorough
 def test_the_experimenter_follows_a_sitting_and_takes_a_note(tmp_path: Path) -> None:
     lab = Lab(tmp_path)
     watching = ("study", "status", str(lab.folder / "study.toml"), "--watch")

@@ -39,7 +39,7 @@ BELOW_A_FRAME_MS = 25.0
 machine, shows more."""
 
 
-@pytest.mark.terminal
+@pytest.mark.thorough
 def test_the_robot_measures_every_condition_and_the_result_is_kept(tmp_path: Path) -> None:
     path = tmp_path / "timing.json"
     options = ["--trials", "6", "--longest", "300", "--seed", "5", "--json", path, "--recordings", tmp_path]

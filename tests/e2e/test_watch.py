@@ -44,7 +44,7 @@ def test_a_window_that_is_too_small_says_so_and_comes_back(tmp_path: Path) -> No
         assert terminal.wait_for_exit() == 0
 
 
-@pytest.mark.terminal
+@pytest.mark.thorough
 def test_it_leaves_after_the_episodes_asked_for(tmp_path: Path) -> None:
     options = ("--policy", "random", "--vision", "exact", "--seed", "3", "--speed", "20", "--episodes", "1")
     with Terminal("watch", "keepaway", *options, cwd=tmp_path) as terminal:
