@@ -95,7 +95,7 @@ def errors_ms(records: list[TrialRecord], true_s: list[float]) -> list[float]:
 
 
 def test_known_delays_are_measured_fitted_and_kept(tmp_path: Path) -> None:
-    with calibrate(tmp_path, "simple", 4) as terminal:
+    with calibrate(tmp_path, "simple", 6) as terminal:
         participant = Participant(terminal, lambda text: CROSS in text, " ")
         participant.live()
         assert "Thank you" in terminal.text
@@ -105,7 +105,7 @@ def test_known_delays_are_measured_fitted_and_kept(tmp_path: Path) -> None:
     file = the_file(tmp_path)
     assert file.header.facts["stamps"] == "flush"
     assert file.header.facts["timing"].startswith("none for this machine and terminal")
-    assert [record.status for record in file.trials] == ["ok"] * 4
+    assert [record.status for record in file.trials] == ["ok"] * 6
     records = answered(file)
     errors = errors_ms(records, participant.delays_s)
     # A busy machine reads keys late and stamps flushes after their bytes were read, but not every time.
