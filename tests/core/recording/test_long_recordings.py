@@ -103,7 +103,7 @@ def header_with(**fields) -> bytes:
         (b"[" * 2000, "not a recording"),
         (
             b'{"type":"header","format":"arl-recording","a":' + b"[" * 2000 + b"]" * 2000 + b"}\n",
-            "not a recording",
+            "not a recording|the header was changed",  # Python 3.13 reads so deep a nesting
         ),
         (header_with(root_seed=-1), "root_seed is >= 0, got -1"),
         (
