@@ -94,6 +94,7 @@ def errors_ms(records: list[TrialRecord], true_s: list[float]) -> list[float]:
     ]
 
 
+@pytest.mark.thorough
 def test_known_delays_are_measured_fitted_and_kept(tmp_path: Path) -> None:
     with calibrate(tmp_path, "simple", 6) as terminal:
         participant = Participant(terminal, lambda text: CROSS in text, " ")

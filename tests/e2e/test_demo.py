@@ -16,7 +16,9 @@ def the_only_recording(folder: Path) -> Path:
     return path
 
 
-@pytest.mark.parametrize(("game", "games"), [("tetris", 3), ("keepaway", 5)])
+@pytest.mark.parametrize(
+    ("game", "games"), [pytest.param("tetris", 3, marks=pytest.mark.thorough), ("keepaway", 5)]
+)
 def test_without_a_terminal_it_plays_records_replays_and_summarises(
     tmp_path: Path, game: str, games: int
 ) -> None:

@@ -152,7 +152,8 @@ def check(game: str, path: Path, found: Endured) -> None:
     assert result.difference is None, str(result.difference)
 
 
-@pytest.mark.parametrize("game", ["tetris", pytest.param("keepaway", marks=pytest.mark.thorough)])
+@pytest.mark.thorough
+@pytest.mark.parametrize("game", GAME_SETTINGS)
 def test_a_session_of_seconds_is_measured(game: str, tmp_path: Path) -> None:
     play_for(game, 4.0, 1.0, tmp_path)
 

@@ -141,7 +141,7 @@ def test_a_terminal_that_nobody_reads_does_not_keep_a_session_from_ending(
     assert the_recording(tmp_path).complete
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [pytest.param(signal.SIGINT, marks=pytest.mark.thorough), signal.SIGTERM])
 def test_a_signal_ends_the_session_and_the_terminal_is_as_before(
     number: signal.Signals, tmp_path: Path, long_file: Path
 ) -> None:

@@ -180,6 +180,7 @@ def frame_rate(recording: Recording, began_ns: int, duration_s: float) -> float:
     return sum(began_ns <= time_ns < end_ns for time_ns in shown) / duration_s
 
 
+@pytest.mark.thorough
 def test_two_robots_lose_no_key(tmp_path: Path) -> None:
     robots = run(2, 4.0, tmp_path)
     check(robots, 4.0)

@@ -51,7 +51,8 @@ def _maybe_cut(source: Source, table: Table, rt: str) -> tuple[str, ...]:
         return ()
     get = table.getter(rt)
     texts = [get(cells) for _, cells in table.lines]
-    if len(texts) < 2 or len(texts[-1]) >= min(len(text) for text in texts[:-1] if text):
+    others = [len(text) for text in texts[:-1] if text]
+    if not others or len(texts[-1]) >= min(others):
         return ()
     return (
         (

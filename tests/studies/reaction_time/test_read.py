@@ -254,6 +254,13 @@ def test_utf_16_spaces_before_quotes_and_cells_left_empty_at_the_end_do_no_harm(
         read_rows([path], Columns(rt="rt_s", participant="who"))
 
 
+def test_a_file_that_ends_inside_a_line_is_read_where_no_earlier_row_has_a_time(tmp_path):
+    path = tmp_path / "one.csv"
+    path.write_text("subject;latency ms\nP1;\nP1;510")  # found by a fuzzer
+    rows = read_table(path, Columns(rt="latency ms", participant="subject"))
+    assert [row.rt_s for row in rows] == [None, 0.51]
+
+
 def test_a_row_of_nobody_is_refused(tmp_path):
     path = tmp_path / "a.csv"
     path.write_text("who,rt_s\nP1,0.30\nn/a,0.4\n")
