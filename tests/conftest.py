@@ -45,7 +45,7 @@ def compiled(_home_of_tests: None) -> None:
 
     Each of a hundred sessions would begin to compile, and be ended before it is done.
     """
-    _compile_everything().wait()
+    assert _compile_everything().wait() == 0
 
 
 def _compile_everything() -> subprocess.Popen[bytes]:
