@@ -4,7 +4,7 @@ keys."""
 import os
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Self
 
@@ -29,7 +29,7 @@ REPOSITORY = Path(__file__).resolve().parents[2]
 
 
 class Terminal:
-    """A terminal of 80 x 24 with `arl` running in it."""
+    """A terminal of 80 x 24 with `arl` running in it, or another program."""
 
     def __init__(
         self,
@@ -40,6 +40,7 @@ class Terminal:
         exported: Mapping[str, str] | None = None,
         module: str = "arl_tui.cli",
         in_shell: bool = False,
+        program: Sequence[str] = (),
     ) -> None:
         environment = {
             **os.environ,
@@ -62,7 +63,7 @@ class Terminal:
         self._held_up_since: float | None = None
         self._screen = pyte.Screen(columns, lines)
         self._stream = pyte.ByteStream(self._screen)
-        command = [sys.executable, "-W", "ignore", "-m", module, *arguments]
+        command = [*program] or [sys.executable, "-W", "ignore", "-m", module, *arguments]
         if in_shell:
             # As at a prompt: the shell outlives the program. Where the program leads the terminal's session,
             # the kernel closes the terminal as soon as it ends, and its guard cannot write to it.

@@ -9,10 +9,11 @@ from pathlib import Path
 
 import pytest
 
+from tests.documented import DOCS, blocks_of
 from tests.e2e.terminal import TROUBLE, Terminal
 from tests.e2e.test_study import no_secrets
 from tests.e2e.test_study_kills import ANSWERS, in_game
-from tests.test_documentation import DOCS, blocks_of, run
+from tests.test_documented_blocks import in_shell, run
 
 PAGE = DOCS / "tutorials" / "first-study.md"
 LONGEST_S = 1200.0
@@ -48,7 +49,7 @@ def test_a_stranger_has_two_simulated_and_one_own_participant_recorded_checked_a
                 take_part(terminal)
                 assert b"finished the sitting." in terminal.received, terminal.text
         elif block.language == "sh":
-            run(["bash", "-euo", "pipefail", "-c", block.text], tmp_path)
+            run(in_shell(block.text), tmp_path)
         elif block.language == "python":
             run(["python", "-c", block.text], tmp_path)
         print(f"{time.monotonic() - began:.0f} s: {block.where}", flush=True)
