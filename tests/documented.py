@@ -106,4 +106,10 @@ def blocks_of(page: Path) -> Iterator[Block]:
         yield Block(page, before.count("\n") + 1, language, body, marks)
 
 
+def extras_installed() -> list[str]:
+    """Return what pages say to install from inside an environment: `arl-tui[gym]` and others, in order."""
+    pages = "".join(page.read_text(encoding="utf-8") for page in PAGES)
+    return sorted(set(re.findall(r"pip install '([^']+)'", pages)))
+
+
 BLOCKS = [block for page in PAGES for block in blocks_of(page)]

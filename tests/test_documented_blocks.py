@@ -25,8 +25,18 @@ from core import protocol_from
 from studies.lab.read import load_study
 from studies.lab.ready_studies import copy_ready_study
 from tests.data_folder import data_root
-from tests.documented import BLOCKS, ELSEWHERE, MARKS, REPOSITORY, Block, named_tests, pairs
-from tests.e2e.terminal import ASKS_AGAIN, PATIENCE_S, TROUBLE, Terminal
+from tests.documented import (
+    BLOCKS,
+    ELSEWHERE,
+    MARKS,
+    REPOSITORY,
+    Block,
+    blocks_of,
+    extras_installed,
+    named_tests,
+    pairs,
+)
+from tests.e2e.terminal import PATIENCE_S, Terminal
 
 KEYS = {"Enter": "\r", "Space": " ", "Escape": "\x1b"}
 MARKS_OF = {
@@ -151,24 +161,9 @@ def type_in_a_terminal(commands: str, steps: Sequence[tuple[str, str]], folder: 
     """Type commands at a shell; wait for each text and press its keys."""
     with Terminal(cwd=folder, exported=environment(folder), program=in_shell(commands)) as terminal:
         for seen, keys in steps:
-            wait_for(terminal, seen)
+            terminal.wait_for_words(seen)
             terminal.press("".join(KEYS.get(key, key) for key in keys.split(" ")))
         assert terminal.wait_for_exit() == 0, terminal.text
-
-
-def wait_for(terminal: Terminal, seen: str) -> None:
-    """Wait until a text stands on the screen; go on where getting ready took so long that the page asks."""
-    end = time.monotonic() + PATIENCE_S
-    while True:
-        running = terminal.pump()
-        text = " ".join(terminal.text.split())
-        if seen in text:
-            return
-        assert running, f"the commands ended before {seen!r} was seen:\n{terminal.text}"
-        assert time.monotonic() < end, f"{seen!r} was not seen:\n{terminal.text}"
-        assert TROUBLE not in text, terminal.text
-        if ASKS_AGAIN in text:
-            terminal.press("\r")
 
 
 def without_installing(commands: str) -> str:
@@ -252,6 +247,26 @@ def test_every_block_names_its_language_and_has_only_marks_that_mean_something()
         assert all(value for _, value in block.marks), block.where
 
 
+def test_what_a_mark_replaces_is_there_and_each_step_in_a_terminal_has_keys() -> None:
+    for block in BLOCKS:
+        assert block.commands
+        assert all(keys for _, keys in pairs(block.mark("in a terminal"), " > ")), block.where
+
+
+def test_marks_are_the_comments_right_before_a_block(tmp_path: Path) -> None:
+    page = tmp_path / "page.md"
+    page.write_text(
+        "<!-- of the page -->\nText.\n\n1. Item\n\n   <!-- first: a\n     b -->\n"
+        "   <!-- with: 120 = 1; CODE = P1 -->\n   ```sh\n   arl --n 120 CODE\n     more\n   ```\n\n```text\nx\n```\n"
+    )
+    one, other = blocks_of(page)
+    assert one.marks == (("first", "a b"), ("with", "120 = 1; CODE = P1"))
+    assert one.commands == "arl --n 1 P1\n  more\n"
+    assert (other.language, other.text, other.marks) == ("text", "x\n", ())
+    with pytest.raises(AssertionError, match="no 'CODE' to replace"):
+        _ = Block(REPOSITORY / "README.md", 1, "sh", "arl", (("with", "CODE = P1"),)).commands
+
+
 def test_output_holds_no_commands() -> None:
     hidden = [
         b.where for b in BLOCKS if b.language == "text" and re.search(r"^(\$ |arl )", b.text, re.MULTILINE)
@@ -288,6 +303,12 @@ def test_a_piece_of_a_file_is_in_it_word_for_word_and_a_test_runs_the_file() -> 
         else:
             (file,) = named_tests(test)
             assert Path(name).stem in file.read_text(encoding="utf-8"), f"{block.where}: {test}"
+
+
+def test_what_a_page_says_to_install_exists() -> None:
+    assert len(extras_installed()) >= 4
+    for requirement in extras_installed():
+        is_installed(requirement)
 
 
 def one_empty_line(text: str) -> str:

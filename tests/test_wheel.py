@@ -14,7 +14,7 @@ from tempfile import TemporaryDirectory
 
 import pytest
 
-from tests.documented import DOCS, REPOSITORY, blocks_of
+from tests.documented import DOCS, REPOSITORY, blocks_of, extras_installed
 
 README, LOCK = REPOSITORY / "README.md", REPOSITORY / "requirements.lock"
 CLONED = ("pyproject.toml", "requirements.lock", "README.md", "LICENSE", "arl_tui", "core", "studies")
@@ -97,6 +97,8 @@ def test_the_wheel_runs_in_an_empty_environment_and_where_pipx_or_uv_installs_it
     run(arl, "study", "new", "my-study", folder=tmp_path)
     (example,) = (block.text for block in blocks_of(README) if block.language == "python")
     run(python, "-c", example, folder=tmp_path)
+    # The extras of the documentation are those of the installed program, wherever that came from.
+    run(python, "-m", "pip", "install", "-q", "--dry-run", *extras_installed(), folder=tmp_path)
     # Nothing else is asked of this environment, so both installers may come into it.
     run(python, "-m", "pip", "install", "-q", "pipx", "uv", folder=tmp_path)
     chosen = ("--python", sys.executable)

@@ -148,6 +148,24 @@ class Terminal:
                 raise AssertionError(f"the program ended before {texts} was seen:\n{self.text}")
         raise AssertionError(f"{texts} was not seen within {patience_s:.0f} s:\n{self.text}")
 
+    def wait_for_words(self, words: str) -> None:
+        """Read until words stand on the screen, whatever blanks are between them.
+
+        Where getting ready took so long that the page asks for the start key once more, it is pressed.
+        """
+        end = time.monotonic() + PATIENCE_S
+        asked = False
+        running = True
+        while words not in " ".join(self.text.split()):
+            assert running, f"the program ended before {words!r} was seen:\n{self.text}"
+            assert time.monotonic() < end, f"{words!r} was not seen:\n{self.text}"
+            assert TROUBLE not in self.text, f"trouble before {words!r} was seen:\n{self.text}"
+            if ASKS_AGAIN in self.text and not asked:
+                self.press("\r")
+            asked = ASKS_AGAIN in self.text
+            running = self.pump()
+            self._go_on_after_a_gap()
+
     def _go_on_after_a_gap(self) -> None:
         """Go on, as a participant would, where a busy machine has made the session pause by itself.
 
