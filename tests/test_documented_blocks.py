@@ -55,6 +55,7 @@ def environment(folder: Path) -> dict[str, str]:
     return {
         "ARL_HOME": str(folder),
         "HOME": str(folder),  # a key of a page is made there
+        "XDG_CACHE_HOME": os.environ.get("XDG_CACHE_HOME", str(Path.home() / ".cache")),  # of kernels
         "PATH": os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]]),
         "PYTHONPATH": os.pathsep.join([str(REPOSITORY), str(folder)]),
         "ARL_DATA": str(data_root()),
@@ -257,7 +258,8 @@ def test_marks_are_the_comments_right_before_a_block(tmp_path: Path) -> None:
     page = tmp_path / "page.md"
     page.write_text(
         "<!-- of the page -->\nText.\n\n1. Item\n\n   <!-- first: a\n     b -->\n"
-        "   <!-- with: 120 = 1; CODE = P1 -->\n   ```sh\n   arl --n 120 CODE\n     more\n   ```\n\n```text\nx\n```\n"
+        "   <!-- with: 120 = 1; CODE = P1 -->\n   ```sh\n   arl --n 120 CODE\n     more\n   ```\n\n"
+        "```text\nx\n```\n"
     )
     one, other = blocks_of(page)
     assert one.marks == (("first", "a b"), ("with", "120 = 1; CODE = P1"))
