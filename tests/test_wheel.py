@@ -42,8 +42,21 @@ def run(*command: str | Path, folder: Path, **changes: str) -> str:
 def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a folder with the sdist, and the wheel that was built from the sdist."""
     folder = tmp_path_factory.mktemp("dist")
-    run(sys.executable, "-m", "build", "--outdir", folder, REPOSITORY, folder=folder)
+    # Of a copy: each process of the tests builds, and a build writes beside what it reads.
+    copy_repository(folder / "clone")
+    run(sys.executable, "-m", "build", "--outdir", folder, folder / "clone", folder=folder)
     return folder
+
+
+def copy_repository(folder: Path) -> None:
+    """Copy what an installation reads."""
+    folder.mkdir()
+    for name in CLONED:
+        source = REPOSITORY / name
+        if source.is_dir():
+            shutil.copytree(source, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
+        else:
+            shutil.copy(source, folder / name)
 
 
 def test_the_versions_of_python_are_the_same_everywhere():
@@ -134,21 +147,17 @@ def skip_without_index(python: Path) -> None:
 
 @pytest.mark.thorough
 def test_the_first_commands_of_the_readme_work_in_a_copy_of_the_repository(tmp_path: Path) -> None:
-    for name in CLONED:
-        source = REPOSITORY / name
-        if source.is_dir():
-            shutil.copytree(source, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
-        else:
-            shutil.copy(source, tmp_path / name)
-    run(sys.executable, "-m", "venv", tmp_path / ".venv", folder=tmp_path)  # whose pip is asked
-    skip_without_index(tmp_path / ".venv" / "bin" / "python")
+    clone = tmp_path / "clone"
+    copy_repository(clone)
+    run(sys.executable, "-m", "venv", clone / ".venv", folder=clone)  # whose pip is asked
+    skip_without_index(clone / ".venv" / "bin" / "python")
     path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
     first, tests = (block.text for block in blocks_of(README) if block.language == "sh")
-    assert "Replay: exact" in run("bash", "-euc", first, folder=tmp_path, PATH=path)
+    assert "Replay: exact" in run("bash", "-euc", first, folder=clone, PATH=path)
     # The second command installs what the tests need: whether there is such a set of versions is asked here.
     install, then = tests.strip().rsplit(" && ", 1)
     assert then == ".venv/bin/pytest"
-    run("bash", "-euc", f"{install} --dry-run", folder=tmp_path, PATH=path)
+    run("bash", "-euc", f"{install} --dry-run", folder=clone, PATH=path)
 
 
 def test_the_tutorial_installs_as_the_readme_does() -> None:
