@@ -1,6 +1,7 @@
 """`arl study`: a whole study from one file, from consent to thanks, for many participants."""
 
 import contextlib
+import os
 import shlex
 import shutil
 import sys
@@ -21,8 +22,24 @@ if TYPE_CHECKING:
     from studies.lab.ledger import Ledger
     from studies.lab.read import LoadedStudy
 
-STUDY = click.Path(exists=True, dir_okay=False, path_type=Path)
-study_argument = click.argument("file", metavar="STUDY", type=STUDY, default="study.toml")
+
+class StudyFile(click.Path):
+    """The file of a study, or the folder that holds it as `study.toml`."""
+
+    def __init__(self) -> None:
+        """Take files that exist."""
+        super().__init__(exists=True, dir_okay=False, path_type=Path)
+
+    def convert(
+        self, value: "str | os.PathLike[str]", param: click.Parameter | None, ctx: click.Context | None
+    ) -> "str | bytes | os.PathLike[str]":
+        """Return the path of the file."""
+        return super().convert(Path(value) / NAME if Path(value).is_dir() else value, param, ctx)
+
+
+NAME = "study.toml"
+STUDY = StudyFile()
+study_argument = click.argument("file", metavar="STUDY", type=STUDY, default=NAME)
 
 
 @click.group(short_help="Run a whole study from one file.")

@@ -6,7 +6,7 @@ from typing import ClassVar
 from textual import events
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
-from textual.containers import Vertical, VerticalScroll
+from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.screen import ModalScreen, Screen
 from textual.widget import Widget
 from textual.widgets import Markdown, Static
@@ -213,7 +213,9 @@ class ConsentPage(StudyPage):
         yield Markdown(self._text, open_links=False)
         yield Static(tr(words.CONSENT_HELP))
         for number in range(len(self._statements)):
-            yield Static(self._line(number), id=f"statement-{number}", classes="statement")
+            with Horizontal(classes="statement"):
+                yield Static(self._answer(number), id=f"answer-{number}", classes="answer")
+                yield Static(_plain(self._statements[number]))
 
     def call(self) -> str:
         """Return what is missing, or which keys work."""
@@ -265,15 +267,15 @@ class ConsentPage(StudyPage):
     def _move(self, by: int) -> None:
         self._at = min(max(self._at + by, 0), len(self._statements) - 1)
         for number in range(len(self._statements)):
-            self.query_one(f"#statement-{number}", Static).update(self._line(number))
+            self.query_one(f"#answer-{number}", Static).update(self._answer(number))
 
-    def _line(self, number: int) -> str:
+    def _answer(self, number: int) -> str:
         answer = {None: "[reverse]   [/]", True: cap(key_for("yes")), False: cap(key_for("no"))}[
             self._answers[number]
         ]
         mark = ">" if number == self._at else " "
         required = "*" if number < self._required else " "
-        return f"{mark} {answer} {required} {_plain(self._statements[number])}"
+        return f"{mark} {answer} {required}"
 
 
 class DeclinePage(ModalScreen[bool], inherit_bindings=False):

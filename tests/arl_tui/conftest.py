@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from arl_tui import language
 from arl_tui.app import gaps
 from arl_tui.session_app import ArlApp
 from core.feedback.keys import KeyConfig
@@ -61,6 +62,13 @@ def colours_of_a_common_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("TERM", "xterm-256color")
     monkeypatch.setenv("COLORTERM", "truecolor")
     monkeypatch.delenv("NO_COLOR", raising=False)
+
+
+@pytest.fixture(autouse=True)
+def words_of_the_code() -> None:
+    """The language and the keys are the process's: no test begins with those of another."""
+    language.change_keys({})
+    language.use("en")
 
 
 @pytest.fixture

@@ -28,11 +28,9 @@ def no_gaps(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv(VARIABLE, str(tmp_path))
-    yield tmp_path
-    language.change_keys({})
-    language.use("en")
+    return tmp_path
 
 
 def written(folder: Path, text: str) -> Path:
@@ -138,7 +136,6 @@ async def test_a_german_session_says_so_in_its_header_and_speaks_german(
         await settle(pilot)
         assert not any(isinstance(message, StopAsked) for message in link.sent)
         await pilot.press("n")
-    language.use("en")
     header = recorded(tmp_path).header
     assert header.protocol["screen"]["language"] == "de"
     assert protocol_from(header.protocol).screen.language == "de"

@@ -34,12 +34,6 @@ TOOL = tool()
 IN_CODE = TOOL.extracted()
 
 
-@pytest.fixture(autouse=True)
-def _english_again() -> Iterator[None]:
-    yield
-    use("en")
-
-
 def texts(message) -> list[tuple[str, str]]:
     """Return each English text of a message with its translation; of two, the one for several comes last."""
     if isinstance(message.id, tuple):
@@ -190,12 +184,9 @@ def test_an_empty_text_is_not_looked_up():
 
 def test_changed_keys_are_shown_and_hold_in_the_next_language_too():
     language.change_keys({"pause": "w"})
-    try:
-        use("de")
-        assert key_for("pause") == "w"
-        assert "[reverse] W [/]" in tr("Press {key_pause} or {key_space} to go on")
-    finally:
-        language.change_keys({})
+    use("de")
+    assert key_for("pause") == "w"
+    assert "[reverse] W [/]" in tr("Press {key_pause} or {key_space} to go on")
 
 
 @pytest.mark.parametrize(

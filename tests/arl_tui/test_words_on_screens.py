@@ -2,7 +2,7 @@
 
 import gettext
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import msgspec
@@ -65,13 +65,10 @@ class Pseudo(gettext.NullTranslations):
 
 
 @pytest.fixture
-def pseudo(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+def pseudo(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(language, "catalogue_of", lambda code: Pseudo())
     # Big letters are drawn, and exist in those that languages need.
     monkeypatch.setattr("arl_tui.widgets.feedback_bar.big", lambda word, narrow=False: (word,) * 3)
-    language.use("en")
-    yield
-    monkeypatch.undo()
     language.use("en")
 
 
@@ -300,11 +297,9 @@ def test_no_word_after_a_practice_trial_is_outside_the_catalogue(
 def test_captions_of_the_pitch_are_those_of_the_picture(changes: dict, caption: str) -> None:
     players = tuple(PlayerView(float(k), 0.0, 0.0) for k in range(5))
     frame = PitchFrame(length_m=20.0, width_m=20.0, n_keepers=3, players=players, ball=(0.0, 0.0), **changes)
-    language.use("en")
     assert caption_of(frame) == frame.caption()
     language.use("de")
     assert caption_of(frame) == caption
-    language.use("en")
 
 
 def test_the_ends_of_an_episode_are_those_of_the_game():

@@ -1,6 +1,7 @@
 """The processes of a program under test: which there are, and whether they are gone."""
 
 import time
+from contextlib import suppress
 from pathlib import Path
 
 
@@ -14,11 +15,12 @@ def is_running(pid: int) -> bool:
 
 
 def children(pid: int) -> set[int]:
-    """Return the process ids of all children."""
-    try:
-        return {int(child) for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()}
-    except (FileNotFoundError, ProcessLookupError):
-        return set()
+    """Return the process ids of all children, whichever thread has started them."""
+    found: set[int] = set()
+    for task in Path(f"/proc/{pid}/task").glob("*/children"):
+        with suppress(FileNotFoundError, ProcessLookupError):
+            found |= {int(child) for child in task.read_text().split()}
+    return found
 
 
 def descendants(pid: int) -> set[int]:

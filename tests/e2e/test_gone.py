@@ -86,7 +86,7 @@ def test_a_closed_terminal_ends_a_session_which_says_so(
         assert len(family) >= 3  # the app, its worker, and the guard of the terminal
         terminal.hang_up()
         assert terminal.ends_by_itself(ENDS_WITHIN_S)
-        assert left_after(family, 0.5) == set()
+        assert left_after(family, ENDS_WITHIN_S) == set()
     recording = the_recording(tmp_path)
     assert recording.complete
     assert stop_reason(recording) == "window-closed"
@@ -101,7 +101,7 @@ def test_a_session_of_which_one_end_closes_ends(closed: str, tmp_path: Path, lon
         family = descendants(program.process.pid)
         program.close(closed)
         assert program.seconds_to_end() < ENDS_WITHIN_S
-        assert left_after(family, 0.5) == set()
+        assert left_after(family, ENDS_WITHIN_S) == set()
         shown = program.received.decode(errors="replace")
     recording = the_recording(tmp_path)
     assert recording.complete
@@ -126,7 +126,7 @@ def test_every_command_ends_with_its_terminal(command: str, closed: str, tmp_pat
             family = descendants(program.process.pid)
             program.close(closed)
             assert program.seconds_to_end() < ENDS_WITHIN_S
-    assert left_after(family, 0.5) == set()
+    assert left_after(family, ENDS_WITHIN_S) == set()
 
 
 @pytest.mark.thorough

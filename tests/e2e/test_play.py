@@ -12,6 +12,7 @@ from core.recording.reader import Recording, read_recording
 from core.session.protocol_reading import protocol_from
 from core.session.replay import replay_exactly
 from core.session.session import build_session
+from tests.e2e.processes import is_running, worker_of
 from tests.e2e.terminal import PATIENCE_S, TROUBLE, Terminal
 
 MS = 1_000_000
@@ -136,25 +137,6 @@ def test_a_worker_that_is_killed_ends_the_session_with_a_message(tmp_path: Path,
     assert last.reason == "worker-died"
     # Nobody heard the stop: what there is replays, and no more is to come.
     replayed(recording)
-
-
-def worker_of(pid: int) -> int:
-    """Return the process id of the worker: the child that runs `spawn_main` (the other one tracks
-    resources)."""
-    children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
-    for child in children:
-        if b"spawn_main" in Path(f"/proc/{child}/cmdline").read_bytes():
-            return int(child)
-    raise AssertionError(f"{pid} has no worker among {children}")
-
-
-def is_running(pid: int) -> bool:
-    """Return whether a process exists and is more than an entry that nobody has collected."""
-    try:
-        state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
-    except FileNotFoundError:
-        return False
-    return state != "Z"
 
 
 def test_stopping_in_the_middle_saves_everything(tmp_path: Path, protocol_file: Path) -> None:

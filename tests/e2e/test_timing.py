@@ -28,7 +28,7 @@ from arl_tui.timing.waking import lateness_ms
 from core.events import FrameShown
 from core.tetris.picture import Counts, Wall, snapshot
 from tests.arl_tui.fakes import FakeLink
-from tests.e2e.test_play import is_running
+from tests.e2e.processes import children, left_after
 
 MS = 1_000_000
 EMPTY = snapshot(Wall(20, 10), counts=Counts())
@@ -93,15 +93,15 @@ def test_on_a_quiet_machine_the_median_error_is_below_a_frame(tmp_path: Path) ->
 
 def test_no_process_is_left_behind_when_the_robot_gives_up(tmp_path: Path) -> None:
     with Robot(make_plan("beside a board", 50, root_seed=1), tmp_path) as robot:
-        family = [robot.pid]
+        family = {robot.pid}
         for _ in range(60):
             with pytest.raises(TimingError, match="still runs"):
                 robot.run(1.0, lambda: None)
-            family = [robot.pid, *children_of(robot.pid)]
+            family = {robot.pid} | children(robot.pid)
             if len(family) > 1:
                 break
     assert len(family) > 1, "the learner's process has not been started within a minute"
-    all_gone(family)
+    assert left_after(family, 60.0) == set()
 
 
 ROBOT_ALONE = """
@@ -117,24 +117,12 @@ def test_a_robot_that_is_killed_takes_the_app_with_it() -> None:
     try:
         assert robot.stdout is not None
         assert robot.stdout.readline() == b"answered\n"
-        family = children_of(robot.pid)
+        family = children(robot.pid)
         assert len(family) == 1
     finally:
         robot.kill()
         robot.communicate()
-    all_gone(family)
-
-
-def children_of(pid: int) -> list[int]:
-    return [int(child) for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
-
-
-def all_gone(family: list[int]) -> None:
-    for _ in range(1200):
-        if not any(is_running(pid) for pid in family):
-            return
-        time.sleep(0.05)
-    raise AssertionError(f"of the processes {family} some are still there after a minute")
+    assert left_after(family, 60.0) == set()
 
 
 def test_an_app_that_cannot_start_is_reported_with_its_last_words(

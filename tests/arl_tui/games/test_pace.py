@@ -112,6 +112,20 @@ async def test_the_warning_fits_on_the_first_page(game: str, link: FakeLink, tmp
         assert app.screen.query_one(".page").max_scroll_y == 0
 
 
+async def test_a_page_that_did_not_fit_fits_in_a_larger_window(link: FakeLink, tmp_path: Path) -> None:
+    # A bar made the text one line longer than this window, and so it stayed.
+    app = app_for(DEFAULTS["gymnasium"], link, tmp_path)
+    async with app.run_test(size=SIZE) as pilot:
+        link.say(LOW)
+        await pilot.pause()
+        await pilot.resize_terminal(SIZE[0], SIZE[1] - 3)
+        await pilot.pause(0.1)
+        assert "more below" in screen_text(app)
+        await pilot.resize_terminal(*SIZE)
+        await pilot.pause(0.1)
+        assert "slower" in screen_text(app)
+
+
 @pytest.mark.parametrize(("waited_s", "starts"), [(AT_SCREEN_S - 1, True), (AT_SCREEN_S + 1, False)])
 async def test_no_game_begins_in_front_of_nobody(
     app: ArlApp, link: FakeLink, waited_s: float, starts: bool

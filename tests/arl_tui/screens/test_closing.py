@@ -1,8 +1,11 @@
 """The last screen: what happened, and how practice went."""
 
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from textual.app import App
 
 from arl_tui.app.outcome import SessionOutcome
@@ -10,7 +13,7 @@ from arl_tui.app.tally import Tally
 from arl_tui.games.keepaway.screens import WORDS as KEEPAWAY
 from arl_tui.games.tetris.screens import WORDS as TETRIS
 from arl_tui.screens.closing import ClosingScreen
-from arl_tui.widgets.learning_curve import LearningCurve
+from arl_tui.widgets.learning_curve import LearningCurve, ticks
 from arl_tui.words import Words
 from tests.arl_tui.widgets.test_widgets_board import contrast
 
@@ -89,3 +92,21 @@ async def test_where_something_failed_there_is_no_curve_and_the_way_out_is_in_si
 def _colours(widget):
     _, _, background, text = widget.colors
     return background + text, background
+
+
+@given(top=st.floats(1e-3, 1e6), most=st.integers(2, 10))
+def test_ticks_are_even_few_and_reach_at_least_half_of_the_way(top: float, most: int) -> None:
+    found = ticks(top, most)
+    assert found[0] == 0.0
+    assert 1 <= len(found) - 1 <= most
+    assert top / 2 < found[-1] + 1e-9 * top
+    assert found[-1] <= top * (1 + 1e-9)
+    steps = [after - before for before, after in pairwise(found)]
+    assert max(steps) - min(steps) < 1e-9 * top
+
+
+@pytest.mark.parametrize(
+    ("top", "expected"), [(1.0, [0.0, 0.4, 0.8]), (81.3, [0.0, 40.0, 80.0]), (3.2, [0.0, 2.0])]
+)
+def test_ticks_of_a_low_plot(top: float, expected: list[float]) -> None:
+    assert ticks(top, 2) == expected

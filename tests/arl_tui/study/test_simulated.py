@@ -118,6 +118,13 @@ def test_status_of_simulated_participants_is_shown_apart(home):
     arguments = ["study", "status", str(home / "study.toml"), "--recordings", str(home)]
     assert "Nobody has taken part yet" in CliRunner().invoke(main, arguments).output
     assert "2 of 4 have finished" in CliRunner().invoke(main, [*arguments, "--simulated"]).output
+    assert "Nobody has taken part yet" in CliRunner().invoke(main, ["study", "status", str(home)]).output
+
+
+def test_the_folder_of_a_study_stands_for_its_file(tmp_path):
+    shown = CliRunner().invoke(main, ["study", "status", str(tmp_path)])
+    assert shown.exit_code == 2
+    assert f"File '{tmp_path / 'study.toml'}' does not exist" in shown.output
 
 
 def test_every_table_and_the_archive_say_that_they_are_simulated(home, tmp_path):

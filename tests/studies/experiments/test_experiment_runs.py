@@ -34,6 +34,7 @@ from studies.experiments.sweep import (
     run_unit,
 )
 from studies.pools import processes
+from tests.e2e.processes import children, left_after
 from tests.studies.tiny_experiment import EXPERIMENT, Tiny
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -67,15 +68,6 @@ class Falling(msgspec.Struct, frozen=True):
 
 def contents(folder: Path) -> dict[str, bytes]:
     return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("seed-*.csv"))}
-
-
-def children(parent: int) -> list[str]:
-    """Return the processes started by another one; none where the system does not say."""
-    return [
-        found
-        for task in Path(f"/proc/{parent}/task").glob("*/children")
-        for found in task.read_text().split()
-    ]
 
 
 def test_each_trial_of_each_condition_has_one_file_with_a_row_per_episode(tmp_path):
@@ -162,9 +154,7 @@ def test_a_run_that_was_killed_leaves_whole_files_and_goes_on(tmp_path):
     workers = children(process.pid)
     os.kill(process.pid, signal.SIGKILL)
     process.wait()
-    while any(Path(f"/proc/{worker}").exists() for worker in workers) and time.monotonic() < deadline:
-        time.sleep(0.05)
-    assert not any(Path(f"/proc/{worker}").exists() for worker in workers), "workers outlive their run"
+    assert left_after(workers, 600.0) == set(), "workers outlive their run"
     left = contents(folder)
     assert 3 <= len(left) < 60
     assert left.items() <= contents(whole).items()
