@@ -1,78 +1,16 @@
-"""What the documentation says is so: names exist, pages are linked, and every block of code runs or is
-output."""
+"""What the documentation says is so: commands and names exist, and pages are linked. Its blocks of code are
+the matter of `tests/test_documented_blocks.py`."""
 
 import importlib
-import json
-import os
 import re
 import shlex
-import subprocess
-import sys
-import tomllib
-from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 import click
 import pytest
 
 from arl_tui.cli import main
-from core import protocol_from
-
-REPOSITORY = Path(__file__).resolve().parents[1]
-DOCS = REPOSITORY / "docs"
-PAGES = [REPOSITORY / "README.md", *sorted(DOCS.rglob("*.md"))]
-FENCE = re.compile(
-    r"^(?P<indent> *)(?P<fence>`{3,}|~{3,})(?P<language>[^\n`]*)\n(?P<text>.*?)^(?P=indent)(?P=fence) *$",
-    re.DOTALL | re.MULTILINE,
-)
-NOT_RUN = re.compile(r"<!-- not run here: (?P<reason>.+?) -->\s*$")
-PAGES_OF_OTHER_TESTS = {"extending.md", "own-experiment.md", "first-study.md"}
-"""Python blocks of the first two are whole files, which tests of their own put where they belong. Of the last
-one `tests/e2e/test_first_study.py` runs every command, by name, in a terminal."""
-
-
-@dataclass(frozen=True)
-class Block:
-    """One fenced block of a page."""
-
-    page: Path
-    line: int
-    language: str
-    text: str
-    not_run: str
-    """Why it is not run; "" where it is."""
-
-    @property
-    def where(self) -> str:
-        return f"{self.page.relative_to(REPOSITORY)}:{self.line}"
-
-
-def blocks_of(page: Path) -> Iterator[Block]:
-    text = page.read_text(encoding="utf-8")
-    for found in FENCE.finditer(text):
-        before = text[: found.start()]
-        mark = NOT_RUN.search(before.rstrip() if before.endswith("\n") else before)
-        body = re.sub(f"^{found['indent']}", "", found["text"], flags=re.MULTILINE)
-        yield Block(
-            page, before.count("\n") + 1, found["language"].strip(), body, mark["reason"] if mark else ""
-        )
-
-
-BLOCKS = [block for page in PAGES for block in blocks_of(page)]
-
-
-def test_every_block_runs_or_is_marked_as_output():
-    known = {"python", "sh", "toml", "json", "text"}
-    unmarked = [
-        block.where for block in BLOCKS if block.language not in known and not block.language.startswith("{")
-    ]
-    assert unmarked == [], f"write one of {sorted(known)} after the fence; `text` is output"
-
-
-def test_blocks_that_are_not_run_say_why():
-    assert all(len(block.not_run) > 8 for block in BLOCKS if block.not_run)
-
+from tests.documented import BLOCKS, DOCS, FENCE, PAGES, REPOSITORY
 
 # --- commands exist -----------------------------------------------------------------------------------------
 
@@ -120,98 +58,6 @@ def test_a_command_and_its_options_exist(where: str, line: str):
     known |= {"--help", "--version"}
     asked = {word.split("=")[0] for word in words if re.match(r"--[a-z]", word)}
     assert asked <= known, f"{where}: {line}"
-
-
-# --- blocks run ---------------------------------------------------------------------------------------------
-
-RUNNING = [
-    page
-    for page in PAGES
-    if page.name not in PAGES_OF_OTHER_TESTS
-    and any(b.language in ("python", "sh") and not b.not_run for b in BLOCKS if b.page == page)
-]
-
-
-def run(command: list[str], folder: Path) -> None:
-    environment = {
-        **os.environ,
-        "ARL_HOME": str(folder),
-        "HOME": str(folder),  # a key of a page is made there
-        "PATH": os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]]),
-        "PYTHONPATH": str(REPOSITORY),
-    }
-    done = subprocess.run(
-        command,
-        cwd=folder,
-        env=environment,
-        stdin=subprocess.DEVNULL,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, f"{command[-1]}\n{done.stdout}\n{done.stderr}"
-
-
-@pytest.mark.thorough
-@pytest.mark.jit
-@pytest.mark.parametrize("page", RUNNING, ids=lambda page: str(page.relative_to(REPOSITORY)))
-def test_the_blocks_of_a_page_run_in_order(page: Path, tmp_path: Path):
-    for block in blocks_of(page):
-        if block.not_run:
-            continue
-        if block.language == "sh":
-            run(["bash", "-euo", "pipefail", "-c", block.text], tmp_path)
-        elif block.language == "python":
-            run([sys.executable, "-c", block.text], tmp_path)
-
-
-@pytest.mark.parametrize(
-    "block",
-    [b for b in BLOCKS if b.language == "toml" and b.page.name not in ("extending.md", "protocol.md")],
-    ids=lambda block: block.where,
-)
-def test_a_piece_of_a_protocol_is_one(block: Block):
-    if block.not_run:
-        return
-    content = tomllib.loads(block.text)
-    assert protocol_from(content)
-
-
-@pytest.mark.parametrize("block", [b for b in BLOCKS if b.language == "json"], ids=lambda block: block.where)
-def test_json_can_be_read(block: Block):
-    assert json.loads(block.text)
-
-
-# --- examples -----------------------------------------------------------------------------------------------
-
-EXAMPLES = sorted((REPOSITORY / "examples").glob("*.py"))
-
-
-def test_there_are_six_examples():
-    assert len(EXAMPLES) == 6
-
-
-@pytest.mark.thorough
-@pytest.mark.jit
-@pytest.mark.parametrize("program", EXAMPLES, ids=lambda path: path.stem)
-def test_an_example_runs(program: Path, tmp_path: Path):
-    run([sys.executable, str(program)], tmp_path)
-
-
-PIECE = re.compile(r"a piece of ((?:docs/)?examples/\w+\.py)")
-
-
-def test_a_piece_of_an_example_is_in_it():
-    pieces = [(block, found[1]) for block in BLOCKS if (found := PIECE.match(block.not_run))]
-    assert len(pieces) >= 4
-    for block, program in pieces:
-        source = (REPOSITORY / program).read_text(encoding="utf-8")
-        assert without_margins(block.text) in without_margins(source), block.where
-
-
-def without_margins(text: str) -> str:
-    """Return the lines that are not empty, without what they are indented by."""
-    return "\n".join(line.strip() for line in text.splitlines() if line.strip())
 
 
 # --- names, links, indexes ----------------------------------------------------------------------------------

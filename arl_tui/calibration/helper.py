@@ -6,7 +6,8 @@ import asyncio
 import os
 import runpy
 import sys
-from asyncio.subprocess import PIPE
+from asyncio.subprocess import PIPE, Process
+from contextlib import suppress
 
 import msgspec
 
@@ -38,12 +39,23 @@ async def ask_helper(module: str, question: object) -> bytes:
         answer, words = await process.communicate(msgspec.json.encode(question))
     except asyncio.CancelledError:
         process.kill()
-        await process.wait()
+        await _collect(process)
         raise
     if process.returncode:
         lines = words.decode(errors="replace").strip().splitlines() or ["no message"]
         raise HelperError(f"{module} left with status {process.returncode}: {lines[-1]}")
     return answer
+
+
+async def _collect(process: Process) -> None:
+    """Wait until a killed process and its pipes are gone.
+
+    A loop that is about to close cancels every task, also one that was cancelled before: the wait goes on.
+    """
+    while True:
+        with suppress(asyncio.CancelledError):
+            await process.communicate()
+            return
 
 
 def main(module: str, parent: str) -> None:

@@ -4,7 +4,7 @@ keys."""
 import os
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Self
 
@@ -29,7 +29,7 @@ REPOSITORY = Path(__file__).resolve().parents[2]
 
 
 class Terminal:
-    """A terminal of 80 x 24 with `arl` running in it."""
+    """A terminal of 80 x 24 with `arl` running in it, or another program."""
 
     def __init__(
         self,
@@ -40,6 +40,7 @@ class Terminal:
         exported: Mapping[str, str] | None = None,
         module: str = "arl_tui.cli",
         in_shell: bool = False,
+        program: Sequence[str] = (),
     ) -> None:
         environment = {
             **os.environ,
@@ -62,7 +63,7 @@ class Terminal:
         self._held_up_since: float | None = None
         self._screen = pyte.Screen(columns, lines)
         self._stream = pyte.ByteStream(self._screen)
-        command = [sys.executable, "-W", "ignore", "-m", module, *arguments]
+        command = [*program] or [sys.executable, "-W", "ignore", "-m", module, *arguments]
         if in_shell:
             # As at a prompt: the shell outlives the program. Where the program leads the terminal's session,
             # the kernel closes the terminal as soon as it ends, and its guard cannot write to it.
@@ -146,6 +147,24 @@ class Terminal:
             if not running:
                 raise AssertionError(f"the program ended before {texts} was seen:\n{self.text}")
         raise AssertionError(f"{texts} was not seen within {patience_s:.0f} s:\n{self.text}")
+
+    def wait_for_words(self, words: str) -> None:
+        """Read until words stand on the screen, whatever blanks are between them.
+
+        Where getting ready took so long that the page asks for the start key once more, it is pressed.
+        """
+        end = time.monotonic() + PATIENCE_S
+        asked = False
+        running = True
+        while words not in " ".join(self.text.split()):
+            assert running, f"the program ended before {words!r} was seen:\n{self.text}"
+            assert time.monotonic() < end, f"{words!r} was not seen:\n{self.text}"
+            assert TROUBLE not in self.text, f"trouble before {words!r} was seen:\n{self.text}"
+            if ASKS_AGAIN in self.text and not asked:
+                self.press("\r")
+            asked = ASKS_AGAIN in self.text
+            running = self.pump()
+            self._go_on_after_a_gap()
 
     def _go_on_after_a_gap(self) -> None:
         """Go on, as a participant would, where a busy machine has made the session pause by itself.

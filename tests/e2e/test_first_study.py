@@ -1,18 +1,20 @@
 """The tutorial *A first study in ten minutes*, every command in it, as a stranger follows it: minutes, by
-name: `pytest -n 0 -s -m slow tests/e2e/test_first_study.py`.
+name: `pytest -n 0 -s -m thorough tests/e2e/test_first_study.py`.
 """
 
 import csv
 import shlex
+import sys
 import time
 from pathlib import Path
 
 import pytest
 
+from tests.documented import DOCS, blocks_of
 from tests.e2e.terminal import TROUBLE, Terminal
 from tests.e2e.test_study import no_secrets
 from tests.e2e.test_study_kills import ANSWERS, in_game
-from tests.test_documentation import DOCS, blocks_of, run
+from tests.test_documented_blocks import in_shell, run
 
 PAGE = DOCS / "tutorials" / "first-study.md"
 LONGEST_S = 1200.0
@@ -34,7 +36,7 @@ def take_part(terminal: Terminal) -> None:
 def test_a_stranger_has_two_simulated_and_one_own_participant_recorded_checked_and_tabulated(
     tmp_path: Path,
 ) -> None:
-    began, watched = time.monotonic(), 0
+    began, watched, printed = time.monotonic(), 0, ""
     for block in blocks_of(PAGE):
         command = shlex.split(block.text)[1:] if block.language == "sh" else []
         if "--watch" in command:
@@ -48,9 +50,11 @@ def test_a_stranger_has_two_simulated_and_one_own_participant_recorded_checked_a
                 take_part(terminal)
                 assert b"finished the sitting." in terminal.received, terminal.text
         elif block.language == "sh":
-            run(["bash", "-euo", "pipefail", "-c", block.text], tmp_path)
+            printed = run(in_shell(block.text), tmp_path)
         elif block.language == "python":
-            run(["python", "-c", block.text], tmp_path)
+            run([sys.executable, "-c", block.text], tmp_path)
+        else:
+            assert block.text in printed, block.where
         print(f"{time.monotonic() - began:.0f} s: {block.where}", flush=True)
     assert watched == 1
     run(["arl", "export", "tidy", "data/studies/demo", "--out", "own"], tmp_path)

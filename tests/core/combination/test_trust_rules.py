@@ -1,6 +1,7 @@
 """Every rule of trust keeps the contract, and a new one takes a file and a line: played, recorded, replayed
 exactly."""
 
+import tomllib
 from pathlib import Path
 from typing import get_args
 
@@ -21,6 +22,7 @@ from core.session.replay import replay_exactly
 from core.session.session import build_session
 from tests.core.combination.recent_rule import Recent
 from tests.core.sessions import simulated, small_protocol
+from tests.documented import blocks_of
 
 RULES = get_args(TrustRule)
 DOCS = Path(__file__).resolve().parents[3] / "docs" / "extending.md"
@@ -131,7 +133,9 @@ def test_the_rule_of_the_documentation_by_hand():
 
 def test_a_session_under_a_new_rule_is_recorded_and_replayed_bit_for_bit(tmp_path: Path):
     recording = simulated(tmp_path, protocol_with(Recent(episodes=3)))
-    assert recording.header.protocol["agent"]["bootstrap"]["trust"] == {"type": "recent", "episodes": 3}
+    (documented, *_) = (block for block in blocks_of(DOCS) if block.language == "toml")
+    trust = recording.header.protocol["agent"]["bootstrap"]["trust"]
+    assert {"agent": {"bootstrap": {"trust": trust}}} == tomllib.loads(documented.text)
     protocol = msgspec.convert(recording.header.protocol, ProtocolWithRecent, dec_hook=decode_open_table)
     session = build_session(protocol, recording.header.root_seed)
     assert replay_exactly(recording, session).difference is None
