@@ -279,12 +279,15 @@ def withdraw(file: Path, code: str, simulated: bool, yes: bool, recordings: Path
 
     Tables that lie outside the folder of the study's data, and backups, are yours to remove.
     """
+    from studies.lab.withdraw import check_takes_part
     from studies.lab.withdraw import withdraw as remove
 
+    with _plain_errors():
+        _, ledger = _open(file, recordings, simulated=simulated)
+        check_takes_part(ledger, code)
     if not yes:
         click.confirm(f"Remove all data of {printable(code)} for ever?", abort=True)
     with _plain_errors():
-        _, ledger = _open(file, recordings, simulated=simulated)
         tombstone = remove(ledger, code)
     say(f"{tombstone.files_removed} files removed. The ledger holds {tombstone.code} in place of the code.")
 

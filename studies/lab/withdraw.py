@@ -7,7 +7,7 @@ from studies.lab.enrolment import NotNow
 from studies.lab.folder import exports_folder, participant_folder
 from studies.lab.ledger import Ledger, Withdrawn
 from studies.lab.notes import forget
-from studies.lab.progress import progress
+from studies.lab.progress import Participant, progress
 from studies.lab.running import NAME, only_sitting
 
 
@@ -28,9 +28,7 @@ def withdraw(ledger: Ledger, code: str) -> Withdrawn:
         NotNow: nobody with this code takes part, or a sitting of theirs is running.
         OSError: a file cannot be removed; the ledger still holds the code.
     """
-    known = progress(ledger.lines()).participants
-    if code not in known or known[code].withdrawn:
-        raise NotNow(f"nobody with the code {code} takes part in this study: check the code")
+    known = check_takes_part(ledger, code)
     folder = participant_folder(ledger.folder, code)
     with only_sitting(folder, code):
         removed = _remove(folder) + _remove(exports_folder(ledger.folder))
@@ -39,6 +37,18 @@ def withdraw(ledger: Ledger, code: str) -> Withdrawn:
     forget(ledger.folder, code, tombstone.code)
     ledger.replace_code(code, tombstone.code, last=tombstone)
     return tombstone
+
+
+def check_takes_part(ledger: Ledger, code: str) -> dict[str, Participant]:
+    """Return all participants of a study by code.
+
+    Raises:
+        NotNow: nobody with this code takes part.
+    """
+    known = progress(ledger.lines()).participants
+    if code not in known or known[code].withdrawn:
+        raise NotNow(f"nobody with the code {code} takes part in this study: check the code")
+    return known
 
 
 def _remove(folder: Path) -> int:
