@@ -49,8 +49,6 @@ class Recording:
     """Older recordings whose events come first, where a session was resumed (`core.recording.joined`)."""
     empty_lines: tuple[int, ...] = ()
     """Numbers of the lines that hold nothing, from 1, ascending."""
-    steps_left_out: int = 0
-    """Steps that were counted and are not among `events` (`core.recording.skim`)."""
     signature: str = ""
     """In the end line, hex; "" where there is none."""
     signed: bytes = b""
