@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
+from traceback import extract_tb
 from typing import TYPE_CHECKING, Any, TextIO, TypeVar
 
 import click
@@ -28,6 +29,13 @@ FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 OWN_GAMES = ("tetris", "keepaway", "gymnasium")
 """`core.plugins.BUILT_IN`, written out here so that `--help` need not load it; a test compares."""
 
+
+DISK_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS)
+"""A disk is full, a quota used up, a file too large, or the disk failed. The system names no file when that
+happens to an open one."""
+
+_TO_WRITE = "arl_tui.to_write"
+"""Where a command's context keeps the paths that were named to be written."""
 
 NO_FILE = "<arl>"
 """`core.numerics.kernel_files.NO_FILE`, for the same reason; a test compares."""
@@ -149,7 +157,15 @@ class Arl(click.Group):
         """Run; see `click.Command.main`."""
         speak_utf8()
         warnings.formatwarning = note_or_warning
-        return super().main(*args, **extra)
+        try:
+            return super().main(*args, **extra)
+        except OSError as error:  # of the program's own help and version
+            if error.errno not in DISK_ERRORS:
+                raise
+            click.echo(f"Error: {disk_failed(error, ())}", err=True)
+            raise SystemExit(1) from error
+        finally:
+            let_go_of_a_full_output()
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run a subcommand; stop with a message where a file, a folder or a game cannot be used."""
@@ -159,6 +175,8 @@ class Arl(click.Group):
             vars(error)["message"] = printable_lines(error.message)  # it may quote a file
             raise
         except OSError as error:
+            if error.errno in DISK_ERRORS:
+                raise click.ClickException(disk_failed(error, ctx.meta.get(_TO_WRITE, ()))) from error
             if error.errno == errno.EPIPE or error.filename is None:
                 raise
             raise click.ClickException(cannot_use(error)) from error
@@ -194,6 +212,45 @@ def say(text: object = "", *, err: bool = False, nl: bool = True, **style: Any) 
 def cannot_use(error: OSError) -> str:
     """Return which file or folder cannot be used, why, and what to do."""
     return f"{error.filename}: {error.strerror}. Choose another file or folder, or make this one writable"
+
+
+def disk_failed(error: OSError, to_write: Sequence[Path]) -> str:
+    """Return what could not be written, why, and what to do.
+
+    Args:
+        error: of the disk; it need not name the file.
+        to_write: paths that the command was to write.
+    """
+    where, rest = error.filename, ""
+    if where is None:
+        named = [str(path) for path in to_write if path.exists()]
+        printing = extract_tb(error.__traceback__)[-1].filename == click.utils.__file__  # `click.echo`
+        where = "what is printed" if printing else " or ".join(named) or "a file"
+        rest = "Do not use what is there of it. "
+    return printable_lines(
+        f"{where} could not be written: {error.strerror}. {rest}Make room, or name another place, and run "
+        f"the command again"
+    )
+
+
+def let_go_of_a_full_output() -> None:
+    """Let the output go nowhere if the disk behind it is full: Python would report it again at its end."""
+    for stream in (sys.stdout, sys.stderr):
+        if _is_full(stream):
+            nowhere = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(nowhere, stream.fileno())
+            os.close(nowhere)
+
+
+def _is_full(stream: TextIO | None) -> bool:
+    try:
+        if stream is not None:
+            stream.flush()
+    except OSError as error:
+        return error.errno in DISK_ERRORS
+    except ValueError:  # it is closed
+        return False
+    return False
 
 
 _usual_warning = warnings.formatwarning
@@ -244,10 +301,16 @@ class ToWrite(click.Path):
         reason = why_not_writable(path, folder=self._folder, made=self._made)
         if reason is not None:
             self.fail(reason, param, ctx)
+        _remember(ctx, path)
         return path
 
 
-def file_or_dash(_context: click.Context, _parameter: click.Parameter, value: str | None) -> str | None:
+def _remember(context: click.Context | None, path: Path) -> None:
+    if context is not None:
+        context.meta.setdefault(_TO_WRITE, []).append(path)
+
+
+def file_or_dash(context: click.Context, _parameter: click.Parameter, value: str | None) -> str | None:
     """Return a file's name after a look at whether it can be written; "-" (the screen) and None as they are.
 
     Raises:
@@ -256,6 +319,8 @@ def file_or_dash(_context: click.Context, _parameter: click.Parameter, value: st
     reason = None if value in (None, "-") else why_not_writable(Path(str(value)), folder=False)
     if reason is not None:
         raise click.BadParameter(reason)
+    if value not in (None, "-"):
+        _remember(context, Path(str(value)))
     return value
 
 

@@ -11,6 +11,7 @@ import click
 
 from arl_tui.command_line import ToWrite, say
 from core.system.foreign_text import printable, printable_lines
+from core.system.whole_file import whole_file
 
 if TYPE_CHECKING:
     from studies.session_view.comparison import By, SessionFigures
@@ -167,7 +168,7 @@ def _curves(groups: "dict[str, list[SessionFigures]]") -> Iterator[str]:
 
 
 def _write(path: Path, rows: list[dict[str, object]]) -> None:
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with whole_file(path) as file:
         if not rows:
             return
         writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")

@@ -295,13 +295,14 @@ def write(result: "Result", samples: "Mapping[str, Sample]", request: Request) -
     import msgspec
 
     from core.system.foreign_text import printable_json
+    from core.system.whole_file import write_whole
 
     if request.json_path is not None:
         text = msgspec.json.format(msgspec.json.encode(result), indent=1).decode()
         if request.json_path == "-":
             say(printable_json(text))
         else:
-            Path(request.json_path).write_text(text, encoding="utf-8")
+            write_whole(Path(request.json_path), text)
             say(f"JSON: {request.json_path}", err=True)
     if request.figure is not None:
         from arl_tui.commands.fit_figure import draw_fit
@@ -314,5 +315,5 @@ def write(result: "Result", samples: "Mapping[str, Sample]", request: Request) -
     if request.html is not None:
         from studies.reaction_time.report import html_report
 
-        request.html.write_text(html_report(result, samples), encoding="utf-8")
+        write_whole(request.html, html_report(result, samples))
         say(f"Page: {request.html}", err=True)

@@ -8,6 +8,7 @@ import click
 
 from arl_tui.commands.fit_request import say
 from core.system.foreign_text import printable_lines
+from core.system.whole_file import whole_file
 
 if TYPE_CHECKING:
     from studies.evaluations.presses import Press
@@ -114,7 +115,7 @@ def _write(path: Path, found: "list[Press]") -> None:
 
     from studies.evaluations.presses import Press
 
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with whole_file(path) as file:
         writer = csv.DictWriter(file, [field.name for field in fields(Press)], lineterminator="\n")
         writer.writeheader()
         writer.writerows(

@@ -14,6 +14,7 @@ from arl_tui.recordings import CALIBRATION_FOLDER, all_recordings
 from core.recording.reader import RecordingError
 from core.recording.skim import Skimmed, skim_recording
 from core.system.foreign_text import printable
+from core.system.whole_file import whole_file
 
 Found = tuple[Path, Skimmed | None, str]
 """A file; what it holds, None where it is damaged; and the reason."""
@@ -176,7 +177,7 @@ def row_of(path: Path, recording: Skimmed | None, reason: str) -> Row:
 def write_csv(path: Path, found: Sequence[Found]) -> None:
     """Write a line per file, damaged ones too."""
     # A file's name may hold bytes that are no UTF-8.
-    with path.open("w", newline="", encoding="utf-8", errors="backslashreplace") as file:
+    with whole_file(path, errors="backslashreplace") as file:
         writer = csv.DictWriter(file, [field.name for field in msgspec.structs.fields(Row)])
         writer.writeheader()
         writer.writerows(msgspec.structs.asdict(row_of(*one)) for one in found)

@@ -111,7 +111,9 @@ def timing(
     if json_path is not None:
         import msgspec
 
-        json_path.write_bytes(msgspec.json.format(msgspec.json.encode(result), indent=1))
+        from core.system.whole_file import write_whole
+
+        write_whole(json_path, msgspec.json.format(msgspec.json.encode(result), indent=1).decode())
         say(f"JSON: {json_path}", err=True)
     if gate is not None:
         stop_above(result, gate)

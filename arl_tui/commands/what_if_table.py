@@ -7,6 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from core.system.whole_file import whole_file
+
 if TYPE_CHECKING:
     from studies.statistics import Interval
     from studies.what_if import WhatIfRow
@@ -163,7 +165,7 @@ def write_csv(
         units: what is counted per game.
     """
     written = [_record(row, sources, units) for row in rows]
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with whole_file(path) as file:
         writer = csv.DictWriter(file, list(written[0]))
         writer.writeheader()
         writer.writerows(written)

@@ -35,7 +35,12 @@ def publish_copy(recording: Recording, target: Path, *, resumes: Resumes | None 
     content = resealed(recording, without_dates, lambda event: event, about, resumes=resumes)
     target.parent.mkdir(parents=True, exist_ok=True)
     with target.open("xb") as file:
-        file.write(content)
+        try:
+            file.write(content)
+            file.flush()
+        except OSError as error:
+            target.unlink()
+            raise OSError(error.errno, error.strerror, str(target)) from error
     return last_chain(content)
 
 

@@ -53,8 +53,13 @@ def make_key(path: Path) -> Path:
     if public.exists():
         raise FileExistsError(17, "there is such a file already, and keys are never overwritten", str(public))
     with create_private(path) as file:
-        write_all(file, key.private_bytes(Encoding.PEM, PrivateFormat.PKCS8, NoEncryption()))
-    public.write_bytes(key.public_key().public_bytes(Encoding.PEM, PublicFormat.SubjectPublicKeyInfo))
+        try:
+            write_all(file, key.private_bytes(Encoding.PEM, PrivateFormat.PKCS8, NoEncryption()))
+            public.write_bytes(key.public_key().public_bytes(Encoding.PEM, PublicFormat.SubjectPublicKeyInfo))
+        except OSError:  # half a key must not stand in the way of a whole one
+            path.unlink()
+            public.unlink(missing_ok=True)
+            raise
     return public
 
 

@@ -2,6 +2,8 @@
 
 import errno
 import stat
+import subprocess
+import sys
 from pathlib import Path
 
 import click
@@ -126,4 +128,51 @@ def test_a_write_that_fails_later_is_told_in_a_sentence_too(
     assert result.exit_code == 1
     assert isinstance(result.exception, SystemExit)
     said = " ".join(result.output.split())
-    assert "a.jsonl: No space left on device. Choose another file or folder" in said
+    assert "a.jsonl could not be written: No space left on device. Make room, or name another place" in said
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("--help",), "what is printed"),
+        (("protocol", "tetris"), "what is printed"),
+        (("recordings", "--recordings", GOLDEN.parent), "what is printed"),
+    ],
+    ids=["help", "protocol", "recordings"],
+)
+def test_an_output_whose_disk_is_full_is_told_in_a_sentence(arguments: tuple[str, ...], said: str) -> None:
+    with open("/dev/full", "wb") as full:
+        ended = subprocess.run(
+            [sys.executable, "-m", "arl_tui.cli", *map(str, arguments)],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            check=False,
+            timeout=60,
+        )
+    assert ended.returncode == 1
+    (line,) = ended.stderr.decode().splitlines()
+    assert line.startswith(f"Error: {said} could not be written: No space left on device. ")
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
+@pytest.mark.parametrize("case", ["recordings --csv", "export bids --out", "replay --plot"])
+def test_a_file_whose_disk_is_full_is_named(
+    case: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    target = tmp_path / ("out.png" if case.endswith("plot") else "out")
+    if case.startswith("recordings"):
+        target.symlink_to("/dev/full")
+    else:
+        # What the system says while bytes go to an open file: it names none.
+        def full(*_: object, **__: object) -> None:
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+        monkeypatch.setattr("matplotlib.figure.Figure.savefig", full)
+        monkeypatch.setattr("json.dumps", full)
+        target.mkdir() if case.startswith("export") else target.touch()
+    result = arl(*WRITING[case], case.split()[-1], target)
+    assert result.exit_code == 1
+    assert isinstance(result.exception, SystemExit), result.exception
+    said = " ".join(result.output.split())
+    assert f"Error: {target} could not be written: No space left on device. " in said
