@@ -2,7 +2,6 @@
 
 import secrets
 import shlex
-import sys
 from pathlib import Path
 
 import click
@@ -11,6 +10,7 @@ from arl_tui.app import facts
 from arl_tui.command_line import say
 from arl_tui.commands.exact import read_or_stop, run_again
 from arl_tui.commands.play import in_language, run_live
+from arl_tui.drawable import why_not_drawable
 from arl_tui.games.registry import screens_called, words_of
 from arl_tui.recordings import create_new
 from core.feedback.config import TrainerConfig
@@ -40,7 +40,7 @@ def run_demo(
     except ValueError as error:
         raise click.BadParameter(str(error), param_hint="--person") from error
     root_seed = secrets.randbits(63) if seed is None else seed
-    if sys.stdin.isatty() and sys.stdout.isatty():
+    if not why_not_drawable():
         protocol = in_language(protocol, language, written=False)
         outcome = run_live(
             protocol, participant=PARTICIPANT, seed=root_seed, recordings=recordings, simulated=True

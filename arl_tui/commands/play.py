@@ -3,7 +3,6 @@
 import gc
 import os
 import secrets
-import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,6 +11,7 @@ import click
 import msgspec
 
 from arl_tui.command_line import needed_settings, say
+from arl_tui.drawable import why_not_drawable
 from arl_tui.drawing_rate import FRAMES_PER_S
 from arl_tui.language import tr, use
 from arl_tui.own_keys import clash_with_feedback
@@ -89,8 +89,9 @@ def practised(protocol: Protocol, *, participant: str, seed: int | None, recordi
 
 def need_terminal(command: str, *, instead: str) -> None:
     """Stop with a message where keys cannot be read or pictures not be shown; take the user's keys over."""
-    if not (sys.stdin.isatty() and sys.stdout.isatty()):
-        raise click.ClickException(f"{command} needs a terminal to draw in and a keyboard; try `{instead}`")
+    reason = why_not_drawable()
+    if reason:
+        raise click.ClickException(f"{command} {reason}; try `{instead}`")
     needed_settings()
 
 
