@@ -5,7 +5,7 @@ at once.
 import click
 
 from arl_tui.command_line import Arl, Listed
-from arl_tui.drawable import why_not_drawable
+from arl_tui.standard_streams import why_not_drawable
 
 COMMANDS = (
     Listed(

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, TextIO, TypeVar
 import click
 
 from arl_tui.home import VARIABLE, recordings_folder
+from arl_tui.standard_streams import DISK_ERRORS, let_go_of_full_ones, stand_in_for_closed_ones
 from arl_tui.themes import NAMES, theme_in_use
 from arl_tui.themes import VARIABLE as THEME_VARIABLE
 from core.system.foreign_text import printable_lines
@@ -29,10 +30,6 @@ FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 OWN_GAMES = ("tetris", "keepaway", "gymnasium")
 """`core.plugins.BUILT_IN`, written out here so that `--help` need not load it; a test compares."""
 
-
-DISK_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS)
-"""A disk is full, a quota used up, a file too large, or the disk failed. The system names no file when that
-happens to an open one."""
 
 _TO_WRITE = "arl_tui.to_write"
 """Where a command's context keeps the paths that were named to be written."""
@@ -155,6 +152,7 @@ class Arl(click.Group):
 
     def main(self, *args: Any, **extra: Any) -> Any:
         """Run; see `click.Command.main`."""
+        stand_in_for_closed_ones()
         speak_utf8()
         warnings.formatwarning = note_or_warning
         try:
@@ -165,7 +163,7 @@ class Arl(click.Group):
             click.echo(f"Error: {disk_failed(error, ())}", err=True)
             raise SystemExit(1) from error
         finally:
-            let_go_of_a_full_output()
+            let_go_of_full_ones()
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run a subcommand; stop with a message where a file, a folder or a game cannot be used."""
@@ -231,26 +229,6 @@ def disk_failed(error: OSError, to_write: Sequence[Path]) -> str:
         f"{where} could not be written: {error.strerror}. {rest}Make room, or name another place, and run "
         f"the command again"
     )
-
-
-def let_go_of_a_full_output() -> None:
-    """Let the output go nowhere if the disk behind it is full: Python would report it again at its end."""
-    for stream in (sys.stdout, sys.stderr):
-        if _is_full(stream):
-            nowhere = os.open(os.devnull, os.O_WRONLY)
-            os.dup2(nowhere, stream.fileno())
-            os.close(nowhere)
-
-
-def _is_full(stream: TextIO | None) -> bool:
-    try:
-        if stream is not None:
-            stream.flush()
-    except OSError as error:
-        return error.errno in DISK_ERRORS
-    except ValueError:  # it is closed
-        return False
-    return False
 
 
 _usual_warning = warnings.formatwarning

@@ -10,9 +10,9 @@ from arl_tui.app import facts
 from arl_tui.command_line import say
 from arl_tui.commands.exact import read_or_stop, run_again
 from arl_tui.commands.play import in_language, run_live
-from arl_tui.drawable import why_not_drawable
 from arl_tui.games.registry import screens_called, words_of
 from arl_tui.recordings import create_new
+from arl_tui.standard_streams import why_not_drawable
 from core.feedback.config import TrainerConfig
 from core.feedback.simulated_participants import person
 from core.numerics.clock import wall_time_utc

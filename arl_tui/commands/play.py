@@ -3,6 +3,7 @@
 import gc
 import os
 import secrets
+import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,12 +12,12 @@ import click
 import msgspec
 
 from arl_tui.command_line import needed_settings, say
-from arl_tui.drawable import why_not_drawable
 from arl_tui.drawing_rate import FRAMES_PER_S
 from arl_tui.language import tr, use
 from arl_tui.own_keys import clash_with_feedback
 from arl_tui.settings import settings_file
 from arl_tui.signing import NoKey, signer_in_use
+from arl_tui.standard_streams import why_not_drawable
 from core.plugins import plugin_of
 from core.session.practice import practice_of
 from core.session.protocol import Protocol
@@ -91,6 +92,9 @@ def need_terminal(command: str, *, instead: str) -> None:
     """Stop with a message where keys cannot be read or pictures not be shown; take the user's keys over."""
     reason = why_not_drawable()
     if reason:
+        if sys.stdout.isatty() and not sys.stderr.isatty():  # nobody sees what goes to the error output
+            say(f"Error: {command} {reason}; or try `{instead}`")
+            raise SystemExit(1)
         raise click.ClickException(f"{command} {reason}; try `{instead}`")
     needed_settings()
 

@@ -66,6 +66,8 @@ def watch_recording(
             screen.transport.seek(session.start_ns + at * 1e9)
         app = ViewerApp(screen)
         told = app.run_in_terminal()
+    if workers.said:
+        say(workers.said, err=True)
     if screen.broken is not None:
         raise click.ClickException(printable(str(screen.broken), longest=None)) from screen.broken
     if app.ended_by is not None:
