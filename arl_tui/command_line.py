@@ -17,6 +17,7 @@ from arl_tui.home import VARIABLE, recordings_folder
 from arl_tui.standard_streams import DISK_ERRORS, let_go_of_full_ones, stand_in_for_closed_ones
 from arl_tui.themes import NAMES, theme_in_use
 from arl_tui.themes import VARIABLE as THEME_VARIABLE
+from core.system.bounded_read import EndlessFileError
 from core.system.foreign_text import printable_lines
 
 if TYPE_CHECKING:
@@ -178,6 +179,10 @@ class Arl(click.Group):
             if error.errno == errno.EPIPE or error.filename is None:
                 raise
             raise click.ClickException(cannot_use(error)) from error
+        except MemoryError as error:
+            raise click.ClickException(
+                "there is not enough memory for this: name fewer or smaller files, or close other programs"
+            ) from error
         except ValueError as error:
             from core.plugins import GameError  # here, not above: `arl` alone starts without
 
@@ -209,6 +214,8 @@ def say(text: object = "", *, err: bool = False, nl: bool = True, **style: Any) 
 
 def cannot_use(error: OSError) -> str:
     """Return which file or folder cannot be used, why, and what to do."""
+    if isinstance(error, EndlessFileError):
+        return str(error)
     return f"{error.filename}: {error.strerror}. Choose another file or folder, or make this one writable"
 
 

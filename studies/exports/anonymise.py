@@ -70,7 +70,8 @@ def read_or_make_key(path: Path, *, apart_from: Iterable[Path]) -> bytes:
         write_private(path, key.hex().encode() + b"\n")
         return key
     try:
-        key = bytes.fromhex(path.read_text(encoding="ascii").strip())
+        with path.open(encoding="ascii") as file:
+            key = bytes.fromhex(file.read(1 << 12).strip())
     except ValueError:
         key = b""
     if len(key) != KEY_BYTES:

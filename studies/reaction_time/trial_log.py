@@ -13,6 +13,7 @@ from typing import BinaryIO, Literal, Self
 import msgspec
 
 from core.numerics.clock import wall_time_utc
+from core.system.bounded_read import read_bounded
 from core.system.private_files import create_private, write_all
 from studies.reaction_time.protocol import Schedule, TrialRecord
 
@@ -126,7 +127,7 @@ class TrialWriter:
 
 def read_trials(path: Path) -> TrialFile:
     """Read a session; a last line cut off in writing is reported, any other fault is an error."""
-    lines = path.read_bytes().split(b"\n")
+    lines = read_bounded(path).split(b"\n")
     torn = lines.pop() != b""
     if not lines:
         raise TrialFileError(f"{path}: no complete header line; is this a reaction-time recording?")

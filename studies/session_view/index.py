@@ -126,7 +126,7 @@ def fingerprint_of(path: Path) -> str:
     with path.open("rb") as file:
         digest = hashlib.sha256(file.read(4096))
         file.seek(max(0, status.st_size - 4096))
-        digest.update(file.read())
+        digest.update(file.read(4096))
     return f"{status.st_size}-{status.st_mtime_ns}-{digest.hexdigest()[:32]}"
 
 

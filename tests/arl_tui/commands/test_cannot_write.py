@@ -131,6 +131,16 @@ def test_a_write_that_fails_later_is_told_in_a_sentence_too(
     assert "a.jsonl could not be written: No space left on device. Make room, or name another place" in said
 
 
+def test_too_little_memory_is_told_in_a_sentence(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    def too_much(*_: object, **__: object) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr("studies.demo.simulate_session", too_much)
+    result = arl("demo", "--recordings", tmp_path)
+    assert result.exit_code == 1
+    assert "Error: there is not enough memory for this" in result.output
+
+
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
 @pytest.mark.parametrize(
     ("arguments", "said"),
