@@ -335,7 +335,9 @@ def _watch(file: Path, recordings: Path, *, simulated: bool) -> None:
             return f"NOT noted: {error}"
 
     whose = ", SIMULATED participants" if simulated else ""
-    Monitor(f"Study {loaded.study.name}{whose}", look, note).run_in_terminal()
+    monitor = Monitor(f"Study {loaded.study.name}{whose}", look, note)
+    monitor.run_in_terminal()
+    monitor.stop_if_it_failed()
 
 
 def _open(file: Path, recordings: Path, *, simulated: bool = False) -> "tuple[LoadedStudy, Ledger]":

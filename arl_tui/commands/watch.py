@@ -222,6 +222,7 @@ def run(app: "WatchApp") -> None:
         os._exit(128 + app.ended_by)  # without waiting for what is being compiled
     if app.trouble is not None:
         raise click.ClickException(str(app.trouble))
+    app.stop_if_it_failed()
     if told is not None:
         say(told)
     if app.thread.is_alive():

@@ -72,6 +72,7 @@ def watch_recording(
         raise click.ClickException(printable(str(screen.broken), longest=None)) from screen.broken
     if app.ended_by is not None:
         sys.exit(128 + app.ended_by)
+    app.stop_if_it_failed()
     if told:
         say(told)
 
