@@ -1,6 +1,7 @@
 """What all commands share: where they write, in which encoding they speak, and how a failed write is told."""
 
 import errno
+import math
 import os
 import sys
 import warnings
@@ -264,6 +265,17 @@ def speak_utf8() -> None:
 
 def _encoding(stream: TextIO | None) -> str:
     return str(getattr(stream, "encoding", "")).lower().replace("-", "").replace("_", "")
+
+
+class NumberRange(click.FloatRange):
+    """A number in a range; `nan` is none, and click lets it through: it compares with nothing."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """Return the number."""
+        number = float(super().convert(value, param, ctx))
+        if math.isnan(number):
+            self.fail(f"{value} is not a number", param, ctx)
+        return number
 
 
 class ToWrite(click.Path):

@@ -38,7 +38,7 @@ def run_demo(
     try:
         protocol = demo_protocol(game, person(person_name) if person_name else None)
     except ValueError as error:
-        raise click.BadParameter(str(error), param_hint="--person") from error
+        raise click.BadParameter(str(error), param_hint="--person" if person_name else "GAME") from error
     root_seed = secrets.randbits(63) if seed is None else seed
     if not why_not_drawable():
         protocol = in_language(protocol, language, written=False)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from arl_tui.command_line import ToWrite, file_or_dash
+from arl_tui.command_line import NumberRange, ToWrite, file_or_dash
 from arl_tui.commands.fit_request import InputError, Request, say
 
 if TYPE_CHECKING:
@@ -139,7 +139,7 @@ READABLE = (".tsv", ".csv", ".jsonl", ".txt")
     help="Also let participants inform each other: for few trials each, from 5 people.",
 )
 @click.option(
-    "--level", type=click.FloatRange(0.5, 0.999), default=0.95, show_default=True, help="Of all intervals."
+    "--level", type=NumberRange(0.5, 0.999), default=0.95, show_default=True, help="Of all intervals."
 )
 @click.option(
     "--resamples",

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from arl_tui.command_line import NumberRange
 from arl_tui.commands.fit_request import say
 from core.system.foreign_text import printable_lines
 from core.system.whole_file import whole_file
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 @click.option("--each", is_flag=True, help="A report for each participant, too.")
 @click.option(
     "--burst-within",
-    type=click.FloatRange(0.0, 60.0),
+    type=NumberRange(0.0, 60.0),
     default=0.5,
     show_default=True,
     help="Seconds; presses of the same sign that follow within this time are one burst.",

@@ -138,6 +138,23 @@ async def test_a_recording_that_goes_away_ends_the_viewer_with_the_reason(
     assert str(looking.path) in str(looking.screen.broken)
 
 
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--at", "5", "--until", "2"), "a film from 5 s to 2 s has no end"),
+        (("--until", "0"), "a film from 0 s to 0 s has no end"),
+        (("--at", "47"), "lasts 46.3 s"),
+    ],
+)
+def test_a_film_of_nothing_is_refused(options: tuple[str, ...], said: str, looking: Looking) -> None:
+    done = CliRunner().invoke(
+        main, ["watch", str(looking.path), "--export", str(looking.folder / "a.cast"), *options]
+    )
+    assert done.exit_code == 2
+    assert said in " ".join(done.output.split())
+    assert not (looking.folder / "a.cast").exists()
+
+
 def test_a_fault_of_the_viewer_is_a_status(looking: Looking) -> None:
     looking.app.stop_if_it_failed()
     looking.app._return_code = 1
