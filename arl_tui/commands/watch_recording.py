@@ -62,7 +62,7 @@ def watch_recording(
         if export is not None:
             from arl_tui.viewer.film import export_film
 
-            export_film(viewing, export, begin_s=at or 0.0, end_s=until, speed=speed)
+            export_film(viewing, export, begin_s=begin_s, end_s=until, speed=speed)
             return
         from arl_tui.viewer.app import ViewerApp
         from arl_tui.viewer.pictures import pictures_of
