@@ -33,6 +33,9 @@ OWN_GAMES = ("tetris", "keepaway", "gymnasium")
 """`core.plugins.BUILT_IN`, written out here so that `--help` need not load it; a test compares."""
 
 
+FIGURES = (".png", ".svg", ".pdf", ".svgz", ".eps", ".ps", ".jpg", ".jpeg", ".tif", ".tiff", ".webp")
+"""Endings of files in which matplotlib draws what can be looked at."""
+
 _TO_WRITE = "arl_tui.to_write"
 """Where a command's context keeps the paths that were named to be written."""
 
@@ -281,21 +284,25 @@ class NumberRange(click.FloatRange):
 class ToWrite(click.Path):
     """A file or folder that is to be written: refused before any work where that is impossible."""
 
-    def __init__(self, *, folder: bool = False, made: bool = False) -> None:
+    def __init__(self, *, folder: bool = False, made: bool = False, figure: bool = False) -> None:
         """Prepare.
 
         Args:
             folder: it is a folder, made where it is missing; otherwise a file.
             made: the command makes the folders above a file where they are missing.
+            figure: the file's ending says how it is drawn.
         """
         super().__init__(file_okay=not folder, dir_okay=folder, path_type=Path)
         self._folder = folder
         self._made = made
+        self._figure = figure
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
         """Return the path, after a look at the nearest folder that exists."""
         path = Path(os.fsdecode(super().convert(value, param, ctx)))
         reason = why_not_writable(path, folder=self._folder, made=self._made)
+        if reason is None and self._figure and path.suffix.lower() not in FIGURES:
+            reason = f"{path} does not end in .png, .svg or .pdf, which says how a figure is drawn"
         if reason is not None:
             self.fail(reason, param, ctx)
         _remember(ctx, path)

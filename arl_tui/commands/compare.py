@@ -35,7 +35,9 @@ LABEL = 24
 @click.option(
     "--csv", "csv_path", type=ToWrite(), help="Write a row for each game of every session to a file."
 )
-@click.option("--plot", "plot_path", type=ToWrite(), help="Draw the groups over games (PNG, SVG or PDF).")
+@click.option(
+    "--plot", "plot_path", type=ToWrite(figure=True), help="Draw the groups over games (PNG, SVG or PDF)."
+)
 @click.option("--html", "html_path", type=ToWrite(), help="Write everything as one page.")
 def compare(
     files: tuple[Path, ...],

@@ -162,7 +162,9 @@ READABLE = (".tsv", ".csv", ".jsonl", ".txt")
 )
 @click.option("--workers", type=click.IntRange(1), help="Processes. The result does not depend on it.")
 @click.option(
-    "--figure", type=_PATH, help="Draw the fit, or the means of several participants (PNG, SVG or PDF)."
+    "--figure",
+    type=ToWrite(figure=True),
+    help="Draw the fit, or the means of several participants (PNG, SVG or PDF).",
 )
 @click.option(
     "--json",

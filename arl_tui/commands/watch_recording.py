@@ -47,10 +47,9 @@ def watch_recording(
 
     if export is None:
         need_terminal("arl watch", instead="arl watch FILE --export film.cast")
-    if until is not None and until <= (at or 0.0):
-        raise click.BadParameter(
-            f"a film from {at or 0.0:g} s to {until:g} s has no end", param_hint="--until"
-        )
+    begin_s = at or 0.0
+    if until is not None and until <= begin_s:
+        raise click.BadParameter(f"a film from {begin_s:g} s to {until:g} s has no end", param_hint="--until")
     session = opened(path, at_once=export is None and at is None)
     lasts_s = (session.end_ns - session.start_ns) / 1e9
     if at is not None and at > lasts_s:

@@ -76,6 +76,17 @@ def test_a_place_that_cannot_be_written_is_refused_in_a_sentence(case: str, tmp_
     assert (tmp_path / "file").read_text() == "in the way"
 
 
+@pytest.mark.parametrize("case", ["replay --plot", "compare --plot", "fit --figure"])
+@pytest.mark.parametrize("name", ["figure.exe", "figure"])
+def test_a_figure_that_cannot_be_drawn_is_refused_before_any_work(
+    case: str, name: str, tmp_path: Path
+) -> None:
+    result = arl(*WRITING[case], case.split()[-1], tmp_path / name)
+    assert result.exit_code == 2
+    assert f"{name} does not end in .png, .svg or .pdf" in " ".join(result.output.split())
+    assert list(tmp_path.iterdir()) == []
+
+
 def options_that_write(command: click.Command, name: str = "") -> set[str]:
     """Return every option whose type says that it writes, as "command --option"."""
     found = {f"{name} {option.opts[0]}" for option in command.params if isinstance(option.type, ToWrite)}
