@@ -180,6 +180,10 @@ class Arl(click.Group):
         except OSError as error:
             if error.errno in DISK_ERRORS:
                 raise click.ClickException(disk_failed(error, ctx.meta.get(_TO_WRITE, ()))) from error
+            if "temporary directory" in str(error):  # `tempfile` says where it looked
+                raise click.ClickException(
+                    f"{error.strerror}: make room in one of these folders, or let TMPDIR name another"
+                ) from error
             if error.errno == errno.EPIPE or error.filename is None:
                 raise
             raise click.ClickException(cannot_use(error)) from error

@@ -4,6 +4,7 @@ import errno
 import stat
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import click
@@ -140,6 +141,19 @@ def test_a_write_that_fails_later_is_told_in_a_sentence_too(
     assert isinstance(result.exception, SystemExit)
     said = " ".join(result.output.split())
     assert "a.jsonl could not be written: No space left on device. Make room, or name another place" in said
+
+
+def test_without_a_folder_for_temporary_files_it_says_what_to_do(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", None)
+    monkeypatch.setattr(tempfile, "_candidate_tempdir_list", lambda: [str(tmp_path / "missing")])
+    monkeypatch.setattr("studies.demo.simulate_session", lambda *_, **__: tempfile.mkdtemp())
+    result = arl("demo", "--recordings", tmp_path)
+    assert result.exit_code == 1
+    said = " ".join(result.output.split())
+    assert "Error: No usable temporary directory found in" in said
+    assert "missing']: make room in one of these folders, or let TMPDIR name another" in said
 
 
 def test_too_little_memory_is_told_in_a_sentence(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
