@@ -69,7 +69,12 @@ class TrialWriter:
     def create(cls, path: Path, header: TrialHeader) -> Self:
         """Start a new file; refuse to touch an existing one."""
         writer = cls(path, create_private(path))
-        writer._append(msgspec.json.encode(header))
+        try:
+            writer._append(msgspec.json.encode(header))
+        except OSError:
+            writer.close()
+            path.unlink(missing_ok=True)
+            raise
         return writer
 
     @classmethod
@@ -121,6 +126,7 @@ class TrialWriter:
         except OSError:
             # A torn line would make the trials behind it unreadable. Cutting needs no room on the disk.
             self._file.truncate(end)
+            self._file.seek(end)
             raise
         os.fsync(self._file.fileno())
 

@@ -31,3 +31,9 @@ def test_events_that_no_disk_takes_are_counted_and_no_half_file_is_left(
     assert f"({40 - held} KeyPressed)" in problem
     assert path == tmp_path / "r.jsonl"
     assert list(temporary.iterdir()) == []
+
+
+def test_a_recording_without_a_header_is_not_left(tmp_path: Path) -> None:
+    with files_end_at(100), pytest.raises(OSError, match="too large"):
+        Recorder(tmp_path / "r.jsonl", HEADER)
+    assert list(tmp_path.iterdir()) == []
