@@ -239,7 +239,7 @@ def disk_failed(error: OSError, to_write: Sequence[Path]) -> str:
         named = [str(path) for path in to_write if path.exists()]
         printing = extract_tb(error.__traceback__)[-1].filename == click.utils.__file__  # `click.echo`
         where = "what is printed" if printing else " or ".join(named) or "a file"
-        rest = "Do not use what is there of it. "
+        rest = "The file that was being written is not whole. "
     return printable_lines(
         f"{where} could not be written: {error.strerror}. {rest}Make room, or name another place, and run "
         f"the command again"

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import click
 
 from arl_tui.command_line import recordings_option, say, theme_option
+from arl_tui.standard_streams import DISK_ERRORS
 from core.system.foreign_text import printable
 
 if TYPE_CHECKING:
@@ -356,6 +357,8 @@ def _plain_errors() -> Iterator[None]:
     try:
         yield
     except (ValueError, OSError) as error:
+        if isinstance(error, OSError) and error.errno in DISK_ERRORS:
+            raise  # `Arl` names what was to be written
         raise click.ClickException(_to_read(str(error))) from error
 
 

@@ -13,7 +13,7 @@ from core.recording.anonymise import NO_DATE, NO_TEXT, Anonymising, anonymised, 
 from core.recording.joined import older_path
 from core.recording.reader import Recording, RecordingError, read_recording
 from core.recording.recorder import Chain
-from core.system.private_files import create_private, make_private_folder, write_all, write_private
+from core.system.private_files import make_private_folder, write_private
 from studies.exports.sources import Source, Trouble, find_sources
 from studies.lab.questions import READY, FreeText, QuestionList, read_questions
 from studies.lab.sealed import SealedFileError
@@ -119,8 +119,7 @@ def anonymise(
         target = into / names[one.source.path]
         make_private_folder(target.parent)
         content = _copy(one, how, names, texts, chains)
-        with create_private(target) as file:
-            write_all(file, content)
+        write_private(target, content)
         chains[one.source.path] = last_chain(content)
         copies.made.append((one.source.path, target))
     return copies
