@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from arl_tui.command_line import ToWrite, say
-from core.system.foreign_text import printable, printable_lines
+from core.system.foreign_text import in_table, printable, printable_lines
 from core.system.whole_file import whole_file
 
 if TYPE_CHECKING:
@@ -175,4 +175,4 @@ def _write(path: Path, rows: list[dict[str, object]]) -> None:
             return
         writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
         writer.writeheader()
-        writer.writerows(rows)
+        writer.writerows(map(in_table, rows))

@@ -8,7 +8,7 @@ import click
 
 from arl_tui.command_line import NumberRange
 from arl_tui.commands.fit_request import say
-from core.system.foreign_text import printable_lines
+from core.system.foreign_text import in_table, printable_lines
 from core.system.whole_file import whole_file
 
 if TYPE_CHECKING:
@@ -120,5 +120,6 @@ def _write(path: Path, found: "list[Press]") -> None:
         writer = csv.DictWriter(file, [field.name for field in fields(Press)], lineterminator="\n")
         writer.writeheader()
         writer.writerows(
-            {key: "n/a" if value is None else value for key, value in asdict(one).items()} for one in found
+            in_table({key: "n/a" if value is None else value for key, value in asdict(one).items()})
+            for one in found
         )

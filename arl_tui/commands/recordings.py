@@ -13,7 +13,7 @@ from arl_tui.home import elsewhere, recordings_folder, why_here
 from arl_tui.recordings import CALIBRATION_FOLDER, all_recordings
 from core.recording.reader import RecordingError
 from core.recording.skim import Skimmed, skim_recording
-from core.system.foreign_text import printable
+from core.system.foreign_text import in_table, printable
 from core.system.whole_file import whole_file
 
 Found = tuple[Path, Skimmed | None, str]
@@ -180,7 +180,7 @@ def write_csv(path: Path, found: Sequence[Found]) -> None:
     with whole_file(path, errors="backslashreplace") as file:
         writer = csv.DictWriter(file, [field.name for field in msgspec.structs.fields(Row)])
         writer.writeheader()
-        writer.writerows(msgspec.structs.asdict(row_of(*one)) for one in found)
+        writer.writerows(in_table(msgspec.structs.asdict(row_of(*one))) for one in found)
 
 
 def publish_all(folder: Path, into: Path) -> None:

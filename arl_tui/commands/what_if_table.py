@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from core.system.foreign_text import in_table
 from core.system.whole_file import whole_file
 
 if TYPE_CHECKING:
@@ -168,7 +169,7 @@ def write_csv(
     with whole_file(path) as file:
         writer = csv.DictWriter(file, list(written[0]))
         writer.writeheader()
-        writer.writerows(written)
+        writer.writerows(map(in_table, written))
 
 
 def _record(row: "WhatIfRow", sources: Mapping[str, str], units: str) -> dict[str, object]:
