@@ -1,6 +1,5 @@
 """What all commands share: where they write, in which encoding they speak, and how a failed write is told."""
 
-import errno
 import math
 import os
 import sys
@@ -9,16 +8,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from traceback import extract_tb
 from typing import TYPE_CHECKING, Any, TextIO, TypeVar
 
 import click
 
+from arl_tui.failure_words import NO_MEMORY, disk_failed, in_words
 from arl_tui.home import VARIABLE, recordings_folder
 from arl_tui.standard_streams import DISK_ERRORS, let_go_of_full_ones, stand_in_for_closed_ones
 from arl_tui.themes import NAMES, theme_in_use
 from arl_tui.themes import VARIABLE as THEME_VARIABLE
-from core.system.bounded_read import EndlessFileError
 from core.system.foreign_text import printable_lines
 
 if TYPE_CHECKING:
@@ -165,7 +163,7 @@ class Arl(click.Group):
         except OSError as error:  # of the program's own help and version
             if error.errno not in DISK_ERRORS:
                 raise
-            click.echo(f"Error: {disk_failed(error, ())}", err=True)
+            click.echo(f"Error: {disk_failed(error)}", err=True)
             raise SystemExit(1) from error
         finally:
             let_go_of_full_ones()
@@ -178,19 +176,12 @@ class Arl(click.Group):
             vars(error)["message"] = printable_lines(error.message)  # it may quote a file
             raise
         except OSError as error:
-            if error.errno in DISK_ERRORS:
-                raise click.ClickException(disk_failed(error, ctx.meta.get(_TO_WRITE, ()))) from error
-            if "temporary directory" in str(error):  # `tempfile` says where it looked
-                raise click.ClickException(
-                    f"{error.strerror}: make room in one of these folders, or let TMPDIR name another"
-                ) from error
-            if error.errno == errno.EPIPE or error.filename is None:
+            words = in_words(error, ctx.meta.get(_TO_WRITE, ()))
+            if words is None:
                 raise
-            raise click.ClickException(cannot_use(error)) from error
+            raise click.ClickException(words) from error
         except MemoryError as error:
-            raise click.ClickException(
-                "there is not enough memory for this: name fewer or smaller files, or close other programs"
-            ) from error
+            raise click.ClickException(NO_MEMORY) from error
         except ValueError as error:
             from core.plugins import GameError  # here, not above: `arl` alone starts without
 
@@ -218,32 +209,6 @@ def say(text: object = "", *, err: bool = False, nl: bool = True, **style: Any) 
     """
     shown = printable_lines(str(text), longest=None)
     click.echo(click.style(shown, **style) if style else shown, err=err, nl=nl)
-
-
-def cannot_use(error: OSError) -> str:
-    """Return which file or folder cannot be used, why, and what to do."""
-    if isinstance(error, EndlessFileError):
-        return str(error)
-    return f"{error.filename}: {error.strerror}. Choose another file or folder, or make this one writable"
-
-
-def disk_failed(error: OSError, to_write: Sequence[Path]) -> str:
-    """Return what could not be written, why, and what to do.
-
-    Args:
-        error: of the disk; it need not name the file.
-        to_write: paths that the command was to write.
-    """
-    where, rest = error.filename, ""
-    if where is None:
-        named = [str(path) for path in to_write if path.exists()]
-        printing = extract_tb(error.__traceback__)[-1].filename == click.utils.__file__  # `click.echo`
-        where = "what is printed" if printing else " or ".join(named) or "a file"
-        rest = "The file that was being written is not whole. "
-    return printable_lines(
-        f"{where} could not be written: {error.strerror}. {rest}Make room, or name another place, and run "
-        f"the command again"
-    )
 
 
 _usual_warning = warnings.formatwarning

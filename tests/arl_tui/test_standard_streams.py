@@ -64,6 +64,18 @@ def test_an_error_output_that_goes_elsewhere_is_named_on_the_screen(tmp_path: Pa
     assert b"arl play draws on the error output, which goes elsewhere here: leave out `2>`" in child.before
 
 
+def test_a_folder_that_is_gone_is_told_in_a_sentence(tmp_path: Path) -> None:
+    (tmp_path / "gone").mkdir()
+    line = f"cd gone && rmdir ../gone && exec {sys.executable} -m arl_tui.cli demo --recordings r"
+    done = subprocess.run(
+        ["sh", "-c", line], cwd=tmp_path, capture_output=True, text=True, check=False, timeout=60,
+        stdin=subprocess.DEVNULL,
+    )  # fmt: skip
+    assert done.returncode == 1
+    assert "Error: the folder in which this command was started is not there any more" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
 def _noisy(recording: Path, out: Path) -> str:
     os.write(1, b"printed by a library\n")
     warnings.warn_explicit("starts stay slow", UserWarning, NO_FILE, 1)
