@@ -2,11 +2,10 @@
 at once.
 """
 
-import sys
-
 import click
 
 from arl_tui.command_line import Arl, Listed
+from arl_tui.standard_streams import why_not_drawable
 
 COMMANDS = (
     Listed(
@@ -60,7 +59,7 @@ class ArlWithHome(Arl):
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Read the arguments; see `click.Group.parse_args`."""
-        if not args and not ctx.resilient_parsing and sys.stdin.isatty() and sys.stdout.isatty():
+        if not args and not ctx.resilient_parsing and not why_not_drawable():
             from arl_tui.commands.start import run_home
 
             run_home()

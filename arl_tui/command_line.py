@@ -1,6 +1,6 @@
 """What all commands share: where they write, in which encoding they speak, and how a failed write is told."""
 
-import errno
+import math
 import os
 import sys
 import warnings
@@ -12,7 +12,9 @@ from typing import TYPE_CHECKING, Any, TextIO, TypeVar
 
 import click
 
+from arl_tui.failure_words import NO_MEMORY, disk_failed, in_words
 from arl_tui.home import VARIABLE, recordings_folder
+from arl_tui.standard_streams import DISK_ERRORS, let_go_of_full_ones, stand_in_for_closed_ones
 from arl_tui.themes import NAMES, theme_in_use
 from arl_tui.themes import VARIABLE as THEME_VARIABLE
 from core.system.foreign_text import printable_lines
@@ -28,6 +30,12 @@ FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 OWN_GAMES = ("tetris", "keepaway", "gymnasium")
 """`core.plugins.BUILT_IN`, written out here so that `--help` need not load it; a test compares."""
 
+
+FIGURES = (".png", ".svg", ".pdf", ".svgz", ".eps", ".ps", ".jpg", ".jpeg", ".tif", ".tiff", ".webp")
+"""Endings of files in which matplotlib draws what can be looked at."""
+
+_TO_WRITE = "arl_tui.to_write"
+"""Where a command's context keeps the paths that were named to be written."""
 
 NO_FILE = "<arl>"
 """`core.numerics.kernel_files.NO_FILE`, for the same reason; a test compares."""
@@ -147,9 +155,18 @@ class Arl(click.Group):
 
     def main(self, *args: Any, **extra: Any) -> Any:
         """Run; see `click.Command.main`."""
+        stand_in_for_closed_ones()
         speak_utf8()
         warnings.formatwarning = note_or_warning
-        return super().main(*args, **extra)
+        try:
+            return super().main(*args, **extra)
+        except OSError as error:  # of the program's own help and version
+            if error.errno not in DISK_ERRORS:
+                raise
+            click.echo(f"Error: {disk_failed(error)}", err=True)
+            raise SystemExit(1) from error
+        finally:
+            let_go_of_full_ones()
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run a subcommand; stop with a message where a file, a folder or a game cannot be used."""
@@ -159,9 +176,12 @@ class Arl(click.Group):
             vars(error)["message"] = printable_lines(error.message)  # it may quote a file
             raise
         except OSError as error:
-            if error.errno == errno.EPIPE or error.filename is None:
+            words = in_words(error, ctx.meta.get(_TO_WRITE, ()))
+            if words is None:
                 raise
-            raise click.ClickException(cannot_use(error)) from error
+            raise click.ClickException(words) from error
+        except MemoryError as error:
+            raise click.ClickException(NO_MEMORY) from error
         except ValueError as error:
             from core.plugins import GameError  # here, not above: `arl` alone starts without
 
@@ -189,11 +209,6 @@ def say(text: object = "", *, err: bool = False, nl: bool = True, **style: Any) 
     """
     shown = printable_lines(str(text), longest=None)
     click.echo(click.style(shown, **style) if style else shown, err=err, nl=nl)
-
-
-def cannot_use(error: OSError) -> str:
-    """Return which file or folder cannot be used, why, and what to do."""
-    return f"{error.filename}: {error.strerror}. Choose another file or folder, or make this one writable"
 
 
 _usual_warning = warnings.formatwarning
@@ -224,30 +239,51 @@ def _encoding(stream: TextIO | None) -> str:
     return str(getattr(stream, "encoding", "")).lower().replace("-", "").replace("_", "")
 
 
+class NumberRange(click.FloatRange):
+    """A number in a range; `nan` is none, and click lets it through: it compares with nothing."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """Return the number."""
+        number = float(super().convert(value, param, ctx))
+        if math.isnan(number):
+            self.fail(f"{value} is not a number", param, ctx)
+        return number
+
+
 class ToWrite(click.Path):
     """A file or folder that is to be written: refused before any work where that is impossible."""
 
-    def __init__(self, *, folder: bool = False, made: bool = False) -> None:
+    def __init__(self, *, folder: bool = False, made: bool = False, figure: bool = False) -> None:
         """Prepare.
 
         Args:
             folder: it is a folder, made where it is missing; otherwise a file.
             made: the command makes the folders above a file where they are missing.
+            figure: the file's ending says how it is drawn.
         """
         super().__init__(file_okay=not folder, dir_okay=folder, path_type=Path)
         self._folder = folder
         self._made = made
+        self._figure = figure
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
         """Return the path, after a look at the nearest folder that exists."""
         path = Path(os.fsdecode(super().convert(value, param, ctx)))
         reason = why_not_writable(path, folder=self._folder, made=self._made)
+        if reason is None and self._figure and path.suffix.lower() not in FIGURES:
+            reason = f"{path} does not end in .png, .svg or .pdf, which says how a figure is drawn"
         if reason is not None:
             self.fail(reason, param, ctx)
+        _remember(ctx, path)
         return path
 
 
-def file_or_dash(_context: click.Context, _parameter: click.Parameter, value: str | None) -> str | None:
+def _remember(context: click.Context | None, path: Path) -> None:
+    if context is not None:
+        context.meta.setdefault(_TO_WRITE, []).append(path)
+
+
+def file_or_dash(context: click.Context, _parameter: click.Parameter, value: str | None) -> str | None:
     """Return a file's name after a look at whether it can be written; "-" (the screen) and None as they are.
 
     Raises:
@@ -256,6 +292,8 @@ def file_or_dash(_context: click.Context, _parameter: click.Parameter, value: st
     reason = None if value in (None, "-") else why_not_writable(Path(str(value)), folder=False)
     if reason is not None:
         raise click.BadParameter(reason)
+    if value not in (None, "-"):
+        _remember(context, Path(str(value)))
     return value
 
 

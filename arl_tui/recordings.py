@@ -134,7 +134,11 @@ def rescue_whole(content: bytes, stem: str) -> Path:
 def _rescued(content: bytes, prefix: str) -> Path:
     # mkstemp: readable by its owner only.
     with tempfile.NamedTemporaryFile(prefix=prefix, suffix=".jsonl", delete=False) as file:
-        file.write(content)
-        file.flush()
-        os.fsync(file.fileno())
+        try:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        except OSError:
+            os.unlink(file.name)
+            raise
     return Path(file.name)

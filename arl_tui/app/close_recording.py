@@ -33,7 +33,9 @@ def close_recorder(recorder: Recorder, timeout_s: float = CLOSING_S) -> tuple[st
         try:
             return _rescue(recorder, problem)
         except OSError as second:
-            return f"{problem}\nWhat is missing from it could not be saved elsewhere: {second}", None
+            lost = count_events(recorder.unwritten) or f"all {recorder.kept.recorded} events"
+            problem += f"\nWhat is missing from it could not be saved elsewhere: {second}\n({lost})"
+            return problem, None if isinstance(recorder.failure, FileNotFoundError) else recorder.path
     return None, recorder.path
 
 

@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, ClassVar, NoReturn, TypeVar
 
+import click
 from textual import events
 from textual.app import App
 from textual.binding import BindingType
@@ -89,6 +90,15 @@ class PlainApp(App[Result], inherit_bindings=False):
                 # A thread may be blocked in a write for ever, which Python would wait for.
                 self.leave_at_once()
         return result
+
+    def stop_if_it_failed(self) -> None:
+        """Stop the command where the app ended by a fault of its own, which is printed already.
+
+        Raises:
+            click.ClickException: it did.
+        """
+        if self.return_code == 1:
+            raise click.ClickException("the program ended by a fault of its own; see the message above")
 
     @contextmanager
     def _signals_taken(self) -> Iterator[None]:

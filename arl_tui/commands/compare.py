@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 import click
 
 from arl_tui.command_line import ToWrite, say
-from core.system.foreign_text import printable, printable_lines
+from core.system.foreign_text import in_table, printable, printable_lines
+from core.system.whole_file import whole_file
 
 if TYPE_CHECKING:
     from studies.session_view.comparison import By, SessionFigures
@@ -34,7 +35,9 @@ LABEL = 24
 @click.option(
     "--csv", "csv_path", type=ToWrite(), help="Write a row for each game of every session to a file."
 )
-@click.option("--plot", "plot_path", type=ToWrite(), help="Draw the groups over games (PNG, SVG or PDF).")
+@click.option(
+    "--plot", "plot_path", type=ToWrite(figure=True), help="Draw the groups over games (PNG, SVG or PDF)."
+)
 @click.option("--html", "html_path", type=ToWrite(), help="Write everything as one page.")
 def compare(
     files: tuple[Path, ...],
@@ -167,9 +170,9 @@ def _curves(groups: "dict[str, list[SessionFigures]]") -> Iterator[str]:
 
 
 def _write(path: Path, rows: list[dict[str, object]]) -> None:
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with whole_file(path) as file:
         if not rows:
             return
         writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
         writer.writeheader()
-        writer.writerows(rows)
+        writer.writerows(map(in_table, rows))

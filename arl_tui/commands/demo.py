@@ -2,7 +2,6 @@
 
 import secrets
 import shlex
-import sys
 from pathlib import Path
 
 import click
@@ -13,6 +12,7 @@ from arl_tui.commands.exact import read_or_stop, run_again
 from arl_tui.commands.play import in_language, run_live
 from arl_tui.games.registry import screens_called, words_of
 from arl_tui.recordings import create_new
+from arl_tui.standard_streams import why_not_drawable
 from core.feedback.config import TrainerConfig
 from core.feedback.simulated_participants import person
 from core.numerics.clock import wall_time_utc
@@ -38,9 +38,9 @@ def run_demo(
     try:
         protocol = demo_protocol(game, person(person_name) if person_name else None)
     except ValueError as error:
-        raise click.BadParameter(str(error), param_hint="--person") from error
+        raise click.BadParameter(str(error), param_hint="--person" if person_name else "GAME") from error
     root_seed = secrets.randbits(63) if seed is None else seed
-    if sys.stdin.isatty() and sys.stdout.isatty():
+    if not why_not_drawable():
         protocol = in_language(protocol, language, written=False)
         outcome = run_live(
             protocol, participant=PARTICIPANT, seed=root_seed, recordings=recordings, simulated=True

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from arl_tui.command_line import ToWrite, file_or_dash
+from arl_tui.command_line import NumberRange, ToWrite, file_or_dash
 from arl_tui.commands.fit_request import InputError, Request, say
 
 if TYPE_CHECKING:
@@ -139,7 +139,7 @@ READABLE = (".tsv", ".csv", ".jsonl", ".txt")
     help="Also let participants inform each other: for few trials each, from 5 people.",
 )
 @click.option(
-    "--level", type=click.FloatRange(0.5, 0.999), default=0.95, show_default=True, help="Of all intervals."
+    "--level", type=NumberRange(0.5, 0.999), default=0.95, show_default=True, help="Of all intervals."
 )
 @click.option(
     "--resamples",
@@ -162,7 +162,9 @@ READABLE = (".tsv", ".csv", ".jsonl", ".txt")
 )
 @click.option("--workers", type=click.IntRange(1), help="Processes. The result does not depend on it.")
 @click.option(
-    "--figure", type=_PATH, help="Draw the fit, or the means of several participants (PNG, SVG or PDF)."
+    "--figure",
+    type=ToWrite(figure=True),
+    help="Draw the fit, or the means of several participants (PNG, SVG or PDF).",
 )
 @click.option(
     "--json",
@@ -295,13 +297,14 @@ def write(result: "Result", samples: "Mapping[str, Sample]", request: Request) -
     import msgspec
 
     from core.system.foreign_text import printable_json
+    from core.system.whole_file import write_whole
 
     if request.json_path is not None:
         text = msgspec.json.format(msgspec.json.encode(result), indent=1).decode()
         if request.json_path == "-":
             say(printable_json(text))
         else:
-            Path(request.json_path).write_text(text, encoding="utf-8")
+            write_whole(Path(request.json_path), text)
             say(f"JSON: {request.json_path}", err=True)
     if request.figure is not None:
         from arl_tui.commands.fit_figure import draw_fit
@@ -314,5 +317,5 @@ def write(result: "Result", samples: "Mapping[str, Sample]", request: Request) -
     if request.html is not None:
         from studies.reaction_time.report import html_report
 
-        request.html.write_text(html_report(result, samples), encoding="utf-8")
+        write_whole(request.html, html_report(result, samples))
         say(f"Page: {request.html}", err=True)

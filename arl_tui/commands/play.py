@@ -17,6 +17,7 @@ from arl_tui.language import tr, use
 from arl_tui.own_keys import clash_with_feedback
 from arl_tui.settings import settings_file
 from arl_tui.signing import NoKey, signer_in_use
+from arl_tui.standard_streams import why_not_drawable
 from core.plugins import plugin_of
 from core.session.practice import practice_of
 from core.session.protocol import Protocol
@@ -89,8 +90,12 @@ def practised(protocol: Protocol, *, participant: str, seed: int | None, recordi
 
 def need_terminal(command: str, *, instead: str) -> None:
     """Stop with a message where keys cannot be read or pictures not be shown; take the user's keys over."""
-    if not (sys.stdin.isatty() and sys.stdout.isatty()):
-        raise click.ClickException(f"{command} needs a terminal to draw in and a keyboard; try `{instead}`")
+    reason = why_not_drawable()
+    if reason:
+        if sys.stdout.isatty() and not sys.stderr.isatty():  # nobody sees what goes to the error output
+            say(f"Error: {command} {reason}; or try `{instead}`")
+            raise SystemExit(1)
+        raise click.ClickException(f"{command} {reason}; try `{instead}`")
     needed_settings()
 
 

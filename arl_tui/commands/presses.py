@@ -6,8 +6,10 @@ from typing import TYPE_CHECKING
 
 import click
 
+from arl_tui.command_line import NumberRange
 from arl_tui.commands.fit_request import say
-from core.system.foreign_text import printable_lines
+from core.system.foreign_text import in_table, printable_lines
+from core.system.whole_file import whole_file
 
 if TYPE_CHECKING:
     from studies.evaluations.presses import Press
@@ -20,7 +22,7 @@ if TYPE_CHECKING:
 @click.option("--each", is_flag=True, help="A report for each participant, too.")
 @click.option(
     "--burst-within",
-    type=click.FloatRange(0.0, 60.0),
+    type=NumberRange(0.0, 60.0),
     default=0.5,
     show_default=True,
     help="Seconds; presses of the same sign that follow within this time are one burst.",
@@ -114,9 +116,10 @@ def _write(path: Path, found: "list[Press]") -> None:
 
     from studies.evaluations.presses import Press
 
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with whole_file(path) as file:
         writer = csv.DictWriter(file, [field.name for field in fields(Press)], lineterminator="\n")
         writer.writeheader()
         writer.writerows(
-            {key: "n/a" if value is None else value for key, value in asdict(one).items()} for one in found
+            in_table({key: "n/a" if value is None else value for key, value in asdict(one).items()})
+            for one in found
         )

@@ -11,13 +11,12 @@ import msgspec
 from arl_tui.command_line import say
 from arl_tui.home import elsewhere, recordings_folder, why_here
 from arl_tui.recordings import CALIBRATION_FOLDER, all_recordings
-from core.recording.joined import joined
-from core.recording.reader import Recording, RecordingError
-from core.recording.skim import skim_recording
-from core.recording.summary import RecordingSummary, summarise_recording
-from core.system.foreign_text import printable
+from core.recording.reader import RecordingError
+from core.recording.skim import Skimmed, skim_recording
+from core.system.foreign_text import in_table, printable
+from core.system.whole_file import whole_file
 
-Found = tuple[Path, Recording | None, str]
+Found = tuple[Path, Skimmed | None, str]
 """A file; what it holds, None where it is damaged; and the reason."""
 
 
@@ -81,39 +80,30 @@ def list_all(folder: Path, *, csv_path: Path | None = None) -> None:
         raise SystemExit(1)
 
 
-def read_all(folder: Path, problems: list[OSError]) -> Iterator[Found]:
+def read_all(folder: Path, problems: list[OSError], *, whole_sessions: bool = True) -> Iterator[Found]:
     """Read every recording in a folder and below; no damaged one hides another.
 
     Args:
         folder: where to look.
         problems: takes folders that cannot be read.
+        whole_sessions: name a recording as damaged, too, that goes on with another one which is damaged or
+            missing.
     """
     for path in all_recordings(folder, problems.append):
         try:
-            yield path, skim_recording(path), ""
+            yield path, skim_recording(path, whole_session=whole_sessions), ""
         except (RecordingError, OSError) as error:
             yield path, None, str(error)
 
 
 def as_sessions(found: Iterable[Found]) -> list[Found]:
-    """Return one entry per session: a recording that another one goes on with is part of that one.
-
-    Where both cannot be joined, the newer one is named as damaged, and the older one stands for itself.
-    """
-    sessions: list[Found] = []
-    parts: set[Path] = set()
-    for path, recording, reason in found:
-        if recording is not None:
-            try:
-                recording = joined(recording)
-                parts.update(recording.older)
-            except (RecordingError, OSError) as error:
-                recording, reason = None, str(error)
-        sessions.append((path, recording, reason))
+    """Return one entry per session: a recording that another one goes on with is part of that one."""
+    sessions = list(found)
+    parts = {older for _, skimmed, _ in sessions if skimmed is not None for older in skimmed.older}
     return [one for one in sessions if one[0] not in parts]
 
 
-def tell_one(path: Path, folder: Path, recording: Recording | None, reason: str) -> None:
+def tell_one(path: Path, folder: Path, recording: Skimmed | None, reason: str) -> None:
     """Print the lines about one file."""
     name = printable(str(path.relative_to(folder)), longest=None)
     if recording is None:
@@ -126,7 +116,7 @@ def tell_one(path: Path, folder: Path, recording: Recording | None, reason: str)
         when = when.removesuffix("+00:00").replace("T", " ") + " UTC"
     say(name, nl=False, bold=True)
     say(printable(f"  {header.participant}  {header.origin}  {when}"))
-    say(f"    {printable(summarise_recording(recording).words)}")
+    say(f"    {printable(recording.summary.words)}")
     for older in recording.older:
         say(f"    goes on with {printable(older.name)}: both are one session")
     for note in recording.notes:
@@ -150,12 +140,12 @@ def tell_rest(folder: Path, found: Sequence[Found], n_damaged: int) -> None:
         )
 
 
-def row_of(path: Path, recording: Recording | None, reason: str) -> Row:
+def row_of(path: Path, recording: Skimmed | None, reason: str) -> Row:
     """Return the line of the table for one file."""
     if recording is None:
         return Row(file=str(path), state="damaged", reason=reason)
     header = recording.header
-    held: RecordingSummary = summarise_recording(recording)
+    held = recording.summary
     return Row(
         file=str(path),
         state="sound",
@@ -187,10 +177,10 @@ def row_of(path: Path, recording: Recording | None, reason: str) -> Row:
 def write_csv(path: Path, found: Sequence[Found]) -> None:
     """Write a line per file, damaged ones too."""
     # A file's name may hold bytes that are no UTF-8.
-    with path.open("w", newline="", encoding="utf-8", errors="backslashreplace") as file:
+    with whole_file(path, errors="backslashreplace") as file:
         writer = csv.DictWriter(file, [field.name for field in msgspec.structs.fields(Row)])
         writer.writeheader()
-        writer.writerows(msgspec.structs.asdict(row_of(*one)) for one in found)
+        writer.writerows(in_table(msgspec.structs.asdict(row_of(*one))) for one in found)
 
 
 def publish_all(folder: Path, into: Path) -> None:
@@ -200,7 +190,7 @@ def publish_all(folder: Path, into: Path) -> None:
     if into.exists() and any(into.iterdir()):
         raise click.ClickException(f"{into} is not empty: name a new folder")
     problems: list[OSError] = []
-    found = list(read_all(folder, problems))
+    found = list(read_all(folder, problems, whole_sessions=False))
     for path, copy in publish_folder([path for path, recording, _ in found if recording is not None], into):
         say(f"{path} -> {copy}")
     damaged = [reason for _, recording, reason in found if recording is None]

@@ -20,7 +20,7 @@ def upgrade(source: Path, into: Path) -> None:
     from core.recording.reader import RecordingError, read_recording
     from core.recording.schema import VERSION
     from core.recording.upgrade import upgraded, upgraded_path
-    from core.system.private_files import create_private, make_private_folder, write_all
+    from core.system.private_files import make_private_folder, write_private
     from studies.exports.sources import find_sources
 
     if into.exists() and any(into.iterdir()):
@@ -40,8 +40,7 @@ def upgrade(source: Path, into: Path) -> None:
             continue
         target = into / upgraded_path(one.relative)
         make_private_folder(target.parent)
-        with create_private(target) as file:
-            write_all(file, upgraded(recording))
+        write_private(target, upgraded(recording))
         say(printable(f"{one.path} (version {recording.header.version}) -> {target}", longest=None))
     if n_present:
         say(f"{n_present} of version {VERSION} already: left as they are.")

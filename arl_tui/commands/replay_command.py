@@ -44,7 +44,7 @@ from arl_tui.command_line import FILE, ToWrite, protocol_option, seed_option
 @click.option(
     "--plot",
     "plot_path",
-    type=ToWrite(),
+    type=ToWrite(figure=True),
     help="Draw the table (PNG, SVG or PDF).",
 )
 @click.option(

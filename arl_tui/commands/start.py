@@ -21,6 +21,7 @@ def run_home() -> None:
         marked = app.marked
         if app.ended_by is not None:
             raise SystemExit(128 + app.ended_by)
+        app.stop_if_it_failed()
         if arguments is None:
             return
         say(f"$ {command_line(arguments)}")

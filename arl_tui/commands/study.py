@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import click
 
 from arl_tui.command_line import recordings_option, say, theme_option
+from arl_tui.standard_streams import DISK_ERRORS
 from core.system.foreign_text import printable
 
 if TYPE_CHECKING:
@@ -355,7 +356,9 @@ def _watch(file: Path, recordings: Path, *, simulated: bool) -> None:
             return f"NOT noted: {error}"
 
     whose = ", SIMULATED participants" if simulated else ""
-    Monitor(f"Study {loaded.study.name}{whose}", look, note).run_in_terminal()
+    monitor = Monitor(f"Study {loaded.study.name}{whose}", look, note)
+    monitor.run_in_terminal()
+    monitor.stop_if_it_failed()
 
 
 def _open(file: Path, recordings: Path, *, simulated: bool = False) -> "tuple[LoadedStudy, Ledger]":
@@ -374,6 +377,8 @@ def _plain_errors() -> Iterator[None]:
     try:
         yield
     except (ValueError, OSError) as error:
+        if isinstance(error, OSError) and error.errno in DISK_ERRORS:
+            raise  # `Arl` names what was to be written
         raise click.ClickException(_to_read(str(error))) from error
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from arl_tui.command_line import ToWrite, recordings_option, say
+from arl_tui.command_line import NumberRange, ToWrite, recordings_option, say
 
 if TYPE_CHECKING:
     from arl_tui.timing.plan import Plan
@@ -78,7 +78,7 @@ def _window(_context: click.Context, _parameter: click.Parameter, value: str) ->
 )
 @click.option(
     "--gate",
-    type=click.FloatRange(min=0.0, min_open=True),
+    type=NumberRange(min=0.0, min_open=True),
     metavar="MS",
     help="Leave with status 1 where a condition's median error is larger. Nothing is kept then or otherwise: "
     "for CI.",
@@ -111,7 +111,9 @@ def timing(
     if json_path is not None:
         import msgspec
 
-        json_path.write_bytes(msgspec.json.format(msgspec.json.encode(result), indent=1))
+        from core.system.whole_file import write_whole
+
+        write_whole(json_path, msgspec.json.format(msgspec.json.encode(result), indent=1).decode())
         say(f"JSON: {json_path}", err=True)
     if gate is not None:
         stop_above(result, gate)

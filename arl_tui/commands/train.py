@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from arl_tui.command_line import ToWrite, say
+from arl_tui.command_line import NumberRange, ToWrite, say
 from arl_tui.commands.watch import keepers_option, region_option, takers_option, task, vision_option
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     help="Where the policy is kept, such as keepers.npz.",
 )
 @click.option(
-    "--hours", type=click.FloatRange(0.01, 1000.0), default=2.0, show_default=True, help="Simulated hours."
+    "--hours", type=NumberRange(0.01, 1000.0), default=2.0, show_default=True, help="Simulated hours."
 )
 @click.option("--seed", type=click.IntRange(0, 2**63 - 1), help="Root seed; a new one by default.")
 @keepers_option
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     "--shared/--independent", default=False, show_default=True, help="All keepers learn one policy."
 )
 @click.option(
-    "--trace-decay", type=click.FloatRange(0.0, 1.0), default=0.0, show_default=True, help="lambda of Sarsa."
+    "--trace-decay", type=NumberRange(0.0, 1.0), default=0.0, show_default=True, help="lambda of Sarsa."
 )
 def train(
     game: str,

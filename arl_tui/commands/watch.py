@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import click
 from click.core import ParameterSource
 
-from arl_tui.command_line import ToWrite, say, theme_option
+from arl_tui.command_line import NumberRange, ToWrite, say, theme_option
 
 if TYPE_CHECKING:
     from arl_tui.app.compile_order import Order
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 BENCHMARKS = {"hand": "hand-coded", "random": "random", "hold": "always hold"}
 VISIONS = ("exact", "360", "90")
+LONGEST_S = 1e7
+"""Seconds of a recording that can be asked for: four months."""
 FASTEST = 20.0
 """Simulated seconds per second of a policy."""
 FOR_POLICIES = ("policy", "seed", "episodes", "keepers", "takers", "size", "vision", "detail")
@@ -93,7 +95,7 @@ class GameOrRecording(click.ParamType):  # type: ignore[type-arg]
 @click.option("--episodes", type=click.IntRange(1), help="Leave after so many.")
 @click.option(
     "--speed",
-    type=click.FloatRange(0.02, 64.0),
+    type=NumberRange(0.02, 64.0),
     default=1.0,
     show_default=True,
     help="Simulated seconds per second, at most 20; 0.25 is slow motion. FILE: recorded seconds per second "
@@ -110,8 +112,8 @@ class GameOrRecording(click.ParamType):  # type: ignore[type-arg]
 @click.option(
     "--scheme", metavar="NAME", help="FILE: a what-if beside it under this scheme, as in `arl replay`."
 )
-@click.option("--at", type=click.FloatRange(0.0), metavar="SECONDS", help="FILE: where to begin.")
-@click.option("--until", type=click.FloatRange(0.0), metavar="SECONDS", help="FILE: where a film ends.")
+@click.option("--at", type=NumberRange(0.0, LONGEST_S), metavar="SECONDS", help="FILE: where to begin.")
+@click.option("--until", type=NumberRange(0.0, LONGEST_S), metavar="SECONDS", help="FILE: where a film ends.")
 @click.option(
     "--export",
     type=ToWrite(),
@@ -222,6 +224,7 @@ def run(app: "WatchApp") -> None:
         os._exit(128 + app.ended_by)  # without waiting for what is being compiled
     if app.trouble is not None:
         raise click.ClickException(str(app.trouble))
+    app.stop_if_it_failed()
     if told is not None:
         say(told)
     if app.thread.is_alive():

@@ -47,7 +47,13 @@ def watch_recording(
 
     if export is None:
         need_terminal("arl watch", instead="arl watch FILE --export film.cast")
+    begin_s = at or 0.0
+    if until is not None and until <= begin_s:
+        raise click.BadParameter(f"a film from {begin_s:g} s to {until:g} s has no end", param_hint="--until")
     session = opened(path, at_once=export is None and at is None)
+    lasts_s = (session.end_ns - session.start_ns) / 1e9
+    if at is not None and at > lasts_s:
+        raise click.BadParameter(f"{at:g} s: {path} lasts {lasts_s:.1f} s", param_hint="--at")
     from arl_tui.viewer.workers import Workers
 
     with Workers(path) as workers:
@@ -55,7 +61,7 @@ def watch_recording(
         if export is not None:
             from arl_tui.viewer.film import export_film
 
-            export_film(viewing, export, begin_s=at or 0.0, end_s=until, speed=speed)
+            export_film(viewing, export, begin_s=begin_s, end_s=until, speed=speed)
             return
         from arl_tui.viewer.app import ViewerApp
         from arl_tui.viewer.pictures import pictures_of
@@ -66,10 +72,13 @@ def watch_recording(
             screen.transport.seek(session.start_ns + at * 1e9)
         app = ViewerApp(screen)
         told = app.run_in_terminal()
+    if workers.said:
+        say(workers.said, err=True)
     if screen.broken is not None:
         raise click.ClickException(printable(str(screen.broken), longest=None)) from screen.broken
     if app.ended_by is not None:
         sys.exit(128 + app.ended_by)
+    app.stop_if_it_failed()
     if told:
         say(told)
 

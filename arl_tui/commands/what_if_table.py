@@ -7,6 +7,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from core.system.foreign_text import in_table
+from core.system.whole_file import whole_file
+
 if TYPE_CHECKING:
     from studies.statistics import Interval
     from studies.what_if import WhatIfRow
@@ -163,10 +166,10 @@ def write_csv(
         units: what is counted per game.
     """
     written = [_record(row, sources, units) for row in rows]
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with whole_file(path) as file:
         writer = csv.DictWriter(file, list(written[0]))
         writer.writeheader()
-        writer.writerows(written)
+        writer.writerows(map(in_table, written))
 
 
 def _record(row: "WhatIfRow", sources: Mapping[str, str], units: str) -> dict[str, object]:

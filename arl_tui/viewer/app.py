@@ -6,6 +6,7 @@ from typing import ClassVar
 from arl_tui.app.driver import own_driver
 from arl_tui.app.with_palette import PaletteApp
 from arl_tui.viewer.screen import ViewerScreen
+from core.recording.undo import RecordingError
 
 
 class ViewerApp(PaletteApp[str]):
@@ -24,6 +25,15 @@ class ViewerApp(PaletteApp[str]):
         """Open the recording, and close with it."""
         super().on_mount()
         self.push_screen(self.view, callback=self.exit)
+
+    def _handle_exception(self, error: Exception) -> None:
+        # Textual's only place for what a message handler raised. A recording that is removed or changed while
+        # it is looked at, or a full disk, is no fault of the program: the command says it in a sentence.
+        if isinstance(error, OSError | RecordingError):
+            self.view.broken = self.view.broken or error
+            self.exit("")
+        else:
+            super()._handle_exception(error)
 
 
 def mouse_driver() -> type | None:

@@ -1,17 +1,25 @@
 """Works out in another process what agents thought, while the screen goes on."""
 
 import contextlib
+import os
 import tempfile
+import warnings
+from collections.abc import Callable
 from concurrent.futures import Future, ProcessPoolExecutor
 from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import Self, TypeVar
 
+from arl_tui.command_line import note_or_warning
 from core.session.protocol import Protocol
 from core.system.foreign_text import printable
 from core.system.temporary import prefix_of, remove_left_behind
 from studies.pools import processes
 from studies.session_view.thoughts import Thoughts
+
+Result = TypeVar("Result")
+SAID = "said"
+"""Name of the file, in the folder of decisions, that takes what the other process prints."""
 
 
 class Working:
@@ -70,6 +78,8 @@ class Workers:
 
     def __init__(self, recording: Path) -> None:
         """Prepare for one recording."""
+        self.said = ""
+        """At the end: what the process printed, which must not stand on the screen."""
         self._recording = recording
         self._stack = contextlib.ExitStack()
         self._pool: ProcessPoolExecutor | None = None
@@ -88,32 +98,43 @@ class Workers:
             # What is being worked out is of no use any more; processes of our own pool only.
             for process in list(getattr(self._pool, "_processes", {}).values()):
                 process.terminate()
+        with contextlib.suppress(OSError):
+            self.said = (self._folder / SAID).read_text(encoding="utf-8", errors="replace").strip()
         with contextlib.suppress(Exception):
             self._stack.close()
 
     def own(self) -> Working:
         """Begin with the session's own agent."""
-        return self._submit(_own)
+        return self._work(_own)
 
     def what_if(self, protocol: Protocol) -> Working:
         """Begin with an agent that learns from the recording under another protocol."""
-        return self._submit(_what_if, protocol)
+        return self._work(_what_if, protocol)
 
     def index(self) -> WholeIndex:
         """Begin to build the recording's index."""
         told = self._folder / "read"
-        return WholeIndex(told, self._processes().submit(_index, self._recording, told))
+        return WholeIndex(told, self._submit(_index, told))
 
-    def _submit(self, function: object, *arguments: object) -> Working:
+    def _work(self, function: "Callable[..., str]", *arguments: object) -> Working:
         self._n += 1
         out = self._folder / f"{self._n}.thoughts"
-        assert callable(function)
-        return Working(Thoughts(out), self._processes().submit(function, self._recording, out, *arguments))
+        return Working(Thoughts(out), self._submit(function, out, *arguments))
 
-    def _processes(self) -> ProcessPoolExecutor:
+    def _submit(self, function: "Callable[..., Result]", *arguments: object) -> "Future[Result]":
         if self._pool is None:
             self._pool = self._stack.enter_context(processes(1))
-        return self._pool
+        return self._pool.submit(_printing_into, self._folder / SAID, function, self._recording, *arguments)
+
+
+def _printing_into(said: Path, function: "Callable[..., Result]", *arguments: object) -> Result:
+    """Call a function in a process that prints into a file: the viewer draws on the terminal."""
+    descriptor = os.open(said, os.O_CREAT | os.O_APPEND | os.O_WRONLY, 0o600)
+    os.dup2(descriptor, 1)
+    os.dup2(descriptor, 2)
+    os.close(descriptor)
+    warnings.formatwarning = note_or_warning
+    return function(*arguments)
 
 
 def _index(recording: Path, told: Path) -> None:

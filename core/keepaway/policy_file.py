@@ -130,8 +130,11 @@ def save_policy(path: Path, policy: SavedPolicy) -> None:
     header = np.frombuffer(msgspec.json.encode(policy.header), np.uint8)
     np.savez_compressed(data, header=header, weights=policy.weights)
     partial = path.with_name(path.name + ".partial")
-    partial.write_bytes(data.getvalue())
-    partial.replace(path)
+    try:
+        partial.write_bytes(data.getvalue())
+        partial.replace(path)
+    finally:
+        partial.unlink(missing_ok=True)
 
 
 def load_policy(path: Path) -> SavedPolicy:

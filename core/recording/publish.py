@@ -35,7 +35,12 @@ def publish_copy(recording: Recording, target: Path, *, resumes: Resumes | None 
     content = resealed(recording, without_dates, lambda event: event, about, resumes=resumes)
     target.parent.mkdir(parents=True, exist_ok=True)
     with target.open("xb") as file:
-        file.write(content)
+        try:
+            file.write(content)
+            file.flush()
+        except OSError as error:
+            target.unlink()
+            raise OSError(error.errno, error.strerror, str(target)) from error
     return last_chain(content)
 
 
@@ -54,11 +59,12 @@ def publish_folder(paths: list[Path], into: Path) -> list[tuple[Path, Path]]:
         FileExistsError: a name is taken: the folder is not new.
         OSError: the folder cannot be written.
     """
-    recordings = sorted(map(read_recording, paths), key=lambda found: (found.header.created_utc, found.path))
+    # Read twice: first all headers, then one recording after the other, so that any number fits into memory.
+    ordered = sorted(paths, key=lambda path: (read_recording(path).header.created_utc, path))
     numbers: dict[str, int] = {}
     copies = []
     published: dict[Path, tuple[str, str]] = {}
-    for recording in recordings:
+    for recording in map(read_recording, ordered):
         code = re.sub(r"[^\w-]", "_", recording.header.participant)[:40]
         numbers[code] = numbers.get(code, 0) + 1
         target = into / f"{code}-{numbers[code]}.jsonl"

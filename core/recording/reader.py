@@ -14,6 +14,7 @@ from core.recording.lines import CHAIN_MARK, record_of
 from core.recording.recorder import CHAIN_DIGITS, Chain
 from core.recording.schema import FORMAT, VERSION, End, Header, Line
 from core.recording.undo import RecordingError, as_recorded
+from core.system.bounded_read import read_bounded
 
 __all__ = ["Recording", "RecordingError", "read_recording"]
 
@@ -49,8 +50,6 @@ class Recording:
     """Older recordings whose events come first, where a session was resumed (`core.recording.joined`)."""
     empty_lines: tuple[int, ...] = ()
     """Numbers of the lines that hold nothing, from 1, ascending."""
-    steps_left_out: int = 0
-    """Steps that were counted and are not among `events` (`core.recording.skim`)."""
     signature: str = ""
     """In the end line, hex; "" where there is none."""
     signed: bytes = b""
@@ -102,7 +101,7 @@ def read_recording(path: Path, *, allow_truncated: bool = True) -> Recording:
         raise RecordingError(
             f"{path}: a folder, not a recording: name a file in it, or list them: `arl recordings`"
         )
-    found = as_recorded(path, path.read_bytes())
+    found = as_recorded(path, read_bounded(path))
     reading, undone = _Reading(path, found.content, list(found.notes)), found.notes
     del found  # the content of a long session is let go while it is read
     try:

@@ -40,6 +40,16 @@ class Chain:
         """Return the line for `payload` (a JSON object): with its chain and a newline."""
         return payload[:-1] + b',"chain":"' + self.advance(payload) + b'"}\n'
 
+    def copy(self) -> "Chain":
+        """Return a chain that goes on from here by itself."""
+        other = Chain()
+        other._hash = self._hash.copy()
+        return other
+
+    def go_back_to(self, earlier: "Chain") -> None:
+        """Forget what was taken in since `earlier` was copied."""
+        self._hash = earlier._hash.copy()
+
     def to_sign(self, events: int) -> bytes:
         """Return what is signed: the hash of all lines so far, and how many events there are."""
         return b"arl-recording %d events " % events + self._hash.digest()
@@ -78,6 +88,7 @@ class LineWriter:
             self._append(msgspec.structs.replace(header, version=VERSION))
         except OSError:
             self._file.close()
+            path.unlink(missing_ok=True)  # nothing is in it, and it would be listed as damaged
             raise
         sync_folder(path.parent)
 

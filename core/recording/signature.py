@@ -53,8 +53,13 @@ def make_key(path: Path) -> Path:
     if public.exists():
         raise FileExistsError(17, "there is such a file already, and keys are never overwritten", str(public))
     with create_private(path) as file:
-        write_all(file, key.private_bytes(Encoding.PEM, PrivateFormat.PKCS8, NoEncryption()))
-    public.write_bytes(key.public_key().public_bytes(Encoding.PEM, PublicFormat.SubjectPublicKeyInfo))
+        try:
+            write_all(file, key.private_bytes(Encoding.PEM, PrivateFormat.PKCS8, NoEncryption()))
+            public.write_bytes(key.public_key().public_bytes(Encoding.PEM, PublicFormat.SubjectPublicKeyInfo))
+        except OSError:  # half a key must not stand in the way of a whole one
+            path.unlink()
+            public.unlink(missing_ok=True)
+            raise
     return public
 
 
@@ -70,7 +75,7 @@ def signer(path: Path) -> Sign:
     from cryptography.hazmat.primitives.serialization import load_pem_private_key
 
     try:
-        key = load_pem_private_key(path.read_bytes(), password=None)
+        key = load_pem_private_key(_beginning(path), password=None)
     except (ValueError, TypeError) as error:
         raise SigningError(
             f"{path}: not a private key without a password: `arl recordings --make-key FILE` makes one"
@@ -93,7 +98,7 @@ def public_key(path: Path) -> "Ed25519PublicKey":
     from cryptography.hazmat.primitives.serialization import load_pem_public_key
 
     try:
-        key = load_pem_public_key(path.read_bytes())
+        key = load_pem_public_key(_beginning(path))
     except ValueError as error:
         raise SigningError(
             f"{path}: not a public key; the file that `arl recordings --make-key` wrote ends in .pub"
@@ -116,6 +121,12 @@ def verify(recording: Recording, key: "Ed25519PublicKey") -> Verdict:
     except (InvalidSignature, ValueError):
         return "another key, or changed"
     return "signed"
+
+
+def _beginning(path: Path) -> bytes:
+    """Return a file's first bytes, more than a key has: what is named as one may be anything."""
+    with path.open("rb") as file:
+        return file.read(1 << 16)
 
 
 def _need_library() -> None:

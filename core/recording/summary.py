@@ -1,7 +1,7 @@
 """What a recording holds and how its session ended, in the words that every command uses."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, cast
 
@@ -37,6 +37,8 @@ _STOPS: dict[StopReason, str] = {
     "practised": "both keys were practised",
     "disk-failed": "disk failed: the recording could not be written any more",
 }
+_Kind = tuple[str, int, float]
+"""What is told of a press that was accepted: its source, who pressed, and its value (0 where it has none)."""
 _V1_STOP = " (or window closed, signal, disk full: version 1 does not tell)"
 
 
@@ -124,7 +126,7 @@ def _counted(n: int, one: str, many: str | None = None) -> str:
 
 def summarise_recording(recording: Recording) -> RecordingSummary:
     """Return a recording's summary. It asks for no game and runs nothing."""
-    summarising = Summarising(steps=recording.steps_left_out)
+    summarising = Summarising()
     for event in recording.events:
         summarising.take(event)
     return summarising.summary(
@@ -135,24 +137,28 @@ def summarise_recording(recording: Recording) -> RecordingSummary:
 class Summarising:
     """Takes events in, one by one, and counts: it keeps no event but the last ones."""
 
-    def __init__(self, *, steps: int = 0) -> None:
-        """Begin with so many steps that are not among the events."""
-        self._steps = steps
+    def __init__(self) -> None:
+        """Begin with nothing."""
+        self._steps = 0
         self._begun = self._finished = self._gaps = self._focus_lost = 0
-        self._accepted: dict[int, KeyPressed] = {}  # by the number of the press
+        self._accepted: dict[int, _Kind] = {}  # by the number of the press
+        self._kinds: dict[_Kind, _Kind] = {}  # one object for all presses of a kind: there may be a million
         self._taken_back: set[int] = set()
         self._stop: StopAsked | None = None
         self._last_output: Output | None = None
 
     def take(self, event: Event) -> None:
         """Take in the next event."""
+        if isinstance(event, KeyPressed):  # of many, the most: asked about first
+            if event.verdict == "accepted":
+                kind = (event.source, event.person, event.value or 0.0)
+                self._accepted[event.press] = self._kinds.setdefault(kind, kind)
+            return
         if isinstance(event, Output):
             self._last_output = event
         match event:
             case StepTaken():
                 self._steps += 1
-            case KeyPressed(verdict="accepted"):
-                self._accepted[event.press] = event
             case PressRetracted():
                 self._taken_back.add(event.press)
             case EpisodeStarted():
@@ -168,6 +174,10 @@ class Summarising:
                 self._focus_lost += 1
             case _:
                 pass
+
+    def add_steps(self, n_steps: int) -> None:
+        """Count steps that are not taken in one by one."""
+        self._steps += n_steps
 
     def ending(self, header: Header, *, complete: bool, lost_tail: bool) -> Ending:
         """Return how the session ended.
@@ -199,7 +209,7 @@ class Summarising:
         imported = header.origin == "imported"
         says_game = not imported or "domain" in protocol or self._begun > 0
         taken_back = self._taken_back & self._accepted.keys()
-        counted = [press for number, press in self._accepted.items() if number not in taken_back]
+        counted = Counter(kind for number, kind in self._accepted.items() if number not in taken_back)
         return RecordingSummary(
             game=_game(protocol) if says_game else "",
             variant=_variant(protocol),
@@ -209,8 +219,8 @@ class Summarising:
             games_begun=self._begun,
             games_planned=None if imported else _planned(protocol),
             steps=self._steps,
-            presses_counted=len(counted),
-            presses_simulated=sum(press.source == "simulated" for press in counted),
+            presses_counted=counted.total(),
+            presses_simulated=sum(n for (source, _, _), n in counted.items() if source == "simulated"),
             presses_of_people=_of_people(header, counted),
             presses_by_value=_by_value(protocol, counted),
             presses_taken_back=len(taken_back),
@@ -231,20 +241,24 @@ def _stop_words(header: Header, stop: StopAsked, *, complete: bool, last_word: b
     return words
 
 
-def _of_people(header: Header, counted: Sequence[KeyPressed]) -> tuple[tuple[str, int], ...]:
+def _of_people(header: Header, counted: Counter[_Kind]) -> tuple[tuple[str, int], ...]:
     """Return how many presses of each of several participants counted."""
     names = header.participants if isinstance(header.participants, list) else []
     return tuple(
-        (name, sum(press.person == person for press in counted)) for person, name in enumerate(names)
+        (name, sum(n for (_, who, _), n in counted.items() if who == person))
+        for person, name in enumerate(names)
     )
 
 
-def _by_value(protocol: Mapping[str, Any], counted: Sequence[KeyPressed]) -> tuple[tuple[float, int], ...]:
+def _by_value(protocol: Mapping[str, Any], counted: Counter[_Kind]) -> tuple[tuple[float, int], ...]:
     """Return how many presses of each value counted, where any participant's feedback was graded."""
     keys = [protocol.get("keys"), *(protocol.get("people") or ())]
     if not any(isinstance(each, Mapping) and each.get("graded") for each in keys):
         return ()
-    return tuple(sorted(Counter(press.value or 0.0 for press in counted).items()))
+    values = Counter[float]()
+    for (_, _, value), n in counted.items():
+        values[value] += n
+    return tuple(sorted(values.items()))
 
 
 def condition_of(header: Header) -> str:

@@ -7,6 +7,7 @@ person sees it.
 """
 
 import unicodedata
+from collections.abc import Mapping
 from html import escape
 
 LONGEST = 200
@@ -43,6 +44,13 @@ def printable(text: str, *, longest: int | None = LONGEST) -> str:
 def printable_lines(text: str, *, longest: int | None = LONGEST_LINE) -> str:
     """Return a text of several lines with each line made `printable`; only line feeds stay."""
     return "\n".join(printable(line, longest=longest) for line in text.split("\n"))
+
+
+def in_table(row: Mapping[str, object]) -> dict[str, object]:
+    """Return a row of a table for a file, which a terminal may show, too: its texts made `printable`."""
+    return {
+        name: printable(cell, longest=None) if isinstance(cell, str) else cell for name, cell in row.items()
+    }
 
 
 def in_html(text: str) -> str:

@@ -39,7 +39,7 @@ def write_private(path: Path, content: bytes) -> None:
     """Write a file with mode 0600 so that it is there completely or not at all, also after a crash.
 
     Raises:
-        OSError: the disk does not take it; what was at `path` before is still there.
+        OSError: the disk does not take it; what was at `path` before is still there. `filename` is `path`.
     """
     new = path.with_name(f".{path.name}.{os.getpid()}.new")
     new.unlink(missing_ok=True)
@@ -48,6 +48,10 @@ def write_private(path: Path, content: bytes) -> None:
             write_all(file, content)
             os.fsync(file.fileno())
         new.replace(path)
+    except OSError as error:
+        if error.filename in (None, str(new)):
+            error.filename, error.filename2 = str(path), None
+        raise
     finally:
         new.unlink(missing_ok=True)
 

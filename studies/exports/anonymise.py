@@ -13,7 +13,7 @@ from core.recording.anonymise import NO_DATE, NO_TEXT, Anonymising, anonymised, 
 from core.recording.joined import older_path
 from core.recording.reader import Recording, RecordingError, read_recording
 from core.recording.recorder import Chain
-from core.system.private_files import create_private, make_private_folder, write_all
+from core.system.private_files import make_private_folder, write_private
 from studies.exports.sources import Source, Trouble, find_sources
 from studies.lab.questions import READY, FreeText, QuestionList, read_questions
 from studies.lab.sealed import SealedFileError
@@ -67,11 +67,11 @@ def read_or_make_key(path: Path, *, apart_from: Iterable[Path]) -> bytes:
     if not path.exists():
         key = secrets.token_bytes(KEY_BYTES)
         make_private_folder(path.parent)
-        with create_private(path) as file:
-            write_all(file, key.hex().encode() + b"\n")
+        write_private(path, key.hex().encode() + b"\n")
         return key
     try:
-        key = bytes.fromhex(path.read_text(encoding="ascii").strip())
+        with path.open(encoding="ascii") as file:
+            key = bytes.fromhex(file.read(1 << 12).strip())
     except ValueError:
         key = b""
     if len(key) != KEY_BYTES:
@@ -119,8 +119,7 @@ def anonymise(
         target = into / names[one.source.path]
         make_private_folder(target.parent)
         content = _copy(one, how, names, texts, chains)
-        with create_private(target) as file:
-            write_all(file, content)
+        write_private(target, content)
         chains[one.source.path] = last_chain(content)
         copies.made.append((one.source.path, target))
     return copies

@@ -9,6 +9,7 @@ from typing import Literal
 import msgspec
 
 from core.recording.schema import FORMAT as RECORDING
+from core.system.bounded_read import EndlessFileError
 from studies.lab.sitting_log import FORMAT as SITTING
 from studies.reaction_time.trial_log import FORMAT as TRIALS
 
@@ -62,7 +63,7 @@ def find_sources(place: Path) -> Iterator[Source]:
         place: a folder, or a file.
 
     Raises:
-        OSError: a folder cannot be read.
+        OSError: a folder or a file cannot be read, or there is a pipe or a device.
     """
     if not place.is_dir():
         yield _source(place, Path(place.name))
@@ -80,6 +81,9 @@ def find_sources(place: Path) -> Iterator[Source]:
 
 
 def _source(path: Path, relative: Path) -> Source:
+    if path.exists() and not path.is_file():
+        # Opening a pipe would wait for a writer, and a device may have no end.
+        raise EndlessFileError(path, "a pipe or a device, not a file")
     if path.name.endswith(PACKED):
         return Source(path, relative, "recording")
     with path.open("rb") as file:

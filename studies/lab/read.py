@@ -13,8 +13,9 @@ from core.configuration.toml_places import places
 from core.feedback.delays import GammaDelay
 from core.session.practice import practice_of
 from core.session.protocol import Language, Protocol
-from core.session.protocol_file import ProtocolError, located, read_toml
+from core.session.protocol_file import LARGEST_BYTES, ProtocolError, located, read_toml
 from core.session.protocol_reading import protocol_from
+from core.system.bounded_read import EndlessFileError
 from studies.lab.config import Block, Break, Consent, Debriefing, Practice, Questionnaire, Study, TextPage
 from studies.lab.questions import QuestionList, QuestionsError, read_questions
 
@@ -112,13 +113,25 @@ def _texts(study: Study, folder: Path, trouble: list[str]) -> dict[str, str]:
     for sitting, place, step in study.steps:
         if isinstance(step, Consent | TextPage | Debriefing | Break) and step.text:
             try:
-                texts[step.text] = (folder / step.text).read_text(encoding="utf-8-sig")
+                texts[step.text] = _page(folder / step.text)
             except (OSError, ValueError) as error:
                 trouble.append(
                     f"{folder / step.text}: needed by step {place + 1} of sitting {sitting + 1}: "
                     f"{_reason(error)}"
                 )
     return texts
+
+
+def _page(path: Path) -> str:
+    if path.exists() and not path.is_file() and not path.is_dir():
+        raise EndlessFileError(
+            path, "a pipe or a device, not a file"
+        )  # opening a pipe would wait for a writer
+    with path.open(encoding="utf-8-sig") as file:
+        text = file.read(LARGEST_BYTES + 1)
+    if len(text) > LARGEST_BYTES:
+        raise ValueError(f"a page has at most {LARGEST_BYTES} characters, this file has more")
+    return text
 
 
 def _questionnaires(study: Study, folder: Path, trouble: list[str]) -> dict[str, QuestionList]:

@@ -5,6 +5,7 @@ from importlib import resources
 from pathlib import Path
 
 from core.session.protocol import Language
+from core.system.whole_file import write_whole
 
 READY = ("demo", "fig5", "fig6", "fig7")
 """demo: two conditions in ten minutes. fig5, fig6, fig7: the paper's figures with people."""
@@ -58,6 +59,11 @@ def copy_ready_study(name: str, folder: Path, language: Language = "en") -> list
         if path.exists():
             raise FileExistsError(f"{path} is there already: choose an empty folder")
     folder.mkdir(parents=True, exist_ok=True)
-    for path, content in contents.items():
-        path.write_text(content, encoding="utf-8", newline="\n")
+    try:
+        for path, content in contents.items():
+            write_whole(path, content)
+    except OSError:
+        for path in contents:  # half a study would stand in the way of a whole one
+            path.unlink(missing_ok=True)
+        raise
     return list(contents)

@@ -2,6 +2,7 @@
 far.
 """
 
+import contextlib
 import os
 from pathlib import Path
 from typing import TypeVar
@@ -52,12 +53,19 @@ def open_sealed_lines(
 
 
 def append_sealed(handle: int, chain: Chain, line: msgspec.Struct) -> None:
-    """Write one line to an open file; it is on the disk when this returns.
+    """Write one line at the end of an open file; it is on the disk when this returns.
 
     Raises:
-        OSError: the disk did not take the line.
+        OSError: the disk did not take the line. Nothing of it is in the file, so another one can follow.
     """
+    before, end = chain.copy(), os.lseek(handle, 0, os.SEEK_END)
     rest = memoryview(chain.seal(msgspec.json.encode(line)))
-    while rest:
-        rest = rest[os.write(handle, rest) :]
-    os.fsync(handle)
+    try:
+        while rest:
+            rest = rest[os.write(handle, rest) :]
+        os.fsync(handle)
+    except OSError:
+        chain.go_back_to(before)
+        with contextlib.suppress(OSError):  # cutting needs no room on the disk
+            os.ftruncate(handle, end)
+        raise

@@ -125,13 +125,19 @@ class SittingLog:
 
         Raises:
             FileExistsError: there is a file at `path` already; it is never touched.
+            OSError: the disk does not take the header; no file is left.
         """
         path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         self.path = path
         self.clock = clock or MonotonicClock()
         self._chain = Chain()
         self._handle = os.open(path, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600)
-        self.write(header)
+        try:
+            self.write(header)
+        except OSError:
+            self.abandon()
+            path.unlink(missing_ok=True)
+            raise
 
     def write(self, line: SittingLine) -> None:
         """Add a line.

@@ -13,6 +13,7 @@ from typing import BinaryIO, Literal, Self
 import msgspec
 
 from core.numerics.clock import wall_time_utc
+from core.system.bounded_read import read_bounded
 from core.system.private_files import create_private, write_all
 from studies.reaction_time.protocol import Schedule, TrialRecord
 
@@ -68,7 +69,12 @@ class TrialWriter:
     def create(cls, path: Path, header: TrialHeader) -> Self:
         """Start a new file; refuse to touch an existing one."""
         writer = cls(path, create_private(path))
-        writer._append(msgspec.json.encode(header))
+        try:
+            writer._append(msgspec.json.encode(header))
+        except OSError:
+            writer.close()
+            path.unlink(missing_ok=True)
+            raise
         return writer
 
     @classmethod
@@ -120,13 +126,14 @@ class TrialWriter:
         except OSError:
             # A torn line would make the trials behind it unreadable. Cutting needs no room on the disk.
             self._file.truncate(end)
+            self._file.seek(end)
             raise
         os.fsync(self._file.fileno())
 
 
 def read_trials(path: Path) -> TrialFile:
     """Read a session; a last line cut off in writing is reported, any other fault is an error."""
-    lines = path.read_bytes().split(b"\n")
+    lines = read_bounded(path).split(b"\n")
     torn = lines.pop() != b""
     if not lines:
         raise TrialFileError(f"{path}: no complete header line; is this a reaction-time recording?")

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from core.system.foreign_text import printable
+from core.system.whole_file import write_whole
 from studies.session_view.comparison import (
     MEASURES,
     By,
@@ -94,7 +95,7 @@ def write_page(path: Path, groups: Groups, differences: Sequence[Difference], by
         f'<p class="note">{"<br>".join(map(_text, EXPLAINED))}</p>',
         "</body></html>",
     ]
-    path.write_text("\n".join(parts) + "\n", encoding="utf-8")
+    write_whole(path, "\n".join(parts) + "\n")
 
 
 EXPLAINED: Final = (

@@ -71,10 +71,15 @@ class Index:
     """False: only the first part of the recording is in it (`first_part`)."""
 
     def line(self, offset: int) -> Line:
-        """Return what stands at a byte of the file."""
+        """Return what stands at a byte of the file.
+
+        Raises:
+            RecordingError: the file has changed.
+            OSError: it is not there any more.
+        """
         with self.path.open("rb") as file:
             file.seek(offset)
-            return line_of_file(file.readline().rstrip(b"\n"), self.version)
+            return self._decoded(file.readline())
 
     def steps(self, offset: int, last: int) -> list[StepTaken]:
         """Return the steps among the lines that begin from one byte of the file to another, both included.
@@ -89,10 +94,18 @@ class Index:
                 left -= sum(map(len, lines))
                 for line in lines:
                     if line.startswith(STEP_BEGINS):
-                        record = line_of_file(line.rstrip(b"\n"), self.version)
+                        record = self._decoded(line)
                         assert isinstance(record, StepTaken), "its type says so"
                         found.append(record)
         return found
+
+    def _decoded(self, line: bytes) -> Line:
+        try:
+            return line_of_file(line.rstrip(b"\n"), self.version)
+        except (msgspec.DecodeError, ValueError) as error:  # each was whole when the index was made
+            raise RecordingError(
+                f"{self.path}: the file has changed while it was looked at: open it again"
+            ) from error
 
 
 def open_index(path: Path, *, on_progress: OnProgress = lambda fraction: None) -> Index:
@@ -126,7 +139,7 @@ def fingerprint_of(path: Path) -> str:
     with path.open("rb") as file:
         digest = hashlib.sha256(file.read(4096))
         file.seek(max(0, status.st_size - 4096))
-        digest.update(file.read())
+        digest.update(file.read(4096))
     return f"{status.st_size}-{status.st_mtime_ns}-{digest.hexdigest()[:32]}"
 
 

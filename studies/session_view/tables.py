@@ -10,13 +10,13 @@ import struct
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Any, BinaryIO
 
 import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from core.system.private_files import create_private
+from core.system.private_files import create_private, write_all
 
 Rows = NDArray[Any]
 """A structured array, memory-mapped."""
@@ -99,11 +99,11 @@ class Growing:
         self._file.write(np.array(value, dtype=kind).tobytes())
         self._file.seek(0, os.SEEK_END)
 
-    def copy_to(self, file: IO[bytes]) -> None:
+    def copy_to(self, file: BinaryIO) -> None:
         """Write all rows to another file."""
         self._file.seek(0)
         while part := self._file.read(1 << 20):
-            file.write(part)
+            write_all(file, part)
 
     def close(self) -> None:
         """Give the temporary file up."""
@@ -138,10 +138,10 @@ def write_tables(path: Path, tables: Mapping[str, Growing], contents: Contents) 
     being_written = path.with_name(f"{path.name}.{os.getpid()}")
     try:
         with create_private(being_written) as file:
-            file.write(first)
+            write_all(file, first)
             for table in tables.values():
                 table.copy_to(file)
-                file.write(b"\0" * (-table.n * table.size % 8))
+                write_all(file, b"\0" * (-table.n * table.size % 8))
         os.replace(being_written, path)
     finally:
         being_written.unlink(missing_ok=True)

@@ -1,14 +1,14 @@
 """Tags and notes on moments of a recording, kept in a file beside it (`FILE.jsonl.tags.json`)."""
 
 import csv
-import os
 from collections.abc import Callable
 from pathlib import Path
 
 import msgspec
 
 from core.numerics.clock import NS_PER_S
-from core.system.private_files import create_private
+from core.system.private_files import write_private
+from core.system.whole_file import whole_file
 
 SUFFIX = ".tags.json"
 LONGEST_NOTE = 500
@@ -82,13 +82,7 @@ class Tags:
         return found if found is not None and abs(found.time_ns - time_ns) <= within_ns else None
 
     def _write(self, tags: list[Tag]) -> None:
-        being_written = self.path.with_name(f"{self.path.name}.{os.getpid()}")
-        try:
-            with create_private(being_written) as file:
-                file.write(msgspec.json.format(msgspec.json.encode(_File(tags)), indent=1) + b"\n")
-            os.replace(being_written, self.path)
-        finally:
-            being_written.unlink(missing_ok=True)
+        write_private(self.path, msgspec.json.format(msgspec.json.encode(_File(tags)), indent=1) + b"\n")
         self.all = tags
 
 
@@ -104,7 +98,7 @@ def write_tags_csv(
         start_ns: of the recording; times are given in seconds after it.
     """
     names = list(facts(start_ns))
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with whole_file(path) as file:
         writer = csv.DictWriter(file, ["time_s", "time_ns", "tag", "note", *names], lineterminator="\n")
         writer.writeheader()
         for tag in tags:

@@ -6,6 +6,7 @@ import sys
 import tomllib
 from pathlib import Path
 
+import click
 import pytest
 from click.testing import CliRunner, Result
 
@@ -21,6 +22,7 @@ from core.recording.recorder import LineWriter
 from core.recording.schema import Header, to_plain
 from core.session.protocol import Protocol
 from core.session.protocol_reading import load_protocol
+from tests.arl_tui.command_tree import members
 from tests.arl_tui.fakes import episode_ended, episode_started, session_ended
 
 REPOSITORY = Path(__file__).resolve().parents[2]
@@ -242,3 +244,24 @@ def test_the_name_in_place_of_a_file_is_that_of_the_kernel_files() -> None:
     from core.numerics import kernel_files
 
     assert kernel_files.NO_FILE == NO_FILE
+
+
+def number_options(command: click.Command, name: str = "") -> list[tuple[str, click.Option]]:
+    """Return every option with a number in a range, with the command's name."""
+    found = [
+        (name, option)
+        for option in command.params
+        if isinstance(option, click.Option) and isinstance(option.type, click.FloatRange)
+    ]
+    for below, inner in members(command) if isinstance(command, click.Group) else ():
+        found += number_options(inner, f"{name} {below}".strip())
+    return found
+
+
+def test_no_option_takes_what_is_not_a_number() -> None:
+    options = number_options(main)
+    assert len(options) >= 7
+    for name, option in options:
+        with pytest.raises(click.BadParameter, match="nan is not a number"):
+            option.type.convert("nan", option, None)
+        assert option.type.convert("0.5", option, None) == 0.5, name

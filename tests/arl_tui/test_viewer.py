@@ -1,9 +1,10 @@
 """The viewer: keys, mouse, timeline, panels, tags, films, and pictures of the screen."""
 
+import asyncio
 import csv
 import json
 import shutil
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
 
@@ -25,6 +26,7 @@ from arl_tui.viewer.screen import ViewerScreen
 from arl_tui.viewer.timeline import clock_text
 from arl_tui.viewer.workers import Working
 from core.numerics.clock import ManualClock
+from core.recording.reader import RecordingError
 from studies.session_view.session import open_session
 from studies.session_view.tags import Tags
 from studies.session_view.thinking import own_thoughts, what_if_thoughts
@@ -110,6 +112,54 @@ async def test_it_plays_at_the_speed_asked_for_and_pauses(looking: Looking) -> N
         looking.screen.draw()
         assert looking.s == 4.0
         assert "x1/2" in looking.text("status")
+
+
+@pytest.mark.parametrize(
+    ("harm", "said"),
+    [
+        (Path.unlink, "No such file or directory"),
+        (lambda path: path.write_bytes(b""), "the file has changed while it was looked at"),
+        (lambda path: path.write_bytes(b"{}\n" * path.stat().st_size), "the file has changed while"),
+    ],
+    ids=["removed", "emptied", "changed"],
+)
+async def test_a_recording_that_goes_away_ends_the_viewer_with_the_reason(
+    harm: Callable[[Path], object], said: str, looking: Looking
+) -> None:
+    async with looking.run():
+        harm(looking.path)
+        looking.app.simulate_key("end")  # `Pilot.press` would wait for the screen, which is closed
+        async with asyncio.timeout(10):
+            while looking.app.is_running:
+                await asyncio.sleep(0.01)
+    assert looking.app.return_code == 0
+    assert isinstance(looking.screen.broken, OSError | RecordingError)
+    assert said in str(looking.screen.broken)
+    assert str(looking.path) in str(looking.screen.broken)
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--at", "5", "--until", "2"), "a film from 5 s to 2 s has no end"),
+        (("--until", "0"), "a film from 0 s to 0 s has no end"),
+        (("--at", "47"), "lasts 46.3 s"),
+    ],
+)
+def test_a_film_of_nothing_is_refused(options: tuple[str, ...], said: str, looking: Looking) -> None:
+    done = CliRunner().invoke(
+        main, ["watch", str(looking.path), "--export", str(looking.folder / "a.cast"), *options]
+    )
+    assert done.exit_code == 2
+    assert said in " ".join(done.output.split())
+    assert not (looking.folder / "a.cast").exists()
+
+
+def test_a_fault_of_the_viewer_is_a_status(looking: Looking) -> None:
+    looking.app.stop_if_it_failed()
+    looking.app._return_code = 1
+    with pytest.raises(click.ClickException, match="ended by a fault of its own"):
+        looking.app.stop_if_it_failed()
 
 
 async def test_a_press_is_found_by_its_number(looking: Looking) -> None:

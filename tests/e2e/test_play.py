@@ -188,7 +188,14 @@ def test_play_without_a_terminal_says_what_to_do_instead(tmp_path: Path) -> None
 
     result = CliRunner().invoke(main, ["play", "tetris", "--recordings", str(tmp_path)])
     assert result.exit_code == 1
-    assert "needs a terminal" in result.output
+    assert "needs a terminal to draw in and a keyboard; try `arl demo`" in result.output
+
+
+def test_a_console_that_cannot_draw_is_refused(tmp_path: Path) -> None:
+    with Terminal("play", "tetris", cwd=tmp_path, exported={"TERM": "dumb"}) as terminal:
+        assert terminal.wait_for_exit() == 1
+        assert "this one cannot draw (TERM=dumb" in " ".join(terminal.received.decode().split())
+        assert b"\x1b" not in terminal.received
 
 
 PRACTISED = """

@@ -38,6 +38,7 @@ from core.recording.importers.tamer_rows import COLUMNS, ROWS, Row, read_tamer_l
 from core.recording.recorder import write_recording
 from core.recording.schema import Header, to_plain
 from core.session.protocol import Protocol, SessionConfig
+from core.system.bounded_read import read_bounded
 from core.system.foreign_text import printable
 from core.tetris.action import PlacedPiece
 from core.tetris.config import TetrisConfig
@@ -100,7 +101,7 @@ def import_tamer_log(source: Path, target: Path, *, participant: str | None = No
         TamerLogError: a line cannot be understood (file, line number and reason).
         FileExistsError: there is a file at `target` already.
     """
-    content = source.read_bytes()
+    content = read_bounded(source)
     parameters, episodes = read_tamer_log(source)
     listed = [press for rows in episodes for row in rows for press in row.presses]
     header = Header(

@@ -118,7 +118,8 @@ def test_recordings_are_listed_without_what_a_terminal_obeys(tmp_path):
     for number, forgery in enumerate(FORGERIES):
         (tmp_path / f"{number:04}.jsonl").write_bytes(forgery)
     (tmp_path / f"{CANARY.replace('/', '')}.jsonl").write_bytes(FORGERIES[0][:300])
-    text = printed("recordings", "--recordings", tmp_path)
+    text = printed("recordings", "--recordings", tmp_path, "--csv", tmp_path / "table.csv")
+    assert_harmless((tmp_path / "table.csv").read_text())
     assert "\\x1b]0;title\\x07" in text
     assert text.count("DAMAGED") > 10
 
@@ -138,8 +139,16 @@ def test_copies_tables_data_sets_and_comparisons_are_made_without_it(tmp_path):
     printed("anonymise", folder, tmp_path / "copies", "--key", tmp_path / "key")
     printed("export", "tidy", folder, "--out", tmp_path / "tidy")
     printed("export", "bids", folder, "--out", tmp_path / "bids")
-    for path in sorted(folder.glob("*.jsonl"))[:4]:
-        printed("compare", path, path, "--html", tmp_path / "tidy" / f"{path.stem}.html")
+    plain, forged = tmp_path / "plain.jsonl", tmp_path / f"{CANARY.replace('/', '')}.jsonl"
+    plain.write_bytes(recordings()[0])
+    lines = lines_of(recordings()[0])
+    lines[0]["participant"] = lines[0]["protocol"]["name"] = CANARY
+    lines[0]["study"] = {"condition": CANARY, "name": CANARY}
+    forged.write_bytes(sealed(lines))
+    for by in ("participant", "condition", "protocol"):
+        beside = tmp_path / "tidy" / f"compared-{by}"
+        printed("compare", plain, forged, "--by", by, "--csv", f"{beside}.csv", "--html", f"{beside}.html")
+        assert "x1b]0;title" in Path(f"{beside}.csv").read_text()
     tables = [path for made in ("tidy", "bids") for path in (tmp_path / made).rglob("*") if path.is_file()]
     assert len(tables) > 10
     for path in tables:
@@ -208,7 +217,8 @@ def test_imported_logs_and_their_presses(tmp_path):
     lines[0]["source"] = {CANARY: CANARY, "format": CANARY, "condition": CANARY, "file": CANARY}
     forged = tmp_path / "in" / "forged.jsonl"
     forged.write_bytes(sealed(lines))
-    printed("presses", forged)
+    printed("presses", forged, "--csv", tmp_path / "presses.csv")
+    assert_harmless((tmp_path / "presses.csv").read_text())
     printed("fit", forged, "--goodness", "0", "--resamples", "0")
 
 

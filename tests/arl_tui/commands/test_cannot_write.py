@@ -2,6 +2,9 @@
 
 import errno
 import stat
+import subprocess
+import sys
+import tempfile
 from pathlib import Path
 
 import click
@@ -74,6 +77,17 @@ def test_a_place_that_cannot_be_written_is_refused_in_a_sentence(case: str, tmp_
     assert (tmp_path / "file").read_text() == "in the way"
 
 
+@pytest.mark.parametrize("case", ["replay --plot", "compare --plot", "fit --figure"])
+@pytest.mark.parametrize("name", ["figure.exe", "figure"])
+def test_a_figure_that_cannot_be_drawn_is_refused_before_any_work(
+    case: str, name: str, tmp_path: Path
+) -> None:
+    result = arl(*WRITING[case], case.split()[-1], tmp_path / name)
+    assert result.exit_code == 2
+    assert f"{name} does not end in .png, .svg or .pdf" in " ".join(result.output.split())
+    assert list(tmp_path.iterdir()) == []
+
+
 def options_that_write(command: click.Command, name: str = "") -> set[str]:
     """Return every option whose type says that it writes, as "command --option"."""
     found = {f"{name} {option.opts[0]}" for option in command.params if isinstance(option.type, ToWrite)}
@@ -126,4 +140,74 @@ def test_a_write_that_fails_later_is_told_in_a_sentence_too(
     assert result.exit_code == 1
     assert isinstance(result.exception, SystemExit)
     said = " ".join(result.output.split())
-    assert "a.jsonl: No space left on device. Choose another file or folder" in said
+    assert "a.jsonl could not be written: No space left on device. Make room, or name another place" in said
+
+
+def test_without_a_folder_for_temporary_files_it_says_what_to_do(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", None)
+    monkeypatch.setattr(tempfile, "_candidate_tempdir_list", lambda: [str(tmp_path / "missing")])
+    monkeypatch.setattr("studies.demo.simulate_session", lambda *_, **__: tempfile.mkdtemp())
+    result = arl("demo", "--recordings", tmp_path)
+    assert result.exit_code == 1
+    said = " ".join(result.output.split())
+    assert "Error: No usable temporary directory found in" in said
+    assert "missing']: make room in one of these folders, or let TMPDIR name another" in said
+
+
+def test_too_little_memory_is_told_in_a_sentence(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    def too_much(*_: object, **__: object) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr("studies.demo.simulate_session", too_much)
+    result = arl("demo", "--recordings", tmp_path)
+    assert result.exit_code == 1
+    assert "Error: there is not enough memory for this" in result.output
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("--help",), "what is printed"),
+        (("protocol", "tetris"), "what is printed"),
+        (("recordings", "--recordings", GOLDEN.parent), "what is printed"),
+    ],
+    ids=["help", "protocol", "recordings"],
+)
+def test_an_output_whose_disk_is_full_is_told_in_a_sentence(arguments: tuple[str, ...], said: str) -> None:
+    with open("/dev/full", "wb") as full:
+        ended = subprocess.run(
+            [sys.executable, "-m", "arl_tui.cli", *map(str, arguments)],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            check=False,
+            timeout=60,
+        )
+    assert ended.returncode == 1
+    (line,) = ended.stderr.decode().splitlines()
+    assert line.startswith(f"Error: {said} could not be written: No space left on device. ")
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
+@pytest.mark.parametrize("case", ["recordings --csv", "export bids --out", "replay --plot"])
+def test_a_file_whose_disk_is_full_is_named(
+    case: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    target = tmp_path / ("out.png" if case.endswith("plot") else "out")
+    if case.startswith("recordings"):
+        target.symlink_to("/dev/full")
+    else:
+        # What the system says while bytes go to an open file: it names none.
+        def full(*_: object, **__: object) -> None:
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+        monkeypatch.setattr("matplotlib.figure.Figure.savefig", full)
+        monkeypatch.setattr("json.dumps", full)
+        target.mkdir() if case.startswith("export") else target.touch()
+    result = arl(*WRITING[case], case.split()[-1], target)
+    assert result.exit_code == 1
+    assert isinstance(result.exception, SystemExit), result.exception
+    said = " ".join(result.output.split())
+    assert f"Error: {target} could not be written: No space left on device. " in said

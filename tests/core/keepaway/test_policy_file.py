@@ -13,6 +13,7 @@ import pytest
 from core.keepaway.pitch import KeepawayConfig
 from core.keepaway.policy_file import PolicyFileError, PolicyHeader, SavedPolicy, load_policy, save_policy
 from core.learners.sarsa import SarsaConfig
+from tests.full_disk import files_end_at
 
 HEADER = PolicyHeader(
     task=KeepawayConfig(n_keepers=4, n_takers=3, length_m=30.0),
@@ -223,3 +224,12 @@ def test_cut_encrypted_and_wrong_archives_are_refused(tmp_path: Path):
         with pytest.raises(PolicyFileError, match=r"whole\.npz: not a policy of Keepaway"):
             load_policy(path)
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_half_a_policy_is_not_left_on_a_full_disk(saved: tuple[Path, SavedPolicy]):
+    path, policy = saved
+    before = path.read_bytes()
+    with files_end_at(100), pytest.raises(OSError, match="too large"):
+        save_policy(path, policy)
+    assert list(path.parent.iterdir()) == [path]
+    assert path.read_bytes() == before

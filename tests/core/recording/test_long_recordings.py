@@ -12,14 +12,17 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from core.events import FrameShown, Output
-from core.recording import reader, skim, undo
+from core.events import Output
+from core.recording import reader, sealed, skim, undo
+from core.recording.joined import read_session
 from core.recording.reader import Recording, RecordingError, read_recording
 from core.recording.recorder import Chain, write_recording
+from core.recording.schema import Resumes
 from core.recording.skim import skim_recording
 from core.recording.summary import summarise_recording
 from core.session.replay import replay_exactly
 from tests.fuzz.mutate import resealed
+from tests.studies.session_view.made import large
 
 REFERENCE = Path(__file__).resolve().parents[3] / "recordings" / "reference"
 FILES = sorted(REFERENCE.rglob("*.jsonl"))
@@ -59,13 +62,44 @@ def test_the_time_of_a_replay_grows_with_the_number_of_outputs():
     assert sum(told) == result.outputs // 1000 * 1000
 
 
+def resumed(folder: Path) -> Path:
+    """Write a session in two files, cut in the middle, and return the newer one."""
+    recording = read_recording(ORIGINAL)
+    cut = len(recording.events) // 2
+    older, newer = folder / "older.jsonl", folder / "newer.jsonl"
+    write_recording(older, recording.header, recording.events[:cut])
+    before = read_recording(older)
+    resumes = Resumes(
+        file=older.name,
+        chain=before.chain,
+        inputs=len(before.inputs),
+        outputs=len(before.outputs),
+        shift_ns=-5,
+    )
+    header = msgspec.structs.replace(recording.header, resumes=resumes)
+    write_recording(newer, header, recording.events[cut:])
+    return newer
+
+
+@pytest.fixture
+def all_are_skimmed(monkeypatch):
+    """Short recordings are skimmed, too, and only skimmed: the reader is not asked."""
+    monkeypatch.setattr(skim, "WORTH_SKIMMING", 0)
+
+    def not_asked(path):
+        raise AssertionError(f"{path} was left to the reader")
+
+    monkeypatch.setattr(skim, "read_recording", not_asked)
+
+
+@pytest.mark.usefixtures("all_are_skimmed")
 @pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(REFERENCE)))
 def test_a_skimmed_recording_has_the_same_summary(path, monkeypatch):
-    monkeypatch.setattr(skim, "WORTH_SKIMMING", 0)
-    skimmed = skim_recording(path)
-    assert skimmed.steps_left_out > 0
-    assert not any(isinstance(event, FrameShown) for event in skimmed.events)
-    assert summarise_recording(skimmed) == summarise_recording(read_recording(path))
+    expected = summarise_recording(read_recording(path))
+    assert expected.steps > 0
+    for piece in (500, sealed.PIECE):
+        monkeypatch.setattr(sealed, "PIECE", piece)
+        assert skim_recording(path).summary == expected
 
 
 def test_a_recording_that_was_cut_off_is_skimmed_to_the_same_summary(tmp_path, monkeypatch):
@@ -75,7 +109,66 @@ def test_a_recording_that_was_cut_off_is_skimmed_to_the_same_summary(tmp_path, m
     for kept in (1, 2, 9, len(lines) - 1):
         for tail in (b"", b'{"type":"fra'):
             path.write_bytes(b"".join(lines[:kept]) + tail)
-            assert summarise_recording(skim_recording(path)) == summarise_recording(read_recording(path))
+            assert skim_recording(path).summary == summarise_recording(read_recording(path))
+
+
+@pytest.mark.usefixtures("all_are_skimmed")
+def test_the_older_part_of_a_session_is_counted_and_may_be_left_out(tmp_path):
+    newer = resumed(tmp_path)
+    whole = skim_recording(newer)
+    assert whole.summary == summarise_recording(read_session(newer))
+    assert whole.older == (tmp_path / "older.jsonl",)
+    alone = skim_recording(newer, whole_session=False)
+    assert alone.summary == summarise_recording(read_recording(newer)) != whole.summary
+    assert alone.older == ()
+
+
+def test_a_skimmed_session_whose_older_part_is_missing_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(skim, "WORTH_SKIMMING", 0)
+    newer = resumed(tmp_path)
+    (tmp_path / "older.jsonl").unlink()
+    with pytest.raises(RecordingError, match=r"goes on with older\.jsonl, which is not in its folder"):
+        skim_recording(newer)
+    assert skim_recording(newer, whole_session=False).header.resumes is not None
+
+
+@pytest.mark.parametrize("forgery", ["end before a frame", "header second", "two records in a line"])
+def test_forgeries_that_are_sealed_anew_are_refused_by_skimming_as_by_the_reader(
+    tmp_path, monkeypatch, forgery
+):
+    monkeypatch.setattr(skim, "WORTH_SKIMMING", 0)
+    lines = ORIGINAL.read_bytes().splitlines(keepends=True)
+    frame = next(n for n, line in enumerate(lines) if line.startswith(b'{"type":"frame-shown"'))
+    match forgery:
+        case "end before a frame":
+            lines.append(lines.pop(frame))
+        case "header second":
+            lines.insert(0, lines.pop(frame))
+        case _:
+            both = b'{"type":"resumed","time_ns":1} {"type":"resumed","time_ns":2,"chain":"0"}\n'
+            lines.insert(frame, both)
+    path = tmp_path / "forged.jsonl"
+    path.write_bytes(resealed(b"".join(lines)))
+    with pytest.raises(RecordingError) as by_reader:
+        read_recording(path)
+    with pytest.raises(RecordingError) as by_skimming:
+        skim_recording(path)
+    assert str(by_skimming.value) == str(by_reader.value)
+
+
+def test_a_listing_keeps_nothing_of_what_it_has_read(tmp_path, monkeypatch):
+    monkeypatch.setattr(skim, "WORTH_SKIMMING", 0)
+    path = large(tmp_path / "presses.jsonl", 10_000)
+    skim_recording(path)
+    tracemalloc.start()
+    try:
+        kept = skim_recording(path)
+        held, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert kept.summary.presses_counted == 10_000
+    assert held < 100_000
+    assert peak < path.stat().st_size  # 5 MB; as decoded events it takes thrice as much
 
 
 @pytest.mark.parametrize("step", [37, 101])

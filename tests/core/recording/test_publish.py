@@ -13,6 +13,7 @@ from core.session.protocol_reading import protocol_from
 from core.session.replay import replay_exactly
 from core.session.session import build_session
 from tests.core.recording.test_recording import HEADER, press
+from tests.full_disk import files_end_at
 
 GOLDEN = Path(__file__).resolve().parents[3] / "recordings" / "reference" / "tetris-linear-equation-4.jsonl"
 
@@ -65,3 +66,11 @@ def test_a_copy_never_overwrites(tmp_path: Path) -> None:
     publish_folder([path], tmp_path / "out")
     with pytest.raises(FileExistsError):
         publish_folder([path], tmp_path / "out")
+
+
+def test_no_half_copy_is_left_on_a_full_disk(tmp_path: Path) -> None:
+    recording = read_recording(GOLDEN)
+    with files_end_at(5000), pytest.raises(OSError, match="too large") as caught:
+        publish_copy(recording, tmp_path / "copy.jsonl")
+    assert caught.value.filename == str(tmp_path / "copy.jsonl")
+    assert list(tmp_path.iterdir()) == []

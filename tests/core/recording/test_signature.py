@@ -17,6 +17,7 @@ from core.session.replay import replay_exactly
 from core.session.session import build_session
 from tests.core.recording.test_long_recordings import ORIGINAL
 from tests.core.recording.test_recording import HEADER
+from tests.full_disk import files_end_at
 from tests.fuzz.mutate import resealed
 
 
@@ -138,3 +139,10 @@ def test_the_command_makes_keys_and_verifies_a_folder(signed, tmp_path):
     assert result.exit_code == 0
     assert "export ARL_SIGNING_KEY=" in result.output
     assert run("--make-key", tmp_path / "mine").exit_code == 1
+
+
+def test_half_a_key_is_not_left_on_a_full_disk(tmp_path):
+    with files_end_at(100), pytest.raises(OSError, match="too large"):
+        make_key(tmp_path / "key")
+    assert list(tmp_path.iterdir()) == []
+    assert make_key(tmp_path / "key").exists()

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from core.system.private_files import create_private, make_private_folder, write_all, write_private
+from tests.full_disk import files_end_at
 
 
 @pytest.fixture(autouse=True)
@@ -66,3 +67,11 @@ def test_what_the_system_takes_in_parts_is_written_whole():
 def test_a_system_that_takes_nothing_is_an_error():
     with pytest.raises(OSError, match="2 of 6 bytes"):
         write_all(Disk(2, 0), b"abcdef")
+
+
+def test_a_failure_names_the_file_that_was_asked_for(tmp_path: Path) -> None:
+    write_private(tmp_path / "a", b"old")
+    with files_end_at(10), pytest.raises(OSError, match="too large") as caught:
+        write_private(tmp_path / "a", b"new" * 10)
+    assert caught.value.filename == str(tmp_path / "a")
+    assert [path.read_bytes() for path in tmp_path.iterdir()] == [b"old"]

@@ -1,5 +1,7 @@
 """Reading a study: everything it names is there, and every mistake is said at once."""
 
+import os
+import sys
 from pathlib import Path
 
 import pytest
@@ -112,6 +114,28 @@ def test_the_base_alone_is_the_protocol_it_describes():
 def test_mistakes_are_named(write, old, new, message):
     with pytest.raises(StudyError, match=message):
         load_study(write(STUDY.replace(old, new, 1)))
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no such pipes and devices")
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (
+            getattr(os, "mkfifo", None),
+            "consent.md: needed by step 1 of sitting 1: a pipe or a device, not a file",
+        ),
+        (lambda path: path.symlink_to("/dev/zero"), "a pipe or a device, not a file"),
+        (lambda path: path.write_text("a" * 1_000_001), "a page has at most 1000000 characters"),
+        (Path.mkdir, "needed by step 1 of sitting 1: Is a directory"),
+    ],
+    ids=["pipe", "device", "long", "folder"],
+)
+def test_a_page_that_is_no_text_is_named_and_not_waited_for(write, make, message):
+    path = write()
+    (path.parent / "consent.md").unlink()
+    make(path.parent / "consent.md")
+    with pytest.raises(StudyError, match=message):
+        load_study(path)
 
 
 def test_a_file_with_a_byte_order_mark_is_read(write):

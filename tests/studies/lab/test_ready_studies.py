@@ -10,6 +10,7 @@ from studies.lab.questions import READY as READY_QUESTIONS
 from studies.lab.questions import read_questions
 from studies.lab.read import StudyError, load_study
 from studies.lab.ready_studies import READY, SENTENCES, copy_ready_study
+from tests.full_disk import files_end_at
 
 
 @pytest.fixture(params=[(name, language) for name in READY for language in SENTENCES], ids="-".join)
@@ -45,6 +46,13 @@ def test_the_papers_budgets_and_wrong_presses_are_kept(tmp_path, name, presses, 
     for protocol in load_study(copy_ready_study(name, tmp_path)[0]).protocols.values():
         assert protocol.keys.max_presses_per_episode == presses
         assert protocol.keys.wrong_press_rate == wrong
+
+
+def test_half_a_study_is_not_left_on_a_full_disk(tmp_path):
+    with files_end_at(1000), pytest.raises(OSError, match="too large"):
+        copy_ready_study(READY[0], tmp_path)
+    assert list(tmp_path.iterdir()) == []
+    assert copy_ready_study(READY[0], tmp_path)
 
 
 @pytest.mark.parametrize("name", READY)

@@ -14,6 +14,7 @@ from studies.lab.sitting_log import (
     SittingLog,
     read_sitting,
 )
+from tests.full_disk import files_end_at
 
 HEADER = SittingHeader(
     study="small",
@@ -43,6 +44,24 @@ CONSENT = ConsentAnswered(
 @pytest.fixture
 def path(tmp_path):
     return tmp_path / "P7QX" / "sitting-1.jsonl"
+
+
+def test_a_line_that_the_disk_does_not_take_leaves_room_for_the_next(path):
+    with SittingLog(path, HEADER, clock=ManualClock()) as log:
+        length = path.stat().st_size
+        with files_end_at(length + 50), pytest.raises(OSError, match="too large"):
+            log.write(CONSENT)
+        assert path.stat().st_size == length
+        log.write(CONSENT)
+        log.close("failed")
+    assert read_sitting(path)[1][0] == CONSENT
+    assert len(read_sitting(path)[1]) == 2
+
+
+def test_no_record_without_a_header_is_left(path):
+    with files_end_at(50), pytest.raises(OSError, match="too large"):
+        SittingLog(path, HEADER)
+    assert list(path.parent.iterdir()) == []
 
 
 def test_what_was_written_is_read_back(path):

@@ -6,6 +6,7 @@ from studies.reaction_time.protocol import TaskConfig, TrialRecord
 from studies.reaction_time.schedule import make_schedule
 from studies.reaction_time.trial import Trial
 from studies.reaction_time.trial_log import TrialFileError, TrialHeader, TrialWriter, read_trials
+from tests.full_disk import files_end_at
 
 SCHEDULE = make_schedule(TaskConfig(n_practice=2, n_trials=4, catch_rate=0.0), 1)
 HEADER = TrialHeader(participant="P01", created_utc="2026-03-01T10:00:00+00:00", schedule=SCHEDULE)
@@ -42,6 +43,18 @@ def test_each_trial_is_on_the_disk_when_write_returns(tmp_path):
     writer.write(played(0))
     assert len(read_trials(tmp_path / "a.jsonl").trials) == 1
     writer.close()
+
+
+def test_a_trial_that_the_disk_does_not_take_leaves_room_for_the_next(tmp_path):
+    path = tmp_path / "a.jsonl"
+    with TrialWriter.create(path, HEADER) as writer:
+        with files_end_at(path.stat().st_size + 50), pytest.raises(OSError, match="too large"):
+            writer.write(played(0))
+        writer.write(played(0))
+    assert read_trials(path).trials == (played(0),)
+    with files_end_at(50), pytest.raises(OSError, match="too large"):
+        TrialWriter.create(tmp_path / "none.jsonl", HEADER)
+    assert not (tmp_path / "none.jsonl").exists()
 
 
 def test_an_existing_file_is_never_overwritten(tmp_path):

@@ -13,6 +13,7 @@ from studies.session_view.credit_strip import strip_of
 from studies.session_view.session import SessionView, open_session
 from studies.session_view.tags import Tag, Tags, TagsError, write_tags_csv
 from studies.session_view.transport import SPEEDS, Transport
+from tests.full_disk import files_end_at
 from tests.studies.session_view.made import MS, RECORDINGS, live_events, write
 
 
@@ -165,6 +166,14 @@ class TestTags:
         tags.remove(Tag(1000 * MS, "1"))
         assert Tags(path).all == [Tag(2000 * MS, "3", "looks away")]
         assert tags.path.stat().st_mode & 0o077 == 0
+
+    def test_a_full_disk_leaves_the_tags_as_they_were(self, tmp_path: Path) -> None:
+        tags = Tags(tmp_path / "live.jsonl")
+        tags.add(Tag(1000 * MS, "1"))
+        with files_end_at(100), pytest.raises(OSError, match="too large"):
+            tags.add(Tag(2000 * MS, "3", "looks away"))
+        assert tags.all == Tags(tmp_path / "live.jsonl").all == [Tag(1000 * MS, "1")]
+        assert [path.name for path in tmp_path.iterdir()] == ["live.jsonl.tags.json"]
 
     def test_a_damaged_file_is_named_and_left_as_it_is(self, tmp_path: Path) -> None:
         place = tmp_path / "live.jsonl.tags.json"
