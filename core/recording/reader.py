@@ -15,6 +15,7 @@ from core.recording.recorder import CHAIN_DIGITS, Chain
 from core.recording.schema import FORMAT, VERSION, End, Header, Line
 from core.recording.undo import RecordingError, as_recorded
 from core.system.bounded_read import read_bounded
+from core.system.in_use import is_held
 
 __all__ = ["Recording", "RecordingError", "read_recording"]
 
@@ -52,6 +53,8 @@ class Recording:
     """Numbers of the lines that hold nothing, from 1, ascending."""
     signature: str = ""
     """In the end line, hex; "" where there is none."""
+    being_written: bool = False
+    """Whether a program on this computer is writing it now; `complete` is False then."""
     signed: bytes = b""
     """What the signature is about (`core.recording.recorder.Chain.to_sign`)."""
 
@@ -164,6 +167,7 @@ class _Reading:
             signature="" if end is None else end.signature,
             signed=signed,
             chain=self._last_chain,
+            being_written=end is None and is_held(self._path),
         )
 
     def _wrong(self, number: int, what: str) -> RecordingError:

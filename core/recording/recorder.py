@@ -23,6 +23,7 @@ import msgspec
 from core.events import Event
 from core.numerics.clock import NS_PER_S, Clock, MonotonicClock
 from core.recording.schema import DURABLE, VERSION, End, Header, Line, encode
+from core.system.in_use import hold
 from core.system.private_files import create_private, make_private_folder, sync_folder, write_all
 
 CHAIN_DIGITS = 16
@@ -80,6 +81,7 @@ class LineWriter:
         make_private_folder(path.parent)
         self.path = path
         self._file: BinaryIO = create_private(path)
+        hold(self._file)
         self._chain = Chain()
         self._sign = sign
         self._events = 0

@@ -17,6 +17,7 @@ from core.recording.reader import Recording, RecordingError, read_recording
 from core.recording.schema import VERSION, End, Header, Line
 from core.recording.sealed import SealedFile, UnusualFileError
 from core.recording.summary import RecordingSummary, Summarising, summarise_recording
+from core.system.in_use import is_held
 
 WORTH_SKIMMING = 1 << 22
 """Bytes from which on a file is skimmed: 4 MB."""
@@ -93,7 +94,12 @@ def _skimmed(path: Path, *, whole_session: bool) -> Skimmed:
         raise UnusualFileError
     if end is not None and (not last.startswith(_END_BEGINS) or end.events != n_lines - 2):
         raise UnusualFileError
-    summary = summarising.summary(recording.header, complete=end is not None, lost_tail=False)
+    summary = summarising.summary(
+        recording.header,
+        complete=end is not None,
+        lost_tail=False,
+        being_written=end is None and is_held(path),
+    )
     return Skimmed(recording.header, recording.notes, recording.older, summary)
 
 

@@ -26,7 +26,7 @@ from core.recording.upgrade import recorded_version
 HAS_REASONS = 2
 """First version that tells a closed window, a signal and a full disk from a participant's stop."""
 
-EndingKind = Literal["finished", "imported", "killed", "cut", "closed"] | StopReason
+EndingKind = Literal["finished", "imported", "running", "killed", "cut", "closed"] | StopReason
 
 _STOPS: dict[StopReason, str] = {
     "participant": "stopped by the participant",
@@ -47,8 +47,8 @@ class Ending:
     """How a recorded session ended."""
 
     kind: EndingKind
-    """`killed`: the process ended without a word. `cut`: the file ends within a line. `closed`: the recording
-    was closed, but the session's end is not in it."""
+    """`running`: it is being recorded now. `killed`: the process ended without a word. `cut`: the file ends
+    within a line. `closed`: the recording was closed, but the session's end is not in it."""
     words: str
     """The same in plain words."""
 
@@ -59,7 +59,10 @@ def ending_of(recording: Recording) -> Ending:
     for event in recording.events:
         summarising.take(event)
     return summarising.ending(
-        recording.header, complete=recording.complete, lost_tail=bool(recording.lost_tail)
+        recording.header,
+        complete=recording.complete,
+        lost_tail=bool(recording.lost_tail),
+        being_written=recording.being_written,
     )
 
 
@@ -130,7 +133,10 @@ def summarise_recording(recording: Recording) -> RecordingSummary:
     for event in recording.events:
         summarising.take(event)
     return summarising.summary(
-        recording.header, complete=recording.complete, lost_tail=bool(recording.lost_tail)
+        recording.header,
+        complete=recording.complete,
+        lost_tail=bool(recording.lost_tail),
+        being_written=recording.being_written,
     )
 
 
@@ -179,13 +185,16 @@ class Summarising:
         """Count steps that are not taken in one by one."""
         self._steps += n_steps
 
-    def ending(self, header: Header, *, complete: bool, lost_tail: bool) -> Ending:
+    def ending(
+        self, header: Header, *, complete: bool, lost_tail: bool, being_written: bool = False
+    ) -> Ending:
         """Return how the session ended.
 
         Args:
             header: of the recording.
             complete: it has its end line.
             lost_tail: it ends within a line.
+            being_written: a program is writing it now.
         """
         if header.origin == "imported":
             return Ending("imported", "imported")
@@ -198,12 +207,16 @@ class Summarising:
             return Ending("finished", f"finished{whole}")
         if complete:
             return Ending("closed", "closed before its end, without a reason")
+        if being_written:
+            return Ending("running", "not yet, it is being recorded now")
         when = "" if self._last_output is not None else " before the first game"
         if lost_tail:
             return Ending("cut", f"killed{when}, or the copy is not whole: the file ends within a line")
         return Ending("killed", f"killed{when}, or the copy is not whole: the file has no end line")
 
-    def summary(self, header: Header, *, complete: bool, lost_tail: bool) -> RecordingSummary:
+    def summary(
+        self, header: Header, *, complete: bool, lost_tail: bool, being_written: bool = False
+    ) -> RecordingSummary:
         """Return what was counted; arguments as for `ending`."""
         protocol = header.protocol
         imported = header.origin == "imported"
@@ -226,7 +239,7 @@ class Summarising:
             presses_taken_back=len(taken_back),
             gaps=self._gaps,
             focus_lost=self._focus_lost,
-            ending=self.ending(header, complete=complete, lost_tail=lost_tail),
+            ending=self.ending(header, complete=complete, lost_tail=lost_tail, being_written=being_written),
         )
 
 

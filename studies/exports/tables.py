@@ -24,7 +24,8 @@ SESSIONS = Table(
         text(
             "ended",
             "How it ended: finished, participant, window-closed, signal, worker-died, time-limit, "
-            "disk-failed, killed, cut, closed or imported (see `arl recordings`).",
+            "disk-failed, running (it is being recorded now), killed, cut, closed or imported (see "
+            "`arl recordings`).",
         ),
         integer("games_planned", "Watched games of the protocol; empty in imported logs.", "games"),
         integer("games_begun", "Watched games that began.", "games"),

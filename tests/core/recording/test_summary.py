@@ -17,7 +17,9 @@ from core.events import (
     StopReason,
     TimeGap,
 )
+from core.recording import skim
 from core.recording.reader import Recording
+from core.recording.recorder import LineWriter
 from core.recording.summary import HAS_REASONS, ending_of, summarise_recording
 from tests.arl_tui.fakes import episode_ended, episode_started, session_ended, step_taken
 from tests.core.recording.test_recording import HEADER, press
@@ -123,3 +125,17 @@ def test_an_imported_log_planned_nothing() -> None:
     held = summarise_recording(made)
     assert held.games_planned is None
     assert "; 1 game; " in held.words
+
+
+@pytest.mark.parametrize("worth_skimming", [0, skim.WORTH_SKIMMING], ids=["skimmed", "read"])
+def test_a_session_that_is_being_recorded_was_not_killed(
+    worth_skimming: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(skim, "WORTH_SKIMMING", worth_skimming)
+    writer = LineWriter(tmp_path / "P01.jsonl", HEADER)
+    for event in GAME:
+        writer.append(event)
+    ending = skim.skim_recording(writer.path).summary.ending
+    assert (ending.kind, ending.words) == ("running", "not yet, it is being recorded now")
+    writer.abandon()
+    assert skim.skim_recording(writer.path).summary.ending.kind == "killed"
