@@ -18,7 +18,7 @@ from tests.e2e.terminal import REPOSITORY
 
 REPEATS = 3
 LIMIT = 40.0
-"""In November 2026 it was 32."""
+"""In November 2026 it was 27 to 32."""
 ONE_ADDITION = """
 import numba
 
