@@ -7,7 +7,6 @@ from typing import Literal, assert_never
 from textual.screen import Screen
 
 from arl_tui.language import tr
-from arl_tui.participants import wrong_code
 from arl_tui.study import words
 from arl_tui.study.own_numbers import Numbers, own_numbers
 from arl_tui.study.page_app import Results
@@ -26,6 +25,7 @@ from arl_tui.study.question_pages import Answered, QuestionPage
 from arl_tui.study.steps import (
     ask_consent,
     block_of_visit,
+    check_new_code,
     condition_of,
     consent_line,
     page_of,
@@ -131,24 +131,6 @@ def run_sitting(
     with only_sitting(participant_folder(ledger.folder, code), code):
         attempt = begin_sitting(loaded.study, ledger, code, any_time=any_time, decision=decision)
         return _Sitting(loaded, ledger, attempt, presenter, time, software, simulated=simulated).run(lines)
-
-
-def check_new_code(ledger: Ledger, code: str) -> None:
-    """Check the code of a participant who is to be enrolled, before they read anything.
-
-    Codes of earlier participants are taken as they are, so that they can go on.
-
-    Raises:
-        NotNow: it is no code, or differs from another participant's only in upper and lower case.
-    """
-    if reason := wrong_code(code):
-        raise NotNow(reason)
-    for other in progress(ledger.lines()).participants:
-        if other.casefold() == code.casefold():
-            raise NotNow(
-                f"{other} takes part already, and {code} differs from it only in upper and lower case, which "
-                f"some disks do not tell apart. Give --participant {other} to go on, or another code"
-            )
 
 
 class _Sitting:
