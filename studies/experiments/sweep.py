@@ -170,8 +170,12 @@ def _module_in(path: Path) -> ModuleType:
         spec.loader.exec_module(module)
     except BaseException as error:
         del sys.modules[name]
-        if isinstance(error, Exception | SystemExit) and not isinstance(error, SyntaxError):
-            raise ImportError(_where_it_failed(path, error)) from error
+        reason = _where_it_failed(path, error)
+        match error:
+            case SyntaxError():
+                raise  # it names file and line
+            case Exception() | SystemExit():
+                raise ImportError(reason) from error
         raise
     return module
 
