@@ -32,7 +32,10 @@ def in_words(error: OSError, to_write: Sequence[Path]) -> str | None:
         return None
     if isinstance(error, EndlessFileError):
         return str(error)
-    return f"{error.filename}: {error.strerror}. Name another file or folder, or see to it that you may use this one"
+    return (
+        f"{error.filename}: {error.strerror}. Name another file or folder, or see to it that you may use "
+        "this one"
+    )
 
 
 def disk_failed(error: OSError, to_write: Sequence[Path] = ()) -> str:

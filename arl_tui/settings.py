@@ -18,6 +18,7 @@ from core.session.protocol import Language
 from core.session.protocol_file import located, read_toml
 
 NAME = "settings.toml"
+ADVICE = "Mend the file, or remove it; docs/how-to/language-and-keys.md has its keys."
 Letter = Annotated[str, text("one lower-case letter a-z")]
 
 
@@ -66,12 +67,12 @@ def read_settings(path: Path) -> Settings:
     """
     if not path.exists():
         return Settings()
-    written, given = read_toml(path, what="the settings")
+    written, given = read_toml(path, what="the settings", advice=ADVICE)
     try:
         settings = read(given, Settings(), to_run=True)
     except ConfigurationError as error:
-        raise ValueError(located(path, written, error.problems, advice="")) from error
+        raise ValueError(located(path, written, error.problems, advice=ADVICE)) from error
     reason = wrong_keys({**OWN_KEYS, **settings.changed_keys})
     if reason:
-        raise ValueError(located(path, written, [Problem(("keys",), reason)], advice=""))
+        raise ValueError(located(path, written, [Problem(("keys",), reason)], advice=ADVICE))
     return settings

@@ -85,3 +85,5 @@ def tell(copies: "Copies") -> None:
         say(f"Not copied: {printable(str(bad), longest=None)}", err=True)
     if copies.damaged:
         raise SystemExit(1)
+    if not copies.made:
+        raise click.ClickException("there is nothing to copy: no recordings, reaction trials or sittings")

@@ -140,6 +140,8 @@ def report(name: str, out: Path, quick: bool, into: Path | None, only: tuple[str
         )
     except SweepError as error:
         raise click.ClickException(str(error)) from error
+    except ValueError as error:
+        raise click.ClickException(f"{name}: its report cannot be made of {folder}: {error}") from error
     for path in written:
         say(str(path))
     few = few_trials_note(len(results.seeds))

@@ -189,6 +189,10 @@ def publish_all(folder: Path, into: Path) -> None:
 
     if into.exists() and any(into.iterdir()):
         raise click.ClickException(f"{into} is not empty: name a new folder")
+    if into.resolve().is_relative_to(folder.resolve()):
+        raise click.ClickException(
+            f"{into} lies in {folder}, and each session would be listed twice: name a folder elsewhere"
+        )
     problems: list[OSError] = []
     found = list(read_all(folder, problems, whole_sessions=False))
     for path, copy in publish_folder([path for path, recording, _ in found if recording is not None], into):

@@ -252,6 +252,7 @@ def status(file: Path, simulated: bool, watch: bool, recordings: Path) -> None:
     from arl_tui.study.status_lines import status_lines
     from core.numerics.clock import wall_time_utc
     from studies.lab.folder import data_folder
+    from studies.lab.ledger import check_not_lost
     from studies.lab.notes import read_notes
     from studies.lab.progress import moment
     from studies.lab.read import load_study
@@ -260,6 +261,7 @@ def status(file: Path, simulated: bool, watch: bool, recordings: Path) -> None:
     with _plain_errors():
         loaded = load_study(file)
         folder = data_folder(recordings, loaded.study.name, simulated=simulated)
+        check_not_lost(folder)
         if not (folder / "ledger.jsonl").exists():
             say(f"Nobody has taken part yet: there is no {folder / 'ledger.jsonl'}")
             return
@@ -300,16 +302,11 @@ def withdraw(file: Path, code: str, simulated: bool, yes: bool, recordings: Path
 @recordings_option(to_write=True)
 def drop(file: Path, code: str, reason: str, recordings: Path) -> None:
     """Count the participant CODE of STUDY as dropped out; what was recorded is kept."""
-    from studies.lab.ledger import DroppedOut
-    from studies.lab.progress import progress
+    from studies.lab.withdraw import drop_out
 
     with _plain_errors():
         loaded, ledger = _open(file, recordings)
-        if code not in progress(ledger.lines()).participants:
-            raise click.ClickException(
-                f"nobody with the code {code} takes part in this study: check the code"
-            )
-        ledger.append(DroppedOut(code=code, reason=reason))
+        drop_out(loaded.study, ledger, code, reason)
     rule = "is given to the next participant" if loaded.study.dropouts.replace else "stays empty"
     say(f"{code} counts as dropped out. The place {rule} ([dropouts] replace).")
 
@@ -320,7 +317,7 @@ def _watch(file: Path, recordings: Path, *, simulated: bool) -> None:
     from arl_tui.study.monitor import Monitor
     from core.numerics.clock import wall_time_utc
     from studies.lab.folder import data_folder
-    from studies.lab.ledger import read_ledger
+    from studies.lab.ledger import check_not_lost, read_ledger
     from studies.lab.notes import add_note
     from studies.lab.progress import moment, progress
     from studies.lab.read import load_study
@@ -333,9 +330,10 @@ def _watch(file: Path, recordings: Path, *, simulated: bool) -> None:
     watch = Watch(loaded.study, data)
 
     def look() -> tuple[str, tuple[RunningRow, ...]]:
-        if not (data / "ledger.jsonl").exists():
-            return "Nobody has taken part yet.", ()
         try:
+            check_not_lost(data)
+            if not (data / "ledger.jsonl").exists():
+                return "Nobody has taken part yet.", ()
             so_far = progress(read_ledger(data / "ledger.jsonl"))
         except ValueError as error:
             return str(error), ()

@@ -14,6 +14,7 @@ from pathlib import Path
 from arl_tui.app import facts
 from arl_tui.doctor.findings import Finding
 from arl_tui.home import home, why_here
+from arl_tui.settings import NAME, read_settings, settings_file
 
 OLDEST, NEWEST = (3, 11), (3, 14)
 """Versions of Python for which all libraries have ready-made packages; as in pyproject.toml."""
@@ -41,6 +42,7 @@ def machine_findings(recordings: Path) -> Iterator[Finding]:
     yield load_finding(os.cpu_count() or 1, os.getloadavg()[0] if hasattr(os, "getloadavg") else 0.0)
     yield compiled_finding()
     yield Finding("home", why_here(), private=str(home()))
+    yield settings_finding(settings_file())
     yield from disk_findings(recordings)
 
 
@@ -147,6 +149,20 @@ def compiled_finding() -> Finding:
             private=str(folder),
         )
     return Finding("compiled code", f"{kept} kernels", private=str(folder))
+
+
+def settings_finding(path: Path) -> Finding:
+    """Return whether the settings of this computer can be read: nothing begins with settings that cannot.
+
+    Args:
+        path: of the file; it need not exist.
+    """
+    try:
+        read_settings(path)
+    except (ValueError, OSError) as error:
+        todo = f"mend or remove {NAME}: no session begins; docs/how-to/language-and-keys.md has its keys"
+        return Finding("settings", f"{NAME} cannot be used", "stop", todo, private=f"({error})")
+    return Finding("settings", f"{NAME} can be used" if path.exists() else f"no {NAME}: as they come")
 
 
 def disk_findings(recordings: Path) -> Iterator[Finding]:

@@ -215,7 +215,7 @@ class ConsentPage(StudyPage):
         for number in range(len(self._statements)):
             with Horizontal(classes="statement"):
                 yield Static(self._answer(number), id=f"answer-{number}", classes="answer")
-                yield Static(_plain(self._statements[number]))
+                yield Static(_plain(self._statements[number]), classes="words")
 
     def call(self) -> str:
         """Return what is missing, or which keys work."""

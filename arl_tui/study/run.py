@@ -25,6 +25,7 @@ from arl_tui.study.question_pages import Answered, QuestionPage
 from arl_tui.study.steps import (
     ask_consent,
     block_of_visit,
+    check_new_code,
     condition_of,
     consent_line,
     page_of,
@@ -120,6 +121,7 @@ def run_sitting(
     if code not in progress(ledger.lines()).participants:
         if decision is not None:
             raise NotNow(f"{code} has no sitting that broke off: leave --broken-off out")
+        check_new_code(ledger, code)
         before = ask_consent(loaded, code, presenter, time, lines)
         if before is not None:
             if before == "declined":

@@ -1,4 +1,6 @@
-"""Single steps of a sitting: the consent, and what is left of a step that plays games."""
+"""Single steps of a sitting: a new participant's code, the consent, and what is left of a step that plays
+games.
+"""
 
 import hashlib
 from collections.abc import Callable, Sequence
@@ -8,6 +10,7 @@ from textual.screen import Screen
 
 from arl_tui.games.registry import words_of
 from arl_tui.language import tr
+from arl_tui.participants import wrong_code
 from arl_tui.study import words
 from arl_tui.study.pages import ConsentPage, TextPage
 from arl_tui.study.presenter import Played, Presenter
@@ -15,7 +18,9 @@ from core.numerics.clock import Clock, wall_time_utc
 from studies.lab.blocks import BlockSoFar
 from studies.lab.config import ASSIGNED, Block, Calibration, Consent, Practice, Step, Study, kind_of
 from studies.lab.config import TextPage as TextStep
-from studies.lab.enrolment import Attempt
+from studies.lab.enrolment import Attempt, NotNow
+from studies.lab.ledger import Ledger
+from studies.lab.progress import progress
 from studies.lab.read import LoadedStudy
 from studies.lab.sitting_log import ConsentAnswered, SittingLine, StepBegun, StepEnded
 
@@ -115,3 +120,21 @@ def condition_of(study: Study, attempt: Attempt, number: int, step: Step) -> str
         if isinstance(other, Block) and other.condition == ASSIGNED and (sitting, place) < here
     ]
     return attempt.condition(len(earlier))
+
+
+def check_new_code(ledger: Ledger, code: str) -> None:
+    """Check the code of a participant who is to be enrolled, before they read anything.
+
+    Codes of earlier participants are taken as they are, so that they can go on.
+
+    Raises:
+        NotNow: it is no code, or differs from another participant's only in upper and lower case.
+    """
+    if reason := wrong_code(code):
+        raise NotNow(reason)
+    for other in progress(ledger.lines()).participants:
+        if other.casefold() == code.casefold():
+            raise NotNow(
+                f"{other} takes part already, and {code} differs from it only in upper and lower case, which "
+                f"some disks do not tell apart. Give --participant {other} to go on, or another code"
+            )

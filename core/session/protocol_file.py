@@ -12,6 +12,8 @@ from core.configuration.toml_places import line_of, places
 
 LARGEST_BYTES = 1_000_000
 """A complete protocol has 4,000."""
+LONGEST_QUOTED = 60
+"""Characters of a line that a message repeats."""
 HELP = "`arl protocol` prints every setting with its range."
 
 
@@ -43,7 +45,9 @@ def read_toml(path: Path, *, what: str = "a protocol", advice: str = HELP) -> tu
         reason, _, place = str(error).partition(" (at line ")
         number = re.match(r"\d+", place)
         line = f"{number[0]}: " if number else " "
-        raise ProtocolError(f"{name}:{line}not a TOML file: {printable(reason)}. {advice}") from error
+        there = text.split("\n")[int(number[0]) - 1].strip()[:LONGEST_QUOTED] if number else ""
+        found = f", in the line {printable(there)!r}" if there else ""
+        raise ProtocolError(f"{name}:{line}not a TOML file: {printable(reason)}{found}. {advice}") from error
     except RecursionError as error:
         raise ProtocolError(f"{name}: not {what}: lists or tables lie too deep in each other") from error
 

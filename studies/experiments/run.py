@@ -179,7 +179,9 @@ def read_record(folder: Path) -> SweepRecord | None:
     try:
         return msgspec.json.decode(path.read_bytes(), type=SweepRecord)
     except (msgspec.MsgspecError, ValueError, RecursionError) as error:
-        raise SweepError(f"{path} is not a sweep's record: {error}") from error
+        raise SweepError(
+            f"{path} is not a sweep's record: {error}. Take it from a backup, or choose another --out"
+        ) from error
 
 
 def _note_sweep(

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 from importlib import import_module
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
+from traceback import extract_tb
 from types import ModuleType
 from typing import Any
 
@@ -111,7 +112,7 @@ def load_experiment(name: str) -> Experiment:
     Raises:
         ValueError: there is none of this name, or its module has no EXPERIMENT.
         TypeError: its EXPERIMENT is something else.
-        ImportError: its module cannot be imported.
+        ImportError: its module cannot be imported; of a file, with the line that failed.
     """
     experiment = experiment_module(name).EXPERIMENT
     if not isinstance(experiment, Experiment):
@@ -130,8 +131,10 @@ def experiment_module(name: str) -> Any:
     """
     if _is_file(name):
         module = _module_in(Path(name).expanduser().absolute())
-    elif name in MODULES or "." in name:
-        module = import_module(MODULES.get(name, name))
+    elif name in MODULES:
+        module = import_module(MODULES[name])
+    elif "." in name and all(part.isidentifier() for part in name.split(".")):
+        module = import_module(name)
     else:
         raise ValueError(
             f"no experiment {name!r}: there are {', '.join(MODULES)}; one of your own is named by its file "
@@ -165,10 +168,23 @@ def _module_in(path: Path) -> ModuleType:
         sys.path.append(str(path.parent))
     try:
         spec.loader.exec_module(module)
-    except BaseException:
+    except BaseException as error:
         del sys.modules[name]
+        reason = _where_it_failed(path, error)
+        match error:
+            case SyntaxError():
+                raise  # it names file and line
+            case Exception() | SystemExit():
+                raise ImportError(reason) from error
         raise
     return module
+
+
+def _where_it_failed(path: Path, error: BaseException) -> str:
+    """Return file, line and reason of an error in the module of an experiment, in one line."""
+    lines = [frame.lineno for frame in extract_tb(error.__traceback__) if frame.filename == str(path)]
+    place = f"{path}:{lines[-1]}" if lines else str(path)
+    return f"{place}: {type(error).__name__}: {error}"
 
 
 def root_seeds(trials: int, first: int = 0) -> range:

@@ -137,6 +137,8 @@ def _duration(
 def _missing(loaded: LoadedStudy) -> Iterator[str]:
     """Yield what the experimenter still has to do."""
     for name, text in loaded.texts.items():
+        if not text.strip():
+            yield f"{name} is empty: write what participants are to read"
         left = sorted({" ".join(found.split()) for found in PLACEHOLDER.findall(text)})
         if left:
             yield f"{name} still holds {', '.join(left)}: replace it"

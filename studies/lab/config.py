@@ -14,7 +14,7 @@ from core.session.protocol import Language
 Hours = Annotated[float, Meta(ge=0.0, le=24.0 * 366)]
 PressesPerGame = Annotated[float, Meta(ge=0.0, le=1_000_000.0)] | None
 Seconds = Annotated[float, Meta(ge=0.0, le=3600.0)]
-Text = Annotated[str, Meta(min_length=1)]
+Text = Annotated[str, Meta(pattern=r"\S", extra={ALLOWED: "not empty"})]
 """Name of a Markdown file beside the study file."""
 Code = Annotated[
     str,

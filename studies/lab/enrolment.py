@@ -170,6 +170,7 @@ def _next_attempt(
     number = person.next_sitting(study)
     if number == len(study.sittings):
         raise NotNow(f"{person.code} has finished: there is nothing left to do")
+    _check_order(study, person)
     before = person.sittings.get(number)
     if before is None:
         if decision is not None:
@@ -178,6 +179,26 @@ def _next_attempt(
             _check_interval(study, person, number, now)
         return Attempt(person.code, person.place, person.order, number, 0, 0, 0)
     return _again(study, person, number, before, now, decision)
+
+
+def _check_order(study: Study, person: Participant) -> None:
+    """Check that the study file still has what the participant was promised with their place.
+
+    Raises:
+        NotNow: it lacks a condition of their order, or has another number of blocks.
+    """
+    unknown = [name for name in dict.fromkeys(person.order) if name not in study.conditions]
+    if unknown:
+        found = f"has no condition {', '.join(map(repr, unknown))}, only {', '.join(study.conditions)}"
+    elif len(person.order) not in (1, study.assigned_blocks):
+        found = f"has {study.assigned_blocks} blocks with an assigned condition, not {len(person.order)}"
+    else:
+        return
+    raise NotNow(
+        f"{person.code} was enrolled with the order {', '.join(person.order)}, and the study file {found}. A "
+        "running study keeps its conditions and blocks: change the file back, or give the changed study a "
+        f"name of its own. `arl study drop STUDY {person.code}` gives the place to another participant"
+    )
 
 
 def _check_interval(study: Study, person: Participant, number: int, now: datetime) -> None:

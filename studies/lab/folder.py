@@ -1,6 +1,6 @@
 """Where a study's data lie: one folder per study, one folder per participant in it."""
 
-from pathlib import Path
+from pathlib import Path, PurePath
 
 SIMULATED = "-simulated"
 """Ends the name of the folder of simulated participants, so that their data are never among people's."""
@@ -22,7 +22,14 @@ PARTICIPANTS = "participants"
 
 
 def participant_folder(data: Path, code: str) -> Path:
-    """Return the folder of one participant's files."""
+    """Return the folder of one participant's files.
+
+    Raises:
+        ValueError: the code would lead out of the participants' folder, or into another participant's.
+    """
+    path = PurePath(code)
+    if path.is_absolute() or not path.parts or ".." in path.parts:
+        raise ValueError(f"{code!r} is no participant's code: it would name a folder elsewhere")
     return data / PARTICIPANTS / code
 
 

@@ -19,6 +19,7 @@ import msgspec
 
 from core.numerics.clock import wall_time_utc
 from core.recording.recorder import Chain
+from studies.lab.folder import PARTICIPANTS
 from studies.lab.sealed import SealedFileError, append_sealed, open_sealed_lines
 
 if sys.platform != "win32":
@@ -159,7 +160,8 @@ class Ledger:
         seed: of the study.
 
     Raises:
-        LedgerError: the folder holds the ledger of another study, or of another seed.
+        LedgerError: the folder holds the ledger of another study, or of another seed, or participants and no
+            ledger.
     """
 
     def __init__(self, folder: Path, *, study: str, seed: int) -> None:
@@ -168,6 +170,7 @@ class Ledger:
         self.study = study
         self.seed = seed
         self.path = folder / "ledger.jsonl"
+        check_not_lost(folder)
         with self._locked() as lines:
             if not lines:
                 self._append_line(Opened(study=study, seed=seed))
@@ -256,6 +259,31 @@ class Ledger:
         entry = _dated(entry)
         append_sealed(self._handle, self._chain, entry)
         return entry
+
+
+def check_not_lost(folder: Path) -> None:
+    """Check that a study's ledger is there if there are participants.
+
+    A new ledger would give their places to others, and nobody could go on.
+
+    Args:
+        folder: of the study's data.
+
+    Raises:
+        LedgerError: there are participants' files, and the ledger is missing or empty.
+    """
+    path = folder / "ledger.jsonl"
+    if path.exists() and path.stat().st_size:
+        return
+    participants = folder / PARTICIPANTS
+    held = sum(one.is_dir() for one in participants.iterdir()) if participants.is_dir() else 0
+    if held:
+        raise LedgerError(
+            f"{path} is {'empty' if path.exists() else 'missing'}, and {participants} holds the files of "
+            f"{held} {'participant' if held == 1 else 'participants'}: without it nobody knows who has which "
+            "place. Take the newest copy from a backup. To begin anew, move the whole folder "
+            f"{folder} elsewhere first"
+        )
 
 
 @contextmanager

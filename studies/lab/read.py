@@ -199,4 +199,7 @@ def _in_language(protocol: Protocol, language: Language) -> Protocol:
 def _reason(error: Exception) -> str:
     if isinstance(error, FileNotFoundError):
         return "there is no such file"
+    if isinstance(error, UnicodeDecodeError):
+        byte = error.object[error.start]
+        return f"the byte 0x{byte:02x} is none of UTF-8: save the page as UTF-8 in your editor"
     return error.strerror or str(error) if isinstance(error, OSError) else str(error)

@@ -10,7 +10,7 @@ from datetime import datetime
 from pathlib import Path
 
 from core.events import Event, KeyPressed, PressRetracted, WrongPressAsked
-from studies.lab.blocks import BlockSoFar, said_of, sessions_in
+from studies.lab.blocks import SITTINGS, BlockSoFar, said_of, sessions_in
 from studies.lab.config import Study, kind_of
 from studies.lab.folder import participant_folder
 from studies.lab.ledger import read_ledger
@@ -97,7 +97,7 @@ def _row(study: Study, data: Path, person: Participant, now: datetime) -> Row:
     if not person.withdrawn:
         folder = participant_folder(data, person.code)
         looked_at, minutes = _Recordings(folder), minutes_of(folder)
-        flags = [*_silence(study, person, folder, now), *looked_at.flags()]
+        flags = [*_silence(study, person, folder, now), *_lost(person, folder), *looked_at.flags()]
         games, presses = looked_at.games, looked_at.presses
     return Row(
         person.code,
@@ -147,6 +147,13 @@ def _silence(study: Study, person: Participant, folder: Path, now: datetime) -> 
     silent_min = (now.timestamp() - last_s) / 60
     if silent_min > SILENT_MIN:
         yield f"no sign of life for {silent_min:.0f} minutes: did the sitting break off?"
+
+
+def _lost(person: Participant, folder: Path) -> Iterator[str]:
+    """Yield which sittings were begun and have no record any more."""
+    for number, sitting in person.sittings.items():
+        if sitting.attempts and not any(folder.glob(f"{SITTINGS}{number + 1}[.-]*")):
+            yield f"the record of sitting {number + 1} is gone: is there a copy of {folder.name}'s folder?"
 
 
 class _Recordings:

@@ -1,11 +1,14 @@
-"""Withdrawal: everything of one participant is removed, and a tombstone without identity is left."""
+"""Participants who leave. Withdrawal removes everything of one participant, and leaves a tombstone without
+identity; who drops out keeps their files.
+"""
 
 import shutil
 from pathlib import Path
 
+from studies.lab.config import Study
 from studies.lab.enrolment import NotNow
 from studies.lab.folder import exports_folder, participant_folder
-from studies.lab.ledger import Ledger, Withdrawn
+from studies.lab.ledger import DroppedOut, Ledger, Withdrawn
 from studies.lab.notes import forget
 from studies.lab.progress import Participant, progress
 from studies.lab.running import NAME, only_sitting
@@ -49,6 +52,29 @@ def check_takes_part(ledger: Ledger, code: str) -> dict[str, Participant]:
     if code not in known or known[code].withdrawn:
         raise NotNow(f"nobody with the code {code} takes part in this study: check the code")
     return known
+
+
+def drop_out(study: Study, ledger: Ledger, code: str, reason: str) -> None:
+    """Count a participant as dropped out; their files are kept.
+
+    Args:
+        study: whose timeline it is.
+        ledger: of the study.
+        code: of the participant.
+        reason: for the ledger.
+
+    Raises:
+        NotNow: nobody with this code takes part, or they have finished, or dropped out before.
+    """
+    person = check_takes_part(ledger, code)[code]
+    if person.next_sitting(study) == len(study.sittings):
+        raise NotNow(
+            f"{code} has finished and keeps the place. `arl study withdraw` removes the data of one who "
+            "withdraws"
+        )
+    if person.dropped_out is not None:
+        raise NotNow(f"{code} counts as dropped out already ({person.dropped_out})")
+    ledger.append(DroppedOut(code=code, reason=reason))
 
 
 def _remove(folder: Path) -> int:

@@ -65,6 +65,8 @@ def test_what_cannot_be_is_refused_with_file_and_reason(tmp_path: Path, text: st
     with pytest.raises(ValueError, match=r"settings\.toml") as caught:
         read_settings(path)
     assert reason in str(caught.value)
+    assert "docs/how-to/language-and-keys.md has its keys" in str(caught.value)
+    assert "arl protocol" not in str(caught.value)
 
 
 def test_a_key_for_feedback_is_no_key_of_the_program(home: Path) -> None:

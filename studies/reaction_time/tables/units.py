@@ -54,8 +54,8 @@ def unit_of(path: Path, column: str, values: Sequence[str] = ()) -> Unit:
         return "s"
     raise ReadError(
         f"{path}: column {shown(column)} has no unit. State it: unit='s' or unit='ms' in the column mapping "
-        f'(`arl fit --unit ms`), or name the column {column}_s or {column}_ms, or put "Units" into the JSON'
-        " sidecar."
+        f"(`arl fit --unit ms`), or name the column {column}_s or {column}_ms and say so (`--column "
+        f'rt={column}_ms`), or put "Units" into the JSON sidecar.'
         f"{_likely_unit(values)}"
     )
 

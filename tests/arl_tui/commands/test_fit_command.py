@@ -244,6 +244,7 @@ def test_a_column_without_a_unit_is_refused_and_the_message_says_how_to_state_it
     assert result.exit_code == 2
     assert "has no unit" in result.stderr
     assert "--unit s|ms" in result.stderr
+    assert "--column rt=rt_ms" in result.stderr
 
 
 def test_milliseconds_called_seconds_are_refused(tmp_path: Path) -> None:

@@ -160,6 +160,9 @@ def test_publishing_copies_the_sound_ones_and_names_the_others(tmp_path: Path) -
     assert "2026" not in (out / "P01-1.jsonl").read_text()
     again = arl("recordings", "--recordings", folder, "--publish", out)
     assert "is not empty: name a new folder" in words(again.output)
+    within = arl("recordings", "--recordings", folder, "--publish", folder / "out")
+    assert "each session would be listed twice: name a folder elsewhere" in words(within.output)
+    assert not (folder / "out").exists()
 
 
 def test_a_game_that_was_broken_off_is_not_finished(tmp_path: Path) -> None:

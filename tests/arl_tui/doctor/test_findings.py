@@ -189,3 +189,12 @@ def test_keys_are_read_from_a_real_terminal_and_it_is_given_back():
     os.close(ours)
     os.close(theirs)
     assert said.strip() == "['arrives', \"arrives as 'x'\"] True"
+
+
+def test_settings_that_cannot_be_read_stop_a_session(tmp_path: Path) -> None:
+    assert machine.settings_finding(tmp_path / "settings.toml").verdict == "ok"
+    (tmp_path / "settings.toml").write_text("languge = 'de'")
+    finding = machine.settings_finding(tmp_path / "settings.toml")
+    assert (stopped([finding], "session"), stopped([finding], "calibration")) == ([finding], [finding])
+    assert "did you mean `language`" in lines([finding], report=False)[0]
+    assert "tmp" not in lines([finding], report=True)[0]

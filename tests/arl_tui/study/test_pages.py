@@ -157,3 +157,12 @@ def test_the_last_page_tells_one_s_own_numbers_block_by_block():
         "Block 2: lines per game at the beginning [b]2[/], at the end [b]4[/].",
     ]
     assert list(own_numbers(Numbers())) == []
+
+
+async def test_every_word_of_a_long_statement_of_consent_is_on_screen():
+    statement = "I have read this page to its very end and all of my questions have been answered."
+    app = PageApp([lambda: ConsentPage("Short.", [statement], [], code="P1")])
+    async with app.run_test(size=(80, 24)) as pilot:
+        await pilot.pause(0.3)
+        drawn = [line.text for line in app.screen._compositor.render_strips()]
+    assert statement in " ".join(" ".join(drawn).replace("│", " ").split())

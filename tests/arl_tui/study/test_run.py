@@ -7,6 +7,7 @@ from arl_tui.study.presenter import Played
 from arl_tui.study.question_pages import Answered, QuestionPage
 from arl_tui.study.run import run_sitting
 from core.numerics.clock import ManualClock
+from studies.lab.enrolment import NotNow, enrol
 from studies.lab.folder import participant_folder
 from studies.lab.ledger import Declined, Enrolled, Ledger, SittingEnded
 from studies.lab.progress import progress
@@ -227,3 +228,29 @@ def test_the_last_page_shows_ones_own_numbers_but_not_the_condition(loaded, ledg
     assert "[b]4[/] games" in remarks
     assert "[b]8[/] keys" in remarks
     assert not any(name in remarks for name in loaded.study.conditions)
+
+
+@pytest.mark.parametrize(
+    ("code", "reason"),
+    [
+        ("P/1", "code has up to 32 letters"),
+        ("..", "letters, digits"),
+        ("p1", "P1 takes part already"),
+    ],
+)
+def test_a_new_participant_s_code_is_checked_before_anything_is_shown(loaded, ledger, code, reason):
+    enrol(loaded.study, ledger, "P1")
+    clock = ManualClock()
+    presenter = Scripted(clock)
+    with pytest.raises(NotNow, match=reason):
+        run_sitting(loaded, ledger, code, presenter, software={}, clock=clock)
+    assert presenter.shown == []
+    assert not (ledger.folder / "participants").exists()
+
+
+def test_codes_of_earlier_participants_go_on_as_they_are(loaded, ledger):
+    enrol(loaded.study, ledger, "J \u00fc")
+    clock = ManualClock()
+    assert (
+        run_sitting(loaded, ledger, "J \u00fc", Scripted(clock), software={}, clock=clock).how == "finished"
+    )

@@ -140,6 +140,7 @@ def test_outputs_count_the_inputs_that_were_taken_in_before(tmp_path):
         ("[session]\nepisods = 3\n", r":2: \[session\] episods = 3: .*did you mean `episodes`"),
         ("[keys]\ngood = 3\n", r":2: \[keys\] good = 3: expected a text: one lower-case letter"),
         ("[session\n", ":1: not a TOML file"),
+        ("[session]\nepisodes = “3”\n", r":2: not a TOML file: Invalid value, in the line 'episodes = “3”'"),
         ('[agent.scheme]\ntype = "liner"\n', r':2: \[agent.scheme\] type = "liner": .*did you mean "linear"'),
     ],
 )

@@ -84,6 +84,8 @@ def test_a_file_may_import_what_lies_beside_it(folder: Path) -> None:
         ("x = 1\n", "docs/own-experiment.md has one to start from"),
         ("import nothing_of_this_name\n", "nothing_of_this_name"),
         ("def (\n", "invalid syntax"),
+        ("x = 1\nnonsense\n", "broken.py:2: NameError: name 'nonsense' is not defined"),
+        ("import sys\nsys.exit(0)\n", "broken.py:2: SystemExit: 0"),
     ],
 )
 def test_a_file_that_is_no_experiment_is_refused_in_a_sentence(tmp_path: Path, text: str, said: str) -> None:
@@ -91,6 +93,21 @@ def test_a_file_that_is_no_experiment_is_refused_in_a_sentence(tmp_path: Path, t
     done = arl("run", tmp_path / "broken.py")
     assert done.exit_code == 2
     assert said in " ".join(done.output.split())
+
+
+def test_results_that_a_report_cannot_be_made_of_are_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "nan.py").write_text(template().replace("np.floor(lines)", "np.nan * lines"))
+    monkeypatch.chdir(tmp_path)
+    assert arl("run", "nan.py", "--trials", 2, "--workers", 1).exit_code == 0
+    done = arl("report", "nan.py")
+    assert done.exit_code == 1
+    assert "nan.py: its report cannot be made of results/nan: results must be finite" in done.output
+
+
+def test_a_name_that_is_neither_file_nor_module_is_refused() -> None:
+    assert "no experiment './'" in arl("run", "./").output
 
 
 def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:

@@ -74,6 +74,15 @@ def test_the_ledger_is_left_out_and_named(lab, study_file, tmp_path):
     assert "ledger.jsonl" in result.output
 
 
+def test_a_folder_without_data_is_said_to_hold_nothing(tmp_path):
+    (tmp_path / "empty").mkdir()
+    result = CliRunner().invoke(
+        main, ["anonymise", str(tmp_path / "empty"), str(tmp_path / "copies"), "--key", str(tmp_path / "key")]
+    )
+    assert result.exit_code == 1
+    assert "there is nothing to copy: no recordings, reaction trials or sittings" in result.output
+
+
 def test_the_same_key_gives_the_same_codes_and_is_never_among_the_data(lab, tmp_path):
     key = read_or_make_key(tmp_path / "key", apart_from=(lab,))
     assert key == read_or_make_key(tmp_path / "key", apart_from=(lab,))

@@ -41,6 +41,10 @@ def test_placeholders_a_missing_debriefing_and_an_unbalanced_number_are_named(wr
     assert "7 participants cannot be balanced over 2 orders: plan a multiple of 2" in missing
 
 
+def test_a_page_without_a_text_is_missing(write):
+    assert any("consent.md is empty" in line for line in forecast(write(consent=" \n"), sessions=1).missing)
+
+
 def test_every_placeholder_of_a_ready_consent_is_named(tmp_path):
     for language in ("en", "de"):
         text = load_study(copy_ready_study("demo", tmp_path / language, language)[0]).texts["consent.md"]

@@ -4,9 +4,11 @@ import multiprocessing
 from collections import Counter
 from datetime import UTC, datetime, timedelta
 
+import msgspec
 import pytest
 
 from studies.lab.enrolment import NotNow, begin_sitting, drawn_code, enrol, session_seed
+from studies.lab.folder import participant_folder
 from studies.lab.ledger import (
     Declined,
     DroppedOut,
@@ -274,3 +276,29 @@ def test_only_the_owner_can_read_the_ledger(study, ledger):
     enrol(study, ledger, "A", now=MORNING)
     for path in (ledger.folder, *ledger.folder.rglob("*")):
         assert path.stat().st_mode & 0o077 == 0
+
+
+def test_nobody_goes_on_under_a_study_file_that_lost_their_condition_or_blocks(study, ledger):
+    enrol(study, ledger, "A", now=MORNING)
+    other = msgspec.structs.replace(study, conditions={"c0": study.conditions["c0"], "new": {}})
+    with pytest.raises(NotNow, match=r"A was enrolled with the order .*has no condition 'c1', only c0, new"):
+        begin_sitting(other, ledger, "A", now=MORNING)
+    with pytest.raises(NotNow, match="has 3 blocks with an assigned condition, not 2"):
+        begin_sitting(study_of(conditions=3), ledger, "A", now=MORNING)
+    assert begin_sitting(study, ledger, "A", now=MORNING).number == 0
+
+
+def test_a_missing_or_empty_ledger_is_not_begun_anew_beside_participants(study, ledger):
+    participant_folder(ledger.folder, "A").mkdir(parents=True)
+    for lose in (ledger.path.write_bytes, lambda _: ledger.path.unlink()):
+        lose(b"")
+        with pytest.raises(LedgerError, match=r"files of 1 participant: .*Take the newest copy"):
+            Ledger(ledger.folder, study=study.name, seed=study.seed)
+    participant_folder(ledger.folder, "A").rmdir()
+    assert Ledger(ledger.folder, study=study.name, seed=study.seed).lines()
+
+
+@pytest.mark.parametrize("code", ["", ".", "..", "../B", "a/../B", "/tmp"])
+def test_no_code_names_a_folder_elsewhere(tmp_path, code):
+    with pytest.raises(ValueError, match="is no participant's code"):
+        participant_folder(tmp_path, code)

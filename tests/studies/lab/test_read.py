@@ -102,6 +102,7 @@ def test_the_base_alone_is_the_protocol_it_describes():
         ("seed = 1", "seed = ", r"toml:3: not a TOML file"),
         ('questions = "sus"', 'questions = "suss"', "there is no such file"),
         ('text = "consent.md"', 'text = "other.md"', "other.md: needed by step 1 of sitting 1"),
+        ('text = "consent.md"', 'text = ""', r'text = "": expected a text: not empty'),
         ('[[sittings.steps]]\ntype = "block"\n', "", "1 blocks with an assigned condition"),
         (
             'type = "annealed"',
@@ -126,9 +127,10 @@ def test_mistakes_are_named(write, old, new, message):
         ),
         (lambda path: path.symlink_to("/dev/zero"), "a pipe or a device, not a file"),
         (lambda path: path.write_text("a" * 1_000_001), "a page has at most 1000000 characters"),
+        (lambda path: path.write_bytes(b"a\n\xfc"), r"0xfc is none of UTF-8: save the page as UTF-8"),
         (Path.mkdir, "needed by step 1 of sitting 1: Is a directory"),
     ],
-    ids=["pipe", "device", "long", "folder"],
+    ids=["pipe", "device", "long", "Latin-1", "folder"],
 )
 def test_a_page_that_is_no_text_is_named_and_not_waited_for(write, make, message):
     path = write()

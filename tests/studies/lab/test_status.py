@@ -17,7 +17,7 @@ from studies.lab.ledger import Declined, Ledger, SittingEnded, StepDone
 from studies.lab.minutes import minutes_of
 from studies.lab.sitting_log import FileRecorded, QuestionAnswered, SittingLog, StepBegun
 from studies.lab.status import _Recordings, instructed_presses, status
-from studies.lab.withdraw import withdraw
+from studies.lab.withdraw import drop_out, withdraw
 from tests.studies.lab.examples import study_of
 from tests.studies.lab.test_sitting_log import HEADER
 
@@ -187,3 +187,25 @@ def test_instructed_presses_are_counted_and_too_few_pointed_out():
     assert "instructed presses: 1 of 4 were given" in list(looked_at.flags())
     looked_at.wrong_given = 2
     assert not any("instructed" in flag for flag in looked_at.flags())
+
+
+def test_a_sitting_whose_record_is_gone_is_pointed_out(study, ledger):
+    begin(study, ledger)
+    assert status(study, ledger.folder, MORNING).rows[0].flags == (
+        "the record of sitting 1 is gone: is there a copy of A's folder?",
+    )
+    sitting_file(ledger)
+    assert status(study, ledger.folder, MORNING).rows[0].flags == ()
+
+
+def test_only_who_is_still_expected_drops_out(study, ledger):
+    with pytest.raises(NotNow, match="nobody with the code A"):
+        drop_out(study, ledger, "A", "ill")
+    begin(study, ledger)
+    drop_out(study, ledger, "A", "ill")
+    with pytest.raises(NotNow, match=r"A counts as dropped out already \(ill\)"):
+        drop_out(study, ledger, "A", "ill")
+    begin(study, ledger, "B")
+    ledger.append(SittingEnded(code="B", sitting=0, how="finished"))
+    with pytest.raises(NotNow, match="B has finished and keeps the place"):
+        drop_out(study, ledger, "B", "ill")
