@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import shutil
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from importlib import metadata
@@ -53,7 +54,7 @@ class Archive:
 
 
 def make_archive(place: Path, into: Path, how: Anonymising, settings: ArchiveSettings) -> Archive:
-    """Write an archive of the data in a folder.
+    """Write an archive of the data in a folder. Where it does not come to its end, nothing of it is left.
 
     Args:
         place: a folder of data.
@@ -68,6 +69,17 @@ def make_archive(place: Path, into: Path, how: Anonymising, settings: ArchiveSet
     """
     if into.exists() and any(into.iterdir()):
         raise ExportError(f"{into} is not empty: name a new folder")
+    new = not into.exists()
+    try:
+        return _archived(place, into, how, settings)
+    except BaseException:  # an interrupt, too: half an archive would pass for a whole one
+        shutil.rmtree(into, ignore_errors=True)
+        if not new:
+            into.mkdir()
+        raise
+
+
+def _archived(place: Path, into: Path, how: Anonymising, settings: ArchiveSettings) -> Archive:
     study = load_study(settings.study_file) if settings.study_file else None
     data = into / "data"
     copies = anonymise(place, data, how, questions=study.questionnaires if study else None)

@@ -8,9 +8,10 @@ import pytest
 from click.testing import CliRunner
 
 from arl_tui.cli import main
-from core.recording.anonymise import NO_TEXT
+from core.recording.anonymise import NO_TEXT, Anonymising
 from core.recording.reader import read_recording
 from studies.exports.anonymise import AnonymiseError, read_or_make_key
+from studies.exports.archive import ArchiveSettings, make_archive
 from studies.lab.sitting_log import FileRecorded, QuestionAnswered, read_sitting
 from studies.reaction_time.trial_log import read_trials
 from tests.studies.exports.conftest import run
@@ -92,6 +93,23 @@ def test_the_same_key_gives_the_same_codes_and_is_never_among_the_data(lab, tmp_
     (tmp_path / "no-key").write_text("secret")
     with pytest.raises(AnonymiseError, match="64 hex digits"):
         read_or_make_key(tmp_path / "no-key", apart_from=(lab,))
+
+
+@pytest.mark.parametrize("there", [True, False])
+def test_of_an_archive_that_is_interrupted_nothing_is_left(
+    there: bool, lab: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(data: Path, *_: object) -> None:
+        assert list(data.rglob("*.jsonl"))
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("studies.exports.archive._exports", interrupted)
+    into = tmp_path / "archive"
+    if there:
+        into.mkdir()
+    with pytest.raises(KeyboardInterrupt):
+        make_archive(lab, into, Anonymising(b"k" * 32), ArchiveSettings())
+    assert list(tmp_path.rglob("*")) == ([into] if there else [])
 
 
 @pytest.mark.jit
