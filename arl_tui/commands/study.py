@@ -265,7 +265,7 @@ def status(file: Path, simulated: bool, watch: bool, recordings: Path) -> None:
         if not (folder / "ledger.jsonl").exists():
             say(f"Nobody has taken part yet: there is no {folder / 'ledger.jsonl'}")
             return
-        found = status_of(loaded.study, folder, moment(wall_time_utc()))
+        found = status_of(loaded.study, folder, moment(wall_time_utc()), sha256=loaded.sha256)
         notes = read_notes(folder)
     for line in status_lines(found, notes, simulated=simulated):
         say(line)

@@ -129,7 +129,9 @@ def run_sitting(
             return SittingResult(before, code)
         enrol(loaded.study, ledger, code, simulated=simulated)
     with only_sitting(participant_folder(ledger.folder, code), code):
-        attempt = begin_sitting(loaded.study, ledger, code, any_time=any_time, decision=decision)
+        attempt = begin_sitting(
+            loaded.study, ledger, code, any_time=any_time, decision=decision, sha256=loaded.sha256
+        )
         return _Sitting(loaded, ledger, attempt, presenter, time, software, simulated=simulated).run(lines)
 
 
@@ -193,9 +195,8 @@ class _Sitting:
         """Write that the window was closed; the process ends in a moment."""
         log.write(StepEnded(step=self._step, time_ns=self._clock.now_ns(), how="window-closed"))
         log.close("window-closed")
-        self._ledger.append(
-            SittingEnded(code=self._attempt.code, sitting=self._attempt.sitting, how="window-closed")
-        )
+        code, sitting = self._attempt.code, self._attempt.sitting
+        self._ledger.append(SittingEnded(code=code, sitting=sitting, how="window-closed"))
 
     def _tell_anew(self) -> None:
         """Tell the participant, and the experimenter, that the sitting begins anew."""
@@ -204,9 +205,8 @@ class _Sitting:
 
     def _count_earlier(self, first_step: int) -> None:
         """Count the blocks that an earlier attempt at this sitting has finished, for the last page."""
-        steps = self._study.sittings[self._attempt.sitting].steps
-        for number in range(first_step):
-            if isinstance(steps[number], Block) and (earlier := self._earlier(number)) is not None:
+        for number, step in enumerate(self._study.sittings[self._attempt.sitting].steps[:first_step]):
+            if isinstance(step, Block) and (earlier := self._earlier(number)) is not None:
                 self._count(played_of(earlier))
 
     def _count(self, played: Played) -> None:

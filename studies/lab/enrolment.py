@@ -4,14 +4,18 @@ one.
 
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
+from pathlib import Path
 from typing import Literal
 
 from core.numerics.clock import wall_time_utc
 from core.numerics.streams import stream, stream_seed
 from studies.lab.config import Study
+from studies.lab.folder import sitting_path
 from studies.lab.ledger import Enrolled, Ledger, LedgerError, Line, SittingStarted
 from studies.lab.orders import order_of
 from studies.lab.progress import Participant, SittingProgress, moment, progress
+from studies.lab.sealed import SealedFileError
+from studies.lab.sitting_log import read_sitting
 
 ALPHABET = "23456789ABCDEFGHJKMNPQRSTUVWXYZ"
 """Of drawn codes: nothing that looks like something else (0 and O, 1 and I and L)."""
@@ -111,6 +115,7 @@ def begin_sitting(
     now: datetime | None = None,
     any_time: bool = False,
     decision: Decision | None = None,
+    sha256: str = "",
 ) -> Attempt:
     """Begin the participant's next sitting, or go on with one that broke off, and write that to the ledger.
 
@@ -121,6 +126,7 @@ def begin_sitting(
         now: with a time zone; the present time by default.
         any_time: do not ask how long ago the sitting before was (simulated participants).
         decision: of the experimenter about a sitting that broke off; None: the study's rule decides.
+        sha256: of the study file; a sitting that another one began goes on only by `decision`.
 
     Raises:
         NotNow: there is nothing to do, it is too early or too late, or the study's rule refuses to go on.
@@ -131,6 +137,8 @@ def begin_sitting(
     def choose(lines: tuple[Line, ...]) -> Line:
         person = _known(progress(lines).participants, code)
         attempt = _next_attempt(study, person, at, any_time=any_time, decision=decision)
+        if attempt.first_step and decision is None:
+            _check_same_file(study, ledger.folder, attempt, sha256)
         chosen.append(attempt)
         return SittingStarted(
             at_utc=at.isoformat(timespec="seconds"),
@@ -199,6 +207,25 @@ def _check_order(study: Study, person: Participant) -> None:
         "running study keeps its conditions and blocks: change the file back, or give the changed study a "
         f"name of its own. `arl study drop STUDY {person.code}` gives the place to another participant"
     )
+
+
+def _check_same_file(study: Study, data: Path, attempt: Attempt, sha256: str) -> None:
+    """Check that the study file is the one with which a sitting began: its steps count by their place.
+
+    Raises:
+        NotNow: it is another one.
+    """
+    try:
+        header, _ = read_sitting(sitting_path(data, attempt.code, attempt.sitting, attempt.number - 1))
+    except (SealedFileError, OSError):
+        return  # `arl study status` names it
+    if sha256 not in ("", header.study_sha256):
+        raise NotNow(
+            f"the study file was changed after {attempt.code} began the sitting "
+            f"{study.sittings[attempt.sitting].name!r} (version {header.study_version} then, {study.version} "
+            f"now), and steps count by their place in it. Put the old file back; or, where the steps are the "
+            f"same, add --broken-off resume; or begin the sitting anew: --broken-off restart"
+        )
 
 
 def _check_interval(study: Study, person: Participant, number: int, now: datetime) -> None:

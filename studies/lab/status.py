@@ -65,20 +65,21 @@ class Status:
     """Each order, and how many have finished with it."""
 
 
-def status(study: Study, data: Path, now: datetime) -> Status:
+def status(study: Study, data: Path, now: datetime, *, sha256: str = "") -> Status:
     """Return how far a study is.
 
     Args:
         study: from its file.
         data: folder of its data.
         now: with a time zone.
+        sha256: of the study file; sittings that were led by another one are pointed out. "" points out none.
 
     Raises:
         SealedFileError: the ledger was changed.
         OSError: the ledger cannot be read.
     """
     so_far = progress(read_ledger(data / "ledger.jsonl"))
-    rows = tuple(_row(study, data, person, now) for person in so_far.participants.values())
+    rows = tuple(_row(study, sha256, data, person, now) for person in so_far.participants.values())
     finished = Counter(row.order for row in rows if row.state == "finished")
     orders = dict.fromkeys(order_of(study, place) for place in range(study.participants))
     return Status(
@@ -90,7 +91,7 @@ def status(study: Study, data: Path, now: datetime) -> Status:
     )
 
 
-def _row(study: Study, data: Path, person: Participant, now: datetime) -> Row:
+def _row(study: Study, sha256: str, data: Path, person: Participant, now: datetime) -> Row:
     flags: list[str] = []
     games = presses = 0
     minutes = None
@@ -98,6 +99,12 @@ def _row(study: Study, data: Path, person: Participant, now: datetime) -> Row:
         folder = participant_folder(data, person.code)
         looked_at, minutes = _Recordings(folder), minutes_of(folder)
         flags = [*_silence(study, person, folder, now), *_lost(person, folder), *looked_at.flags()]
+        others = sorted(version for version, sha in looked_at.led_by if sha256 not in ("", sha))
+        if others:
+            flags.append(
+                f"led by another study file, of version {', '.join(others)} (now {study.version}): are its "
+                f"steps the same?"
+            )
         games, presses = looked_at.games, looked_at.presses
     return Row(
         person.code,
@@ -167,6 +174,8 @@ class _Recordings:
         self.focus_lost = 0
         self.wrong_asked = self.wrong_given = 0
         """Deliberately wrong presses that the screen has asked for, and those that a press followed."""
+        self.led_by: set[tuple[str, str]] = set()
+        """Version and SHA-256 of the study files of the sittings."""
         self._keys: Counter[str] = Counter()
         for path in sorted(folder.glob("sitting-*.jsonl")):
             self._read_sitting(path)
@@ -194,10 +203,11 @@ class _Recordings:
 
     def _read_sitting(self, path: Path) -> None:
         try:
-            _, lines = read_sitting(path)
+            header, lines = read_sitting(path)
         except (SealedFileError, OSError) as error:
             self.damaged.append(said_of(path, error))
             return
+        self.led_by.add((header.study_version, header.study_sha256))
         for line in lines:
             if isinstance(line, QuestionAnswered):
                 self.failed_checks += line.passed is False

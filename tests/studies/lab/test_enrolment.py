@@ -7,8 +7,9 @@ from datetime import UTC, datetime, timedelta
 import msgspec
 import pytest
 
+from core.numerics.clock import ManualClock
 from studies.lab.enrolment import NotNow, begin_sitting, drawn_code, enrol, session_seed
-from studies.lab.folder import participant_folder
+from studies.lab.folder import participant_folder, sitting_path
 from studies.lab.ledger import (
     Declined,
     DroppedOut,
@@ -23,7 +24,9 @@ from studies.lab.ledger import (
 )
 from studies.lab.orders import order_of
 from studies.lab.progress import progress
+from studies.lab.sitting_log import SittingLog
 from tests.studies.lab.examples import study_of
+from tests.studies.lab.test_sitting_log import HEADER
 
 MORNING = datetime(2026, 11, 28, 9, 0, tzinfo=UTC)
 
@@ -147,6 +150,19 @@ def test_a_sitting_that_begins_anew_has_seeds_of_its_own(tmp_path):
     again = begin_sitting(study, ledger, "A", now=MORNING)
     assert (again.first_step, again.resumed) == (0, False)
     assert session_seed(study, first, 1) != session_seed(study, again, 1)
+
+
+def test_a_sitting_that_another_study_file_began_goes_on_only_by_the_experimenter(study, ledger):
+    enrol(study, ledger, "A", now=MORNING)
+    begin_sitting(study, ledger, "A", now=MORNING, sha256=HEADER.study_sha256)
+    with SittingLog(sitting_path(ledger.folder, "A", 0, 0), HEADER, clock=ManualClock()):
+        pass
+    ledger.append(StepDone(code="A", sitting=0, step=0, at_utc=MORNING.isoformat()))
+    with pytest.raises(NotNow, match="the study file was changed after A began the sitting 'day 1'"):
+        begin_sitting(study, ledger, "A", now=MORNING, sha256="1" * 64)
+    assert begin_sitting(study, ledger, "A", now=MORNING, sha256=HEADER.study_sha256).first_step == 1
+    again = begin_sitting(study, ledger, "A", now=MORNING, sha256="1" * 64, decision="resume")
+    assert again.first_step == 1
 
 
 def test_an_old_sitting_is_never_resumed(study, ledger):

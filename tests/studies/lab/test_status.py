@@ -209,3 +209,15 @@ def test_only_who_is_still_expected_drops_out(study, ledger):
     ledger.append(SittingEnded(code="B", sitting=0, how="finished"))
     with pytest.raises(NotNow, match="B has finished and keeps the place"):
         drop_out(study, ledger, "B", "ill")
+
+
+def test_sittings_that_another_study_file_has_led_are_pointed_out(study, ledger):
+    begin(study, ledger)
+    sitting_file(ledger)
+
+    def flags(sha256: str) -> tuple[str, ...]:
+        return status(study, ledger.folder, MORNING, sha256=sha256).rows[0].flags
+
+    assert flags(HEADER.study_sha256) == ()
+    (flag,) = flags("1" * 64)
+    assert "another study file, of version 1 (now 1)" in flag
