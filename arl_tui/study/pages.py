@@ -219,9 +219,7 @@ class ConsentPage(StudyPage):
 
     def call(self) -> str:
         """Return what is missing, or which keys work."""
-        if self._remark:
-            return self._remark
-        return super().call()
+        return self._remark or super().call()
 
     def on_key(self, event: events.Key) -> None:
         """Move between statements with the arrow keys once the text has been read."""

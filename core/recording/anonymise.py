@@ -18,9 +18,9 @@ import msgspec
 from core.events import KeyPressed, QuestionAnswered
 from core.feedback.keys import KeyConfig
 from core.numerics.clock import NS_PER_MS
+from core.recording.chain import CHAIN_DIGITS, Chain
 from core.recording.lines import CHAIN_MARK
 from core.recording.reader import Recording
-from core.recording.recorder import CHAIN_DIGITS, Chain
 from core.recording.schema import End, Resumes, encode
 from core.recording.undo import as_recorded
 

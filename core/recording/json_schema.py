@@ -22,7 +22,7 @@ from core.events import (
     TimeGap,
 )
 from core.recording import version_1
-from core.recording.recorder import CHAIN_DIGITS
+from core.recording.chain import CHAIN_DIGITS
 from core.recording.schema import VERSION, End, Header
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"

@@ -10,8 +10,8 @@ import msgspec
 
 from core.events import Event, Input, Output
 from core.recording import version_1
+from core.recording.chain import CHAIN_DIGITS, Chain
 from core.recording.lines import CHAIN_MARK, record_of
-from core.recording.recorder import CHAIN_DIGITS, Chain
 from core.recording.schema import FORMAT, VERSION, End, Header, Line
 from core.recording.undo import RecordingError, as_recorded
 from core.system.bounded_read import read_bounded
@@ -56,7 +56,7 @@ class Recording:
     being_written: bool = False
     """Whether a program on this computer is writing it now; `complete` is False then."""
     signed: bytes = b""
-    """What the signature is about (`core.recording.recorder.Chain.to_sign`)."""
+    """What the signature is about (`core.recording.chain.Chain.to_sign`)."""
 
     def line_of(self, index: int) -> int:
         """Return the number of the line, from 1, on which event number `index`, from 0, stands."""

@@ -7,7 +7,6 @@ cut. A write takes microseconds, a sync up to seconds; so each has a thread of i
 
 import contextlib
 import errno
-import hashlib
 import os
 import queue
 import threading
@@ -22,43 +21,13 @@ import msgspec
 
 from core.events import Event
 from core.numerics.clock import NS_PER_S, Clock, MonotonicClock
+from core.recording.chain import Chain
 from core.recording.schema import DURABLE, VERSION, End, Header, Line, encode
 from core.system.in_use import hold
 from core.system.private_files import create_private, make_private_folder, sync_folder, write_all
 
-CHAIN_DIGITS = 16
 LOOK_S = 0.25
 """How often the recorder looks whether its file is still where it was, seconds."""
-
-
-class Chain:
-    """The running hash that ties every line to all lines before it."""
-
-    def __init__(self) -> None:
-        self._hash = hashlib.sha256()
-
-    def seal(self, payload: bytes) -> bytes:
-        """Return the line for `payload` (a JSON object): with its chain and a newline."""
-        return payload[:-1] + b',"chain":"' + self.advance(payload) + b'"}\n'
-
-    def copy(self) -> "Chain":
-        """Return a chain that goes on from here by itself."""
-        other = Chain()
-        other._hash = self._hash.copy()
-        return other
-
-    def go_back_to(self, earlier: "Chain") -> None:
-        """Forget what was taken in since `earlier` was copied."""
-        self._hash = earlier._hash.copy()
-
-    def to_sign(self, events: int) -> bytes:
-        """Return what is signed: the hash of all lines so far, and how many events there are."""
-        return b"arl-recording %d events " % events + self._hash.digest()
-
-    def advance(self, payload: bytes) -> bytes:
-        """Take in `payload` and return the chain's digits after it."""
-        self._hash.update(payload)
-        return self._hash.hexdigest()[:CHAIN_DIGITS].encode()
 
 
 class LineWriter:

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from operator import itemgetter
 from pathlib import Path
 
+from core.recording.chain import CHAIN_DIGITS
 from core.recording.lines import CHAIN_MARK
 from core.recording.reader import LONGEST_LINE
-from core.recording.recorder import CHAIN_DIGITS
 
 PIECE = 1 << 18
 """Bytes that are read at once: 256 kB, whose lines stay in the processor's cache while they are gone over

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import msgspec
 
+from core.recording.chain import Chain
 from core.recording.reader import Recording
-from core.recording.recorder import Chain
 from core.recording.schema import VERSION, End, Header, encode
 
 UPGRADED_FROM = "upgraded_from_version"

@@ -10,9 +10,9 @@ from typing import Any
 import msgspec
 
 from core.recording.anonymise import NO_DATE, NO_TEXT, Anonymising, anonymised, last_chain
+from core.recording.chain import Chain
 from core.recording.joined import older_path
 from core.recording.reader import Recording, RecordingError, read_recording
-from core.recording.recorder import Chain
 from core.system.private_files import make_private_folder, write_private
 from studies.exports.sources import Source, Trouble, find_sources
 from studies.lab.questions import READY, FreeText, QuestionList, read_questions

@@ -18,7 +18,7 @@ from typing import Literal
 import msgspec
 
 from core.numerics.clock import wall_time_utc
-from core.recording.recorder import Chain
+from core.recording.chain import Chain
 from studies.lab.folder import PARTICIPANTS
 from studies.lab.sealed import SealedFileError, append_sealed, open_sealed_lines
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import msgspec
 
 from core.numerics.clock import wall_time_utc
-from core.recording.recorder import Chain
+from core.recording.chain import Chain
 from studies.lab.ledger import exclusive
 from studies.lab.sealed import append_sealed, open_sealed_lines
 

@@ -9,7 +9,7 @@ from typing import TypeVar
 
 import msgspec
 
-from core.recording.recorder import CHAIN_DIGITS, Chain
+from core.recording.chain import CHAIN_DIGITS, Chain
 
 _MARK = b',"chain":"'
 Line = TypeVar("Line")

@@ -12,7 +12,7 @@ from typing import Literal, Self
 import msgspec
 
 from core.numerics.clock import Clock, MonotonicClock, wall_time_utc
-from core.recording.recorder import Chain
+from core.recording.chain import Chain
 from studies.lab.questions import Answer
 from studies.lab.sealed import SealedFileError, append_sealed, open_sealed_lines
 

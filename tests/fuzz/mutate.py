@@ -4,7 +4,7 @@ expects."""
 import json
 import random
 
-from core.recording.recorder import Chain
+from core.recording.chain import Chain
 
 TOKENS = (
     b"", b"0", b"-1", b"1", b"NaN", b"Infinity", b"1e999", b"-1e308", b"9223372036854775808", b"1" * 400, b"null",  # noqa: E501

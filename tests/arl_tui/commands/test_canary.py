@@ -20,7 +20,7 @@ from arl_tui.commands import play
 from core.keepaway.pitch import KeepawayConfig
 from core.keepaway.policy_file import PolicyHeader, _empty
 from core.learners.sarsa_config import SarsaConfig
-from core.recording.recorder import Chain
+from core.recording.chain import Chain
 from core.system.foreign_text import in_html, in_plot, printable_json
 from tests.fuzz.targets import TAMER, recordings
 

@@ -14,9 +14,10 @@ import pytest
 
 from core.events import Output
 from core.recording import reader, sealed, skim, undo
+from core.recording.chain import Chain
 from core.recording.joined import read_session
 from core.recording.reader import Recording, RecordingError, read_recording
-from core.recording.recorder import Chain, write_recording
+from core.recording.recorder import write_recording
 from core.recording.schema import Resumes
 from core.recording.skim import skim_recording
 from core.recording.summary import summarise_recording
